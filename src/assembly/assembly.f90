@@ -8,28 +8,29 @@
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_NODES
-  use amontons_mesh, only: mesh_type, element_nodes, is_out
+  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_ELEMENT_NODES
+  use amontons_mesh, only: mesh_type, element_nodes, is_inactive_element
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
-  use amontons_unsymmetric_tangent, only: skew_type, begin_elements, element_skew
+  use amontons_unsymmetric_tangent, only: skew_part_type, reset_element_skew, evaluate_element_skew
   use amontons_partition, only: partition_mesh
-  use amontons_hex8_simd, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH, N_PAIRS
-  use amontons_element, only: element_forces, element_tangent, points_type, ELEMENT_OK
-  use amontons_user_state, only: bring_user, keep_user
+  use amontons_hex8_simd, only: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, &
+    evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
+  use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
+  use amontons_user_state, only: load_umat_points, store_umat_points
   implicit none
   private
-  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, add_coupling, add_block, material_of
+  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, add_node_block, add_row_block, element_material
 
-  integer, parameter :: FEW = 3                       !< elements of which a batch is not worth its empty lanes
+  integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< elements of which a batch is not worth its empty lanes
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
 
   !> The pattern of the stiffness and the order in which elements are added.
   type :: assembly_type
     type(sparse_type) :: stiffness                    !< K, upper triangle by rows, all 3 n_nodes unknowns
-    type(skew_type) :: skew                           !< what the tangent has beside K
+    type(skew_part_type) :: skew                           !< what the tangent has beside K
     integer, allocatable :: graph_first(:)            !< (n_nodes + 1) neighbours j >= i of each node i, itself first
     integer, allocatable :: graph_node(:)
     integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
@@ -38,7 +39,7 @@ module amontons_assembly
     integer, allocatable :: element_order(:)          !< elements, group by group
     integer :: n_parts = 0                            !< groups 1 to n_parts run side by side, one thread a group
     integer :: n_groups = 0                           !< groups after that are colours: their elements run side by side
-    type(rule_type) :: rule                           !< of the batches
+    type(batch_rule_type) :: rule                           !< of the batches
   end type assembly_type
 
 contains
@@ -51,7 +52,7 @@ contains
     integer, intent(in), optional :: coupled_first(:)   !< (n + 1) start of each group of nodes coupled as by an element
     integer, intent(in), optional :: coupled_nodes(:)
     type(mesh_type) :: coupled                        ! with these groups in place of elements, for the graph
-    assembly%rule = make_rule()
+    assembly%rule = create_batch_rule()
     call order_elements(assembly, mesh, error)
     if (allocated(error)) return
     if (present(coupled_first)) then
@@ -173,9 +174,9 @@ contains
       do i = 1, mesh%n_nodes
         assembly%graph_first(i) = n + 1
         start = n + 1
-        call visit(i, i)                              ! nodes without elements keep their diagonal
+        call add_neighbour(i, i)                              ! nodes without elements keep their diagonal
         do k = element_first(i), element_first(i + 1) - 1
-          call visit_element(i, element_list(k))
+          call add_element_neighbours(i, element_list(k))
         end do
         if (pass == 2) call sort_ascending(assembly%graph_node(start:n))
       end do
@@ -186,22 +187,22 @@ contains
   contains
 
     !> All nodes of an element are neighbours.
-    subroutine visit_element(node, e)
+    subroutine add_element_neighbours(node, e)
       integer, intent(in) :: node, e
       integer :: m
       do m = mesh%first(e), mesh%first(e + 1) - 1
-        call visit(node, mesh%nodes(m))
+        call add_neighbour(node, mesh%nodes(m))
       end do
-    end subroutine visit_element
+    end subroutine add_element_neighbours
 
     !> Notes a neighbour once, if its number is not below.
-    subroutine visit(node, other)
+    subroutine add_neighbour(node, other)
       integer, intent(in) :: node, other
       if (other < node .or. mark(other) == node) return
       mark(other) = node
       n = n + 1
       if (pass == 2) assembly%graph_node(n) = other
-    end subroutine visit
+    end subroutine add_neighbour
 
   end subroutine build_graph
 
@@ -291,7 +292,7 @@ contains
   subroutine locate_pairs(assembly, mesh)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
-    integer :: e, n, a, b, k, nodes(MAX_NODES)
+    integer :: e, n, a, b, k, nodes(MAX_ELEMENT_NODES)
     allocate (assembly%pair_first(mesh%n_elements + 1))
     assembly%pair_first(1) = 1
     do e = 1, mesh%n_elements
@@ -304,7 +305,7 @@ contains
       k = assembly%pair_first(e)
       do b = 1, n
         do a = 1, b
-          assembly%pair_offset(k) = place_of(assembly, min(nodes(a), nodes(b)), max(nodes(a), nodes(b)))
+          assembly%pair_offset(k) = find_block_position(assembly, min(nodes(a), nodes(b)), max(nodes(a), nodes(b)))
           k = k + 1
         end do
       end do
@@ -314,7 +315,7 @@ contains
 
 
   !> Place of a node among the neighbours of a lower one, from 0: binary search.
-  pure integer function place_of(assembly, low, high) result(place)
+  pure integer function find_block_position(assembly, low, high) result(place)
     type(assembly_type), intent(in) :: assembly
     integer, intent(in) :: low, high
     integer :: left, right, middle
@@ -329,16 +330,16 @@ contains
       end if
     end do
     place = left - assembly%graph_first(low)
-  end function place_of
+  end function find_block_position
 
 
   !> K = K + block between two nodes that the pattern couples.
-  pure subroutine add_coupling(assembly, low, high, block)
+  pure subroutine add_node_block(assembly, low, high, block)
     type(assembly_type), intent(inout) :: assembly
     integer, intent(in) :: low, high               !< nodes, low <= high
     real(DP), intent(in) :: block(3, 3)            !< [force/length]
-    call add_block(assembly%stiffness, low, place_of(assembly, low, high), block)
-  end subroutine add_coupling
+    call add_row_block(assembly%stiffness, low, find_block_position(assembly, low, high), block)
+  end subroutine add_node_block
 
 
   !> Internal forces F_int and the stresses, strains and energies at u.
@@ -353,17 +354,17 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     state%new%internal_force = 0.0_DP
-    !$omp parallel private(g, i) reduction(min: failed) if (is_worth_threads(assembly))
+    !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
-        call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
+        call add_group_forces(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp do schedule(static)
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
-        call add_forces_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
+        call add_group_forces(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
     !$omp end parallel
@@ -372,34 +373,34 @@ contains
 
 
   !> The elements of a group from one of its places on, as many as a batch takes.
-  pure function span(assembly, g, i) result(elements)
+  pure function list_batch_span(assembly, g, i) result(elements)
     type(assembly_type), intent(in) :: assembly
     integer, intent(in) :: g                       !< group
     integer, intent(in) :: i                       !< place in the order of the elements
     integer, allocatable :: elements(:)
-    elements = assembly%element_order(i:min(i + WIDTH, assembly%group_first(g + 1)) - 1)
-  end function span
+    elements = assembly%element_order(i:min(i + BATCH_WIDTH, assembly%group_first(g + 1)) - 1)
+  end function list_batch_span
 
 
   !> Those of some elements that one batch can hold, of the kind of the first of them; the rest go one by one.
-  pure subroutine choose_batch(model, elements, is_nlgeom, chosen)
+  pure subroutine choose_batch_elements(model, elements, is_nlgeom, is_chosen)
     type(model_type), intent(in) :: model
-    integer, intent(in) :: elements(:)             !< at most WIDTH
+    integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH
     logical, intent(in) :: is_nlgeom
-    logical, intent(out) :: chosen(:)              !< of the elements
+    logical, intent(out) :: is_chosen(:)              !< of the elements
     integer :: k, first
     first = 0
-    chosen = .false.
+    is_chosen = .false.
     do k = 1, size(elements)
       associate (e => elements(k))
-        if (is_out(model%mesh, e)) cycle
-        if (.not. is_batched(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), is_nlgeom)) cycle
+        if (is_inactive_element(model%mesh, e)) cycle
+        if (.not. is_batch_kind(model%mesh%kind(e), model%materials(element_material(model%mesh, e)), is_nlgeom)) cycle
         if (first == 0) first = e
-        chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
+        is_chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
       end associate
     end do
-    if (count(chosen) < FEW) chosen = .false.
-  end subroutine choose_batch
+    if (count(is_chosen) < MIN_BATCH_ELEMENTS) is_chosen = .false.
+  end subroutine choose_batch_elements
 
 
   !> Puts the chosen elements into the lanes of a batch; lanes past them repeat the last one.
@@ -408,40 +409,40 @@ contains
     integer, intent(in) :: list(:)                 !< elements, at least one
     type(fields_type), intent(in) :: fields
     type(batch_type), intent(inout) :: batch
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
     integer :: lane
-    do lane = 1, WIDTH
+    do lane = 1, BATCH_WIDTH
       associate (e => list(min(lane, size(list))))
-        call place_element(model%mesh, e, fields, X, u)
-        call load_lane(batch, lane, model%materials(material_of(model%mesh, e)), X(:, :8), u(:, :8))
+        call set_element_configuration(model%mesh, e, fields, X, u)
+        call set_batch_lane(batch, lane, model%materials(element_material(model%mesh, e)), X(:, :8), u(:, :8))
       end associate
     end do
   end subroutine load_batch
 
 
   !> Forces and point results of some elements: in a batch those that can, one by one the others, and all if one is not sound.
-  subroutine add_forces_of(assembly, model, elements, is_nlgeom, state, failed)
+  subroutine add_group_forces(assembly, model, elements, is_nlgeom, state, failed)
     type(assembly_type), intent(in) :: assembly
     type(model_type), intent(in) :: model
-    integer, intent(in) :: elements(:)             !< at most WIDTH, all of one group
+    integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH, all of one group
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(inout) :: state
     integer, intent(inout) :: failed
     type(batch_type) :: batch
     integer, allocatable :: list(:)
-    logical :: chosen(size(elements))
+    logical :: is_chosen(size(elements))
     integer :: k, lane, a, p, first
-    call choose_batch(model, elements, is_nlgeom, chosen)
-    list = pack(elements, chosen)
+    call choose_batch_elements(model, elements, is_nlgeom, is_chosen)
+    list = pack(elements, is_chosen)
     if (size(list) > 0) then
       call load_batch(model, list, state%new, batch)
-      call batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
-      if (.not. batch%is_sound) chosen = .false.
+      call evaluate_batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      if (.not. batch%is_sound) is_chosen = .false.
     end if
     do k = 1, size(elements)
-      if (.not. chosen(k)) call add_element_forces(model, elements(k), is_nlgeom, state, failed)
+      if (.not. is_chosen(k)) call add_element_forces(model, elements(k), is_nlgeom, state, failed)
     end do
-    if (.not. any(chosen)) return
+    if (.not. any(is_chosen)) return
     associate (mesh => model%mesh, fields => state%new)
       do lane = 1, size(list)
         first = mesh%first(list(lane)) - 1
@@ -457,36 +458,36 @@ contains
         fields%volume(p:p + 7) = batch%volume(lane, :)
       end do
     end associate
-  end subroutine add_forces_of
+  end subroutine add_group_forces
 
 
   !> The stiffness of some elements into the matrix, likewise.
-  subroutine add_tangent_of(assembly, model, elements, is_nlgeom, state, failed)
+  subroutine add_group_tangent(assembly, model, elements, is_nlgeom, state, failed)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
-    integer, intent(in) :: elements(:)             !< at most WIDTH, all of one group
+    integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH, all of one group
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(in) :: state
     integer, intent(inout) :: failed
     type(batch_type) :: batch
     integer, allocatable :: list(:)
-    logical :: chosen(size(elements))
+    logical :: is_chosen(size(elements))
     integer :: k, lane
-    call choose_batch(model, elements, is_nlgeom, chosen)
-    list = pack(elements, chosen)
+    call choose_batch_elements(model, elements, is_nlgeom, is_chosen)
+    list = pack(elements, is_chosen)
     if (size(list) > 0) then
       call load_batch(model, list, state%new, batch)
-      call batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
-      if (.not. batch%is_sound) chosen = .false.
+      call evaluate_batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      if (.not. batch%is_sound) is_chosen = .false.
     end if
     do k = 1, size(elements)
-      if (.not. chosen(k)) call add_element_tangent(assembly, model, elements(k), is_nlgeom, state, failed)
+      if (.not. is_chosen(k)) call add_element_tangent(assembly, model, elements(k), is_nlgeom, state, failed)
     end do
-    if (.not. any(chosen)) return
+    if (.not. any(is_chosen)) return
     do lane = 1, size(list)
       call scatter_lane(assembly, model%mesh, list(lane), batch%stiffness, lane)
     end do
-  end subroutine add_tangent_of
+  end subroutine add_group_tangent
 
 
   !> The blocks of one lane into the matrix.
@@ -494,7 +495,7 @@ contains
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
-    real(DP), intent(in) :: stiffness(WIDTH, 3, 3, N_PAIRS)
+    real(DP), intent(in) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)
     integer, intent(in) :: lane
     integer :: nodes(8), a, b, k, pair
     nodes = mesh%nodes(mesh%first(e):mesh%first(e) + 7)
@@ -504,9 +505,9 @@ contains
       do a = 1, b
         pair = pair + 1
         if (nodes(a) <= nodes(b)) then
-          call add_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), stiffness(lane, :, :, pair))
+          call add_row_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), stiffness(lane, :, :, pair))
         else
-          call add_block(assembly%stiffness, nodes(b), assembly%pair_offset(k), transpose(stiffness(lane, :, :, pair)))
+          call add_row_block(assembly%stiffness, nodes(b), assembly%pair_offset(k), transpose(stiffness(lane, :, :, pair)))
         end if
         k = k + 1
       end do
@@ -515,10 +516,10 @@ contains
 
 
   !> Starting threads for a handful of elements costs more than it saves.
-  pure logical function is_worth_threads(assembly)
+  pure logical function is_threading_useful(assembly)
     type(assembly_type), intent(in) :: assembly
-    is_worth_threads = size(assembly%element_order) > 64
-  end function is_worth_threads
+    is_threading_useful = size(assembly%element_order) > 64
+  end function is_threading_useful
 
 
   !> Forces and point results of one element into the fields.
@@ -528,25 +529,25 @@ contains
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(inout) :: state
     integer, intent(inout) :: failed
-    type(points_type) :: points
-    real(DP) :: force(3, MAX_NODES), X(3, MAX_NODES), u(3, MAX_NODES)
-    integer :: n, status, a, nodes(MAX_NODES)
+    type(integration_points_type) :: points
+    real(DP) :: force(3, MAX_ELEMENT_NODES), X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
+    integer :: n, status, a, nodes(MAX_ELEMENT_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    if (is_out(model%mesh, e)) then
-      call empty_points(model%mesh, e, state%new)
+    if (is_inactive_element(model%mesh, e)) then
+      call clear_points(model%mesh, e, state%new)
       return
     end if
-    associate (material => model%materials(material_of(model%mesh, e)), fields => state%new)
-      call bring_along(model, state, e, points)
-      if (material%is_user) call bring_user(model, state, e, is_nlgeom, points)
-      call place_element(model%mesh, e, fields, X, u)
-      call element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
+    associate (material => model%materials(element_material(model%mesh, e)), fields => state%new)
+      call load_points(model, state, e, points)
+      if (material%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
+      call set_element_configuration(model%mesh, e, fields, X, u)
+      call evaluate_element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
       if (status /= ELEMENT_OK) then
         failed = min(failed, e)
         return
       end if
-      call keep_points(model%mesh, e, merge(0, material%n_history, material%is_user), points, fields)
-      if (material%is_user) call keep_user(model, e, points, fields)
+      call store_points(model%mesh, e, merge(0, material%n_history, material%is_user), points, fields)
+      if (material%is_user) call store_umat_points(model, e, points, fields)
       do a = 1, n
         fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
       end do
@@ -555,7 +556,7 @@ contains
 
 
   !> An element that is taken out has no stress.
-  pure subroutine empty_points(mesh, e, fields)
+  pure subroutine clear_points(mesh, e, fields)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
     type(fields_type), intent(inout) :: fields
@@ -565,52 +566,52 @@ contains
       fields%energy(first:last) = 0
       fields%volume(first:last) = 0
     end associate
-  end subroutine empty_points
+  end subroutine clear_points
 
 
   !> Where an element starts from and how it has moved since: from the mesh, or from where it was put back.
-  pure subroutine place_element(mesh, e, fields, X, u)
+  pure subroutine set_element_configuration(mesh, e, fields, X, u)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
     type(fields_type), intent(in) :: fields
-    real(DP), intent(out) :: X(3, MAX_NODES), u(3, MAX_NODES)   !< [length]
-    integer :: n, nodes(MAX_NODES)
+    real(DP), intent(out) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)   !< [length]
+    integer :: n, nodes(MAX_ELEMENT_NODES)
     call element_nodes(mesh, e, n, nodes)
     X(:, :n) = mesh%coordinates(:, nodes(:n))
     u(:, :n) = fields%u(:, nodes(:n))
-    if (.not. allocated(fields%birth)) return
-    associate (birth => fields%birth(:, mesh%first(e):mesh%first(e + 1) - 1))
+    if (.not. allocated(fields%birth_displacement)) return
+    associate (birth => fields%birth_displacement(:, mesh%first(e):mesh%first(e + 1) - 1))
       X(:, :n) = X(:, :n) + birth
       u(:, :n) = u(:, :n) - birth
     end associate
-  end subroutine place_element
+  end subroutine set_element_configuration
 
 
   !> The material of an element. Springs and masses have none: the first stands in, which they do not look at.
-  pure integer function material_of(mesh, e)
+  pure integer function element_material(mesh, e)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
-    material_of = max(1, mesh%material(e))
-  end function material_of
+    element_material = max(1, mesh%material(e))
+  end function element_material
 
 
   !> What an element brings along: its section; if its material is not plain, committed history, temperatures, time.
-  pure subroutine bring_along(model, state, e, points)
+  pure subroutine load_points(model, state, e, points)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     integer, intent(in) :: e
-    type(points_type), intent(inout) :: points
-    integer :: n, m, p, k, nodes(MAX_NODES)
-    points%section = model%mesh%section(e)
+    type(integration_points_type), intent(inout) :: points
+    integer :: n, m, p, k, nodes(MAX_ELEMENT_NODES)
+    points%section_value = model%mesh%section_value(e)
     points%directions = model%mesh%directions(:, e)
-    if (allocated(model%mesh%spring)) call bring_spring(model, state, e, points)
-    if (model%materials(material_of(model%mesh, e))%is_plain) return
+    if (allocated(model%mesh%spring)) call load_spring(model, state, e, points)
+    if (model%materials(element_material(model%mesh, e))%is_linear_isotropic) return
     call element_nodes(model%mesh, e, n, nodes)
     p = model%mesh%point_first(e)
     m = model%mesh%point_first(e + 1) - p
-    k = min(MAX_HISTORY, model%materials(material_of(model%mesh, e))%n_history)
-    points%past = 0.0_DP
-    points%past(:k, :m) = state%old%history(:k, p:p + m - 1)
+    k = min(MAX_HISTORY, model%materials(element_material(model%mesh, e))%n_history)
+    points%history_old = 0.0_DP
+    points%history_old(:k, :m) = state%old%history(:k, p:p + m - 1)
     points%temperature(:n) = state%new%temperature(nodes(:n))
     points%initial_temperature(:n) = 0.0_DP
     if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
@@ -618,30 +619,30 @@ contains
     points%time_increment = state%new%creep_time - state%old%creep_time
     points%has_frame = allocated(state%new%frame)
     if (points%has_frame) points%frame(:, :, :m) = state%new%frame(:, :, p:p + m - 1)
-  end subroutine bring_along
+  end subroutine load_points
 
 
   !> The law of a spring, and the temperatures of its nodes.
-  pure subroutine bring_spring(model, state, e, points)
+  pure subroutine load_spring(model, state, e, points)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     integer, intent(in) :: e
-    type(points_type), intent(inout) :: points
-    integer :: n, nodes(MAX_NODES)
+    type(integration_points_type), intent(inout) :: points
+    integer :: n, nodes(MAX_ELEMENT_NODES)
     if (allocated(points%spring)) deallocate (points%spring)
     if (model%mesh%spring(e) == 0) return
     points%spring = model%springs(model%mesh%spring(e))
     call element_nodes(model%mesh, e, n, nodes)
     points%temperature(:n) = state%new%temperature(nodes(:n))
-  end subroutine bring_spring
+  end subroutine load_spring
 
 
   !> The point values of an element into the fields.
-  pure subroutine keep_points(mesh, e, n_history, points, fields)
+  pure subroutine store_points(mesh, e, n_history, points, fields)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
     integer, intent(in) :: n_history               !< of its material
-    type(points_type), intent(in) :: points
+    type(integration_points_type), intent(in) :: points
     type(fields_type), intent(inout) :: fields
     integer :: m, p
     p = mesh%point_first(e)
@@ -651,7 +652,7 @@ contains
     fields%energy(p:p + m - 1) = points%energy(:m)
     fields%volume(p:p + m - 1) = points%volume(:m)
     if (n_history > 0) fields%history(:n_history, p:p + m - 1) = points%history(:n_history, :m)
-  end subroutine keep_points
+  end subroutine store_points
 
 
   !> The stiffness K = d F_int / d u of the elements.
@@ -664,18 +665,18 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     assembly%stiffness%value = 0.0_DP
-    call begin_elements(assembly%skew, assembly%stiffness, any(model%materials%is_user))
-    !$omp parallel private(g, i) reduction(min: failed) if (is_worth_threads(assembly))
+    call reset_element_skew(assembly%skew, assembly%stiffness, any(model%materials%is_user))
+    !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
-        call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
+        call add_group_tangent(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp do schedule(static)
-      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, WIDTH
-        call add_tangent_of(assembly, model, span(assembly, g, i), is_nlgeom, state, failed)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
+        call add_group_tangent(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
       end do
     end do
     !$omp end parallel
@@ -691,16 +692,16 @@ contains
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(in) :: state
     integer, intent(inout) :: failed
-    type(points_type) :: points
-    real(DP) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES), skew(3 * MAX_NODES, 3 * MAX_NODES)
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES)
+    type(integration_points_type) :: points
+    real(DP) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES), skew(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
     integer :: n, status
-    if (is_out(model%mesh, e)) return
+    if (is_inactive_element(model%mesh, e)) return
     n = model%mesh%first(e + 1) - model%mesh%first(e)
-    call bring_along(model, state, e, points)
-    if (model%materials(material_of(model%mesh, e))%is_user) call bring_user(model, state, e, is_nlgeom, points)
-    call place_element(model%mesh, e, state%new, X, u)
-    call element_tangent(model%mesh%kind(e), model%materials(material_of(model%mesh, e)), &
+    call load_points(model, state, e, points)
+    if (model%materials(element_material(model%mesh, e))%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
+    call set_element_configuration(model%mesh, e, state%new, X, u)
+    call evaluate_element_tangent(model%mesh%kind(e), model%materials(element_material(model%mesh, e)), &
       X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
     if (status /= ELEMENT_OK) then
       failed = min(failed, e)
@@ -708,44 +709,44 @@ contains
     end if
     associate (offset => assembly%pair_offset(assembly%pair_first(e):assembly%pair_first(e + 1) - 1))
       if (.not. allocated(points%skew)) then
-        call scatter(model%mesh, e, offset, stiffness, assembly%stiffness)
+        call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
         return
       end if
       skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of C3D8I
       stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
-      call scatter(model%mesh, e, offset, stiffness, assembly%stiffness)
-      if (model%mesh%kind(e) /= KIND_C3D8I) call element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, &
-        points%section, points%skew, skew)
-      call scatter(model%mesh, e, offset, skew, assembly%skew%elements)
+      call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
+      if (model%mesh%kind(e) /= KIND_C3D8I) call evaluate_element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, &
+        points%section_value, points%skew, skew)
+      call scatter_element(model%mesh, e, offset, skew, assembly%skew%elements)
     end associate
   end subroutine add_element_tangent
 
 
   !> The blocks of an element into the upper triangle of a matrix with the pattern of K.
-  pure subroutine scatter(mesh, e, offset, stiffness, matrix)
+  pure subroutine scatter_element(mesh, e, offset, stiffness, matrix)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
     integer, intent(in) :: offset(:)               !< places of the blocks of its pairs of nodes
-    real(DP), intent(in) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 * nodes [force/length]
+    real(DP), intent(in) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 * nodes [force/length]
     type(sparse_type), intent(inout) :: matrix
-    integer :: n, a, b, k, nodes(MAX_NODES)
+    integer :: n, a, b, k, nodes(MAX_ELEMENT_NODES)
     call element_nodes(mesh, e, n, nodes)
     k = 1
     do b = 1, n
       do a = 1, b
         if (nodes(a) <= nodes(b)) then
-          call add_block(matrix, nodes(a), offset(k), stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
+          call add_row_block(matrix, nodes(a), offset(k), stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
         else
-          call add_block(matrix, nodes(b), offset(k), stiffness(3 * b - 2:3 * b, 3 * a - 2:3 * a))
+          call add_row_block(matrix, nodes(b), offset(k), stiffness(3 * b - 2:3 * b, 3 * a - 2:3 * a))
         end if
         k = k + 1
       end do
     end do
-  end subroutine scatter
+  end subroutine scatter_element
 
 
   !> Adds a 3 x 3 block to the three rows of a node; of a diagonal block (place 0) the upper triangle.
-  pure subroutine add_block(matrix, node, place, block)
+  pure subroutine add_row_block(matrix, node, place, block)
     type(sparse_type), intent(inout) :: matrix
     integer, intent(in) :: node
     integer, intent(in) :: place                   !< of the block in the rows, from 0
@@ -757,6 +758,6 @@ contains
         matrix%value(start + s) = matrix%value(start + s) + block(r, s)
       end do
     end do
-  end subroutine add_block
+  end subroutine add_row_block
 
 end module amontons_assembly

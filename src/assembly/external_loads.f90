@@ -6,24 +6,26 @@
 module amontons_external_loads
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
-  use amontons_tributary_areas, only: depth_of, node_areas
-  use amontons_assembly, only: assembly_type, add_block, material_of
-  use amontons_element, only: element_body_force, facet_pressure, edge_pressure, element_point_volumes, ELEMENT_OK
-  use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, &
+  use amontons_tributary_areas, only: out_of_plane_depth, integrate_nodal_areas
+  use amontons_assembly, only: assembly_type, add_row_block, element_material
+  use amontons_element, only: integrate_body_force, integrate_facet_pressure, integrate_edge_pressure, evaluate_point_volumes, &
+    ELEMENT_OK
+  use amontons_loads, only: distributed_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, &
     DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
-  use amontons_mesh, only: element_nodes, is_out
-  use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
-  use amontons_shape_functions, only: face_rule, shape_functions, quadrature
-  use amontons_unsymmetric_tangent, only: begin_skew, add_skew_face
+  use amontons_mesh, only: element_nodes, is_inactive_element
+  use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
+  use amontons_shape_functions, only: choose_face_rule, shape_functions, quadrature
+  use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type
   use amontons_steps, only: step_type
-  use amontons_topology, only: element_kind, kind_type, KIND_MASS, FAMILY_SOLID, MAX_NODES, MAX_FACE_NODES, MAX_POINTS, &
+  use amontons_topology, only: element_kind, element_kind_type, KIND_MASS, FAMILY_SOLID, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
+    MAX_ELEMENT_POINTS, &
     KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX8R, KIND_SPRINGA
-  use amontons_user_state, only: ask_pressures
+  use amontons_user_state, only: evaluate_dload
   implicit none
   private
-  public :: assemble_loads
+  public :: assemble_external_loads
 
 contains
 
@@ -31,56 +33,56 @@ contains
   !!
   !! A pressure follows its face. Its load stiffness is unsymmetric in general: the symmetric part goes into K, the rest into
   !! assembly%skew, which is to be finished by finish_skew.
-  subroutine assemble_loads(assembly, model, step, fields, is_nlgeom, is_with_stiffness)
+  subroutine assemble_external_loads(assembly, model, step, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(inout) :: fields     !< in: u, times; out: applied_force
     logical, intent(in) :: is_nlgeom
-    logical, intent(in) :: is_with_stiffness       !< .true.: subtract the load stiffness from K
+    logical, intent(in) :: has_stiffness       !< .true.: subtract the load stiffness from K
     integer :: i
     real(DP) :: magnitude
     fields%applied_force = 0.0_DP
-    if (is_with_stiffness) call begin_skew(assembly%skew)
+    if (has_stiffness) call reset_load_skew(assembly%skew)
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
         fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
-          + magnitude * direction_of(model, load%node, load%dof)
+          + magnitude * dof_direction(model, load%node, load%dof)
       end associate
     end do
     do i = 1, size(step%distributed)
       associate (load => step%distributed(i))
         magnitude = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
-        if (is_out(model%mesh, load%element)) cycle
+        if (is_inactive_element(model%mesh, load%element)) cycle
         if (magnitude == 0.0_DP .and. .not. load%is_user) cycle
         select case (load%kind)
         case (DISTRIBUTED_PRESSURE)
-          call add_pressure(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
+          call add_pressure(assembly, model, load, magnitude, fields, is_nlgeom, has_stiffness)
         case (DISTRIBUTED_TRACTION)
           call add_traction(model, load%element, load%face, magnitude * load%direction, fields)
-        case (DISTRIBUTED_SPIN)
-          call add_spin(assembly, model, load, magnitude, fields, is_nlgeom, is_with_stiffness)
+        case (DISTRIBUTED_CENTRIFUGAL)
+          call add_centrifugal_forces(assembly, model, load, magnitude, fields, is_nlgeom, has_stiffness)
         case default
-          call add_gravity(model, load%element, load%kind == DISTRIBUTED_BODY, magnitude * load%direction, fields)
+          call add_body_force(model, load%element, load%kind == DISTRIBUTED_BODY_FORCE, magnitude * load%direction, fields)
         end select
       end associate
     end do
-  end subroutine assemble_loads
+  end subroutine assemble_external_loads
 
 
   !> Nodal forces of a pressure on a face, in its current place under NLGEOM.
-  subroutine add_pressure(assembly, model, load, pressure, fields, is_nlgeom, is_with_stiffness)
+  subroutine add_pressure(assembly, model, load, pressure, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     type(distributed_type), intent(in) :: load
     real(DP), intent(in) :: pressure
     type(fields_type), intent(inout) :: fields
-    logical, intent(in) :: is_nlgeom, is_with_stiffness
-    type(kind_type) :: kind
+    logical, intent(in) :: is_nlgeom, has_stiffness
+    type(element_kind_type) :: kind
     real(DP) :: x(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
-    real(DP), allocatable :: profile(:)
-    integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a, rule
+    real(DP), allocatable :: pressure_factors(:)
+    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), n, a, rule
     associate (mesh => model%mesh, e => load%element)
       kind = element_kind(mesh%kind(e))
       call element_nodes(mesh, e, n, nodes)
@@ -88,21 +90,22 @@ contains
       n = count(local > 0)
       x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
       if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
-      rule = face_rule(mesh%kind(e), kind%face_kind(load%face), model%dialect == DIALECT_CALCULIX)
+      rule = choose_face_rule(mesh%kind(e), kind%face_kind(load%face), model%dialect == DIALECT_CALCULIX)
       if (load%is_user) then
-        call ask_pressures(model, load, kind%face_kind(load%face), x(:, :n), fields, profile)
-        call facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, profile)
+        call evaluate_dload(model, load, kind%face_kind(load%face), x(:, :n), fields, pressure_factors)
+        call integrate_facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, pressure_factors)
       else if (kind%family == FAMILY_SOLID) then
-        call facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness, rule=rule)
+        call integrate_facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness, rule=rule)
       else
-        call edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section(e), pressure, force, stiffness, rule)
+        call integrate_edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section_value(e), pressure, force, &
+          stiffness, rule)
       end if
       do a = 1, n
         fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
       end do
-      if (.not. (is_nlgeom .and. is_with_stiffness)) return
+      if (.not. (is_nlgeom .and. has_stiffness)) return
       call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
-      call add_skew_face(assembly%skew, nodes(local(:n)), stiffness)
+      call add_face_skew(assembly%skew, nodes(local(:n)), stiffness)
     end associate
   end subroutine add_pressure
 
@@ -113,14 +116,15 @@ contains
     integer, intent(in) :: e, face                 !< element, number of its face
     real(DP), intent(in) :: traction(3)            !< [stress]
     type(fields_type), intent(inout) :: fields
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     real(DP) :: areas(MAX_FACE_NODES)
-    integer :: nodes(MAX_NODES), local(MAX_FACE_NODES), n, a
+    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), n, a
     kind = element_kind(model%mesh%kind(e))
     call element_nodes(model%mesh, e, n, nodes)
     local = kind%face_nodes(:, face)
     n = count(local > 0)
-    areas(:n) = node_areas(model%mesh%coordinates(:, nodes(local(:n))), kind%face_kind(face), depth_of(model%mesh, e))
+    areas(:n) = integrate_nodal_areas(model%mesh%coordinates(:, nodes(local(:n))), kind%face_kind(face), &
+      out_of_plane_depth(model%mesh, e))
     do a = 1, n
       fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + areas(a) * traction
     end do
@@ -132,7 +136,7 @@ contains
     type(assembly_type), intent(inout) :: assembly
     integer, intent(in) :: e
     integer, intent(in) :: local(:)                !< element node of each face node
-    integer, intent(in) :: nodes(MAX_NODES)        !< node indices of the element
+    integer, intent(in) :: nodes(MAX_ELEMENT_NODES)        !< node indices of the element
     real(DP), intent(in) :: stiffness(:, :)
     real(DP) :: block(3, 3)
     integer :: i, j, a, b, k
@@ -144,97 +148,98 @@ contains
         k = assembly%pair_first(e) - 1 + max(a, b) * (max(a, b) - 1) / 2 + min(a, b)
         block = -0.5_DP * (stiffness(3 * i - 2:3 * i, 3 * j - 2:3 * j) &
           + transpose(stiffness(3 * j - 2:3 * j, 3 * i - 2:3 * i)))
-        call add_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), block)
+        call add_row_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), block)
       end do
     end do
   end subroutine subtract_symmetric_part
 
 
   !> Centrifugal forces of an element, at its present place under NLGEOM; their stiffness is exact.
-  subroutine add_spin(assembly, model, load, omega2, fields, is_nlgeom, is_with_stiffness)
+  subroutine add_centrifugal_forces(assembly, model, load, omega2, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     type(distributed_type), intent(in) :: load
     real(DP), intent(in) :: omega2                 !< square of the angular velocity [1/time^2]
     type(fields_type), intent(inout) :: fields
-    logical, intent(in) :: is_nlgeom, is_with_stiffness
-    real(DP) :: x(3, MAX_NODES), spin(3, 3), force(3, MAX_NODES), stiffness(3 * MAX_NODES, 3 * MAX_NODES)
-    integer :: n, a, nodes(MAX_NODES)
+    logical, intent(in) :: is_nlgeom, has_stiffness
+    real(DP) :: x(3, MAX_ELEMENT_NODES), spin(3, 3), force(3, MAX_ELEMENT_NODES), stiffness(3 * MAX_ELEMENT_NODES, &
+      3 * MAX_ELEMENT_NODES)
+    integer :: n, a, nodes(MAX_ELEMENT_NODES)
     call element_nodes(model%mesh, load%element, n, nodes)
     x(:, :n) = model%mesh%coordinates(:, nodes(:n))
     if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(:n))
-    spin = reshape([load%point, load%direction, omega2 * density_of(model, load%element, fields), 0.0_DP, 0.0_DP], [3, 3])
-    call centrifugal_forces(model%mesh%kind(load%element), model%mesh%coordinates(:, nodes(:n)), x(:, :n), &
-      model%mesh%section(load%element), spin, force, stiffness)
+    spin = reshape([load%point, load%direction, omega2 * evaluate_density(model, load%element, fields), 0.0_DP, 0.0_DP], [3, 3])
+    call evaluate_centrifugal_forces(model%mesh%kind(load%element), model%mesh%coordinates(:, nodes(:n)), x(:, :n), &
+      model%mesh%section_value(load%element), spin, force, stiffness)
     do a = 1, n
       fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
     end do
-    if (is_nlgeom .and. is_with_stiffness) call subtract_symmetric_part(assembly, load%element, [(a, a=1, n)], nodes, &
+    if (is_nlgeom .and. has_stiffness) call subtract_symmetric_part(assembly, load%element, [(a, a=1, n)], nodes, &
       stiffness)
-  end subroutine add_spin
+  end subroutine add_centrifugal_forces
 
 
   !> The density of an element; the section of a mass is its mass.
   !!
   !! A density that depends on the temperature is that of the mean temperature of the nodes: in CalculiX now, else, as in Abaqus,
   !! that at the start, since mass is conserved.
-  pure real(DP) function density_of(model, e, fields) result(density)
+  pure real(DP) function evaluate_density(model, e, fields) result(density)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
     type(fields_type), intent(in) :: fields
     real(DP) :: values(1), temperature
-    integer :: n, nodes(MAX_NODES)
+    integer :: n, nodes(MAX_ELEMENT_NODES)
     density = 1
     if (model%mesh%kind(e) == KIND_MASS) return
-    associate (material => model%materials(material_of(model%mesh, e)))
+    associate (material => model%materials(element_material(model%mesh, e)))
       density = material%density
-      if (.not. allocated(material%densities%value)) return
+      if (.not. allocated(material%density_table%value)) return
       call element_nodes(model%mesh, e, n, nodes)
       temperature = 0
       if (allocated(model%initial_temperature)) temperature = sum(model%initial_temperature(nodes(:n))) / real(n, DP)
       if (model%dialect == DIALECT_CALCULIX) temperature = sum(fields%temperature(nodes(:n))) / real(n, DP)
-      call evaluate_table(material%densities, temperature, values)
+      call evaluate_table(material%density_table, temperature, values)
       density = values(1)
     end associate
-  end function density_of
+  end function evaluate_density
 
 
   !> Body force of an acceleration: the mass stays, so it is integrated over the reference volume.
-  subroutine add_gravity(model, e, is_by_volume, acceleration, fields)
+  subroutine add_body_force(model, e, is_by_volume, acceleration, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
     logical, intent(in) :: is_by_volume            !< .true.: it is a force per volume; a mass has none
     real(DP), intent(in) :: acceleration(3)        !< [length/time^2] or [force/length^3]
     type(fields_type), intent(inout) :: fields
-    real(DP) :: force(3, MAX_NODES)
+    real(DP) :: force(3, MAX_ELEMENT_NODES)
     real(DP) :: density
-    integer :: n, a, nodes(MAX_NODES)
+    integer :: n, a, nodes(MAX_ELEMENT_NODES)
     call element_nodes(model%mesh, e, n, nodes)
-    density = density_of(model, e, fields)
+    density = evaluate_density(model, e, fields)
     if (is_by_volume) density = merge(0.0_DP, 1.0_DP, model%mesh%kind(e) == KIND_MASS)
-    call element_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section(e), &
+    call integrate_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section_value(e), &
       density * acceleration, force)
     do a = 1, n
       fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
     end do
-  end subroutine add_gravity
+  end subroutine add_body_force
 
 
   !> Nodal forces f_a = rho omega^2 integral of N_a P (x - p) over the reference volume, P = 1 - a a', and their derivative
   !! rho omega^2 integral of N_a N_b P, which is symmetric. With x = sum N_b x_b both follow from one matrix.
-  pure subroutine centrifugal_forces(kind, X, x_now, section, spin, force, stiffness)
+  pure subroutine evaluate_centrifugal_forces(kind, X, x_now, section, spin, force, stiffness)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: x_now(:, :)            !< (3, nodes) where the nodes are [length]
     real(DP), intent(in) :: section                !< thickness [length], cross-section [length^2] or mass [mass]
     real(DP), intent(in) :: spin(3, 3)             !< columns: p, unit vector a, [rho omega^2, 0, 0]
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< zero past the nodes [force]
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d x, set up to 3 * nodes
-    real(DP) :: mass(MAX_NODES, MAX_NODES), P(3, 3)
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d x, set up to 3 * nodes
+    real(DP) :: mass(MAX_ELEMENT_NODES, MAX_ELEMENT_NODES), P(3, 3)
     integer :: a, b, n
     n = size(X, 2)
     force = 0
-    call unit_mass(kind, X, section, mass)
+    call integrate_unit_mass(kind, X, section, mass)
     P = IDENTITY - spread(spin(:, 2), 2, 3) * spread(spin(:, 2), 1, 3)
     if (kind >= KIND_CPS3 .and. kind <= KIND_CAX8R) P(3, :) = 0   ! nothing moves out of the plane
     P = spin(1, 3) * P
@@ -244,21 +249,22 @@ contains
         stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b) = mass(a, b) * P
       end do
     end do
-  end subroutine centrifugal_forces
+  end subroutine evaluate_centrifugal_forces
 
 
   !> The consistent mass matrix of density 1, by the points that see the whole element; a mass has its own.
-  pure subroutine unit_mass(kind, X, section, mass)
+  pure subroutine integrate_unit_mass(kind, X, section, mass)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :), section
-    real(DP), intent(out) :: mass(MAX_NODES, MAX_NODES)
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), volumes(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP), intent(out) :: mass(MAX_ELEMENT_NODES, MAX_ELEMENT_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), volumes(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, &
+      MAX_ELEMENT_NODES)
     integer :: rule, n_rule, p, b, status
     mass = 0
     if (kind == KIND_MASS) mass(1, 1) = section
     if (kind >= KIND_SPRINGA) return
     rule = merge(KIND_C3D8_FULL, kind, kind == KIND_C3D8R)
-    call element_point_volumes(rule, X, section, n_rule, volumes, status)
+    call evaluate_point_volumes(rule, X, section, n_rule, volumes, status)
     if (status /= ELEMENT_OK) return               ! told when its forces are asked for
     call quadrature(rule, n_rule, xi, w)
     do p = 1, n_rule
@@ -267,6 +273,6 @@ contains
         mass(:size(X, 2), b) = mass(:size(X, 2), b) + (N(b) * volumes(p)) * N(:size(X, 2))
       end do
     end do
-  end subroutine unit_mass
+  end subroutine integrate_unit_mass
 
 end module amontons_external_loads

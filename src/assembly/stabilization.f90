@@ -10,25 +10,25 @@
 !! the step went on in the same way, a given fraction of the strain energy would be dissipated.
 module amontons_stabilization
   use amontons_kinds, only: DP
-  use amontons_mesh, only: mesh_type, is_out
+  use amontons_mesh, only: mesh_type, is_inactive_element
   use amontons_sparse, only: sparse_type
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, DAMPING_NEXT
   implicit none
   private
-  public :: is_damped, begin_damping, share_volumes, brake, stiffen, close_damping
+  public :: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force, add_damping_stiffness, update_damping
 
 contains
 
   !> Whether a step asks for damping.
   pure logical function is_damped(step)
     type(step_type), intent(in) :: step
-    is_damped = step%damped_fraction > 0.0_DP .or. step%damping_factor > 0.0_DP
+    is_damped = step%dissipated_fraction > 0.0_DP .or. step%damping_factor > 0.0_DP
   end function is_damped
 
 
   !> The factor of the increment that begins.
-  pure subroutine begin_damping(step, is_step_start, state)
+  pure subroutine set_damping_factor(step, is_step_start, state)
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
@@ -38,83 +38,83 @@ contains
       new = old(DAMPING_NEXT)
       if (is_step_start .and. .not. step%is_damping_continued) new = step%damping_factor
     end associate
-  end subroutine begin_damping
+  end subroutine set_damping_factor
 
 
   !> The share of each node in the volume of its elements, whose nodes have equal parts of it.
-  pure subroutine share_volumes(mesh, fields, share)
+  pure subroutine find_nodal_volumes(mesh, fields, nodal_volume)
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
-    real(DP), allocatable, intent(out) :: share(:) !< (n_nodes) [length^3]
+    real(DP), allocatable, intent(out) :: nodal_volume(:) !< (n_nodes) [length^3]
     real(DP) :: volume
     integer :: e
-    allocate (share(mesh%n_nodes), source=0.0_DP)
+    allocate (nodal_volume(mesh%n_nodes), source=0.0_DP)
     do e = 1, mesh%n_elements
-      if (is_out(mesh, e)) cycle
+      if (is_inactive_element(mesh, e)) cycle
       volume = sum(fields%volume(mesh%point_first(e):mesh%point_first(e + 1) - 1))
       associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-        share(nodes) = share(nodes) + volume / real(size(nodes), DP)
+        nodal_volume(nodes) = nodal_volume(nodes) + volume / real(size(nodes), DP)
       end associate
     end do
-  end subroutine share_volumes
+  end subroutine find_nodal_volumes
 
 
   !> Adds the damping of the trial displacements to the applied forces.
-  pure subroutine brake(share, state)
-    real(DP), intent(in) :: share(:)               !< (n_nodes) [length^3]
+  pure subroutine add_damping_force(nodal_volume, state)
+    real(DP), intent(in) :: nodal_volume(:)               !< (n_nodes) [length^3]
     type(state_type), intent(inout) :: state
     real(DP) :: factor
     integer :: i
     associate (old => state%old, new => state%new)
       factor = new%damping(DAMPING_NOW) / (new%total_time - old%total_time)
-      do i = 1, size(share)
-        new%applied_force(:, i) = new%applied_force(:, i) - factor * share(i) * (new%u(:, i) - old%u(:, i))
+      do i = 1, size(nodal_volume)
+        new%applied_force(:, i) = new%applied_force(:, i) - factor * nodal_volume(i) * (new%u(:, i) - old%u(:, i))
       end do
     end associate
-  end subroutine brake
+  end subroutine add_damping_force
 
 
   !> Adds its stiffness, c m/dt on the diagonal.
-  pure subroutine stiffen(share, state, K)
-    real(DP), intent(in) :: share(:)               !< (n_nodes) [length^3]
+  pure subroutine add_damping_stiffness(nodal_volume, state, K)
+    real(DP), intent(in) :: nodal_volume(:)               !< (n_nodes) [length^3]
     type(state_type), intent(in) :: state
     type(sparse_type), intent(inout) :: K          !< upper triangle by rows, the diagonal first
     real(DP) :: factor
     integer :: i
     factor = state%new%damping(DAMPING_NOW) / (state%new%total_time - state%old%total_time)
     do i = 1, K%n_rows
-      K%value(K%first(i)) = K%value(K%first(i)) + factor * share((i + 2) / 3)
+      K%value(K%first(i)) = K%value(K%first(i)) + factor * nodal_volume((i + 2) / 3)
     end do
-  end subroutine stiffen
+  end subroutine add_damping_stiffness
 
 
   !> An increment has converged: what was dissipated, and the factor of the next one if it is not known yet.
   !!
   !! If all nodes went on with their velocity v = du/dt over the period T, c sum m v^2 T would be dissipated, and the strain
   !! energy would grow by du'dF_int/2 (T/dt)^2: c = fraction du'dF_int/2 T / sum m du^2.
-  pure subroutine close_damping(share, step, state, work)
-    real(DP), allocatable, intent(in) :: share(:)  !< (n_nodes) not there: no step has had damping yet [length^3]
+  pure subroutine update_damping(nodal_volume, step, state, work)
+    real(DP), allocatable, intent(in) :: nodal_volume(:)  !< (n_nodes) not there: no step has had damping yet [length^3]
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     real(DP), intent(out) :: work                  !< of the damping forces by the trapezoidal rule, which is negative [energy]
-    real(DP) :: moved, stored, crossed
+    real(DP) :: moved, stored, du_dot_force
     integer :: i
     work = 0.0_DP
-    if (.not. allocated(share)) return
+    if (.not. allocated(nodal_volume)) return
     associate (old => state%old, new => state%new)
       moved = 0.0_DP
-      crossed = 0.0_DP
-      do i = 1, size(share)
-        moved = moved + share(i) * sum((new%u(:, i) - old%u(:, i))**2)
-        crossed = crossed + share(i) * dot_product(new%u(:, i) - old%u(:, i), old%v(:, i))
+      du_dot_force = 0.0_DP
+      do i = 1, size(nodal_volume)
+        moved = moved + nodal_volume(i) * sum((new%u(:, i) - old%u(:, i))**2)
+        du_dot_force = du_dot_force + nodal_volume(i) * dot_product(new%u(:, i) - old%u(:, i), old%v(:, i))
       end do
       moved = moved / (new%total_time - old%total_time)
-      new%damped_work = old%damped_work + new%damping(DAMPING_NOW) * moved
-      work = -0.5_DP * (new%damping(DAMPING_NOW) * moved + old%damping(DAMPING_NOW) * crossed)
+      new%stabilization_work = old%stabilization_work + new%damping(DAMPING_NOW) * moved
+      work = -0.5_DP * (new%damping(DAMPING_NOW) * moved + old%damping(DAMPING_NOW) * du_dot_force)
       if (.not. is_damped(step) .or. new%damping(DAMPING_NEXT) > 0.0_DP .or. .not. moved > 0.0_DP) return
       stored = 0.5_DP * abs(sum((new%u - old%u) * (new%internal_force - old%internal_force)))
-      new%damping(DAMPING_NEXT) = step%damped_fraction * stored * step%period / (moved * (new%total_time - old%total_time))
+      new%damping(DAMPING_NEXT) = step%dissipated_fraction * stored * step%period / (moved * (new%total_time - old%total_time))
     end associate
-  end subroutine close_damping
+  end subroutine update_damping
 
 end module amontons_stabilization

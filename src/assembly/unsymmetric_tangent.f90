@@ -15,52 +15,53 @@
 module amontons_unsymmetric_tangent
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets, multiply, sum_of, transpose_of
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_sum, sparse_transpose
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_tensor, only: IDENTITY, invert
-  use amontons_topology, only: element_kind, kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS4R, KIND_CPE4R, &
-    KIND_CAX4R, KIND_CPE4_FULL, FAMILY_SOLID, FAMILY_AXISYMMETRIC, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, MAX_NODES, &
-    MAX_POINTS
+  use amontons_topology, only: element_kind, element_kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS4R, KIND_CPE4R, &
+    KIND_CAX4R, KIND_CPE4_FULL, FAMILY_SOLID, FAMILY_AXISYMMETRIC, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, MAX_ELEMENT_NODES, &
+    MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: skew_type, begin_elements, begin_skew, add_skew_face, finish_skew, subtract_skew, with_skew
-  public :: element_skew
+  public :: skew_part_type, reset_element_skew, reset_load_skew, add_face_skew, assemble_skew, subtract_skew_product, &
+    combine_with_skew
+  public :: evaluate_element_skew
 
-  real(DP), parameter :: CANCELLED = 1.0e-12_DP    !< of the largest entry of a face: rounding of what cancels [-]
+  real(DP), parameter :: TOL_CANCELLED = 1.0e-12_DP    !< of the largest entry of a face: rounding of what cancels [-]
 
   !> W, and its entries while the faces are visited.
-  type :: skew_type
+  type :: skew_part_type
     integer :: n = 0                               !< entries collected
     integer, allocatable :: row(:), column(:)      !< (>= n)
     real(DP), allocatable :: value(:)              !< (>= n) [force/length]
     type(sparse_type) :: elements                  !< U: elements add U - U' [force/length]; not made if not wanted
     type(sparse_type) :: matrix                    !< W over all unknowns, elements included [force/length]; not made if it is zero
-  end type skew_type
+  end type skew_part_type
 
   !> The points of an element at rest.
-  type :: rest_type
+  type :: reference_geometry_type
     integer :: n = 0                               !< nodes
     integer :: m = 0                               !< points
-    real(DP) :: gradient(3, MAX_NODES, MAX_POINTS) = 0   !< dN_a/dX [1/length]
-    real(DP) :: hoop(MAX_NODES, MAX_POINTS) = 0    !< N_a/X; 0 but around an axis [1/length]
-    real(DP) :: volume(MAX_POINTS) = 0             !< [length^3]
-  end type rest_type
+    real(DP) :: gradient(3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS) = 0   !< dN_a/dX [1/length]
+    real(DP) :: hoop(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS) = 0    !< N_a/X; 0 but around an axis [1/length]
+    real(DP) :: volume(MAX_ELEMENT_POINTS) = 0             !< [length^3]
+  end type reference_geometry_type
 
 contains
 
   !> Nothing is collected from faces yet, and W is zero.
-  pure subroutine begin_skew(skew)
-    type(skew_type), intent(inout) :: skew
+  pure subroutine reset_load_skew(skew)
+    type(skew_part_type), intent(inout) :: skew
     skew%n = 0
     skew%matrix = sparse_type()
     if (allocated(skew%row)) return
     allocate (skew%row(1024), skew%column(1024), skew%value(1024))
-  end subroutine begin_skew
+  end subroutine reset_load_skew
 
 
   !> Adds (k - k')/2 of a face.
-  pure subroutine add_skew_face(skew, nodes, stiffness)
-    type(skew_type), intent(inout) :: skew
+  pure subroutine add_face_skew(skew, nodes, stiffness)
+    type(skew_part_type), intent(inout) :: skew
     integer, intent(in) :: nodes(:)                !< of the face
     real(DP), intent(in) :: stiffness(:, :)        !< k, three rows and columns a node [force/length]
     integer :: i, j, m
@@ -78,40 +79,40 @@ contains
         skew%value(skew%n) = 0.5_DP * (stiffness(i, j) - stiffness(j, i))
       end do
     end do
-  end subroutine add_skew_face
+  end subroutine add_face_skew
 
 
   !> The elements are about to be assembled: the upper triangle of what they bring, with the pattern of K, is zero.
-  pure subroutine begin_elements(skew, K, is_wanted)
-    type(skew_type), intent(inout) :: skew
+  pure subroutine reset_element_skew(skew, K, is_wanted)
+    type(skew_part_type), intent(inout) :: skew
     type(sparse_type), intent(in) :: K             !< upper triangle
     logical, intent(in) :: is_wanted               !< a material may be unsymmetric
     if (.not. is_wanted) return
     if (.not. allocated(skew%elements%value)) skew%elements = K
     skew%elements%value = 0
-  end subroutine begin_elements
+  end subroutine reset_element_skew
 
 
   !> Sums up what was collected. Errors: out of memory.
-  subroutine finish_skew(skew, n_unknowns, error)
-    type(skew_type), intent(inout) :: skew
+  subroutine assemble_skew(skew, n_unknowns, error)
+    type(skew_part_type), intent(inout) :: skew
     integer, intent(in) :: n_unknowns
     type(error_type), allocatable, intent(out) :: error
-    call sum_faces(skew, n_unknowns, error)
+    call assemble_load_skew(skew, n_unknowns, error)
     if (allocated(error) .or. .not. allocated(skew%elements%value)) return
     if (all(skew%elements%value == 0.0_DP)) return
     if (allocated(skew%matrix%first)) then
-      skew%matrix = sum_of(skew%matrix, 1.0_DP, transpose_of(skew%elements))
+      skew%matrix = sparse_sum(skew%matrix, 1.0_DP, sparse_transpose(skew%elements))
     else
-      skew%matrix = transpose_of(skew%elements)
+      skew%matrix = sparse_transpose(skew%elements)
     end if
-    skew%matrix = sum_of(skew%matrix, -1.0_DP, skew%elements)
-  end subroutine finish_skew
+    skew%matrix = sparse_sum(skew%matrix, -1.0_DP, skew%elements)
+  end subroutine assemble_skew
 
 
   !> W of the faces; what they cancel is left out. Errors: out of memory.
-  subroutine sum_faces(skew, n_unknowns, error)
-    type(skew_type), intent(inout) :: skew
+  subroutine assemble_load_skew(skew, n_unknowns, error)
+    type(skew_part_type), intent(inout) :: skew
     integer, intent(in) :: n_unknowns
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: whole
@@ -120,23 +121,23 @@ contains
     integer :: i
     if (skew%n == 0) return
     associate (n => skew%n)
-      call from_triplets(n_unknowns, n_unknowns, skew%row(:n), skew%column(:n), skew%value(:n), whole, error)
+      call sparse_from_triplets(n_unknowns, n_unknowns, skew%row(:n), skew%column(:n), skew%value(:n), whole, error)
       if (allocated(error)) return
-      is_left = abs(whole%value) > CANCELLED * maxval(abs(skew%value(:n)))
+      is_left = abs(whole%value) > TOL_CANCELLED * maxval(abs(skew%value(:n)))
     end associate
     if (.not. any(is_left)) return
     allocate (row(size(whole%value)))
     do i = 1, n_unknowns
       row(whole%first(i):whole%first(i + 1) - 1) = i
     end do
-    call from_triplets(n_unknowns, n_unknowns, pack(row, is_left), pack(whole%column, is_left), pack(whole%value, is_left), &
+    call sparse_from_triplets(n_unknowns, n_unknowns, pack(row, is_left), pack(whole%column, is_left), pack(whole%value, is_left), &
       skew%matrix, error)
-  end subroutine sum_faces
+  end subroutine assemble_load_skew
 
 
   !> w = w - W du.
-  subroutine subtract_skew(skew, du, w)
-    type(skew_type), intent(in) :: skew
+  subroutine subtract_skew_product(skew, du, w)
+    type(skew_part_type), intent(in) :: skew
     real(DP), intent(in) :: du(:)                  !< (n_unknowns) [length]
     real(DP), intent(inout) :: w(:)                !< (n_unknowns) [force]
     real(DP), allocatable :: change(:)
@@ -144,151 +145,152 @@ contains
     allocate (change, mold=w)
     call multiply(skew%matrix, du, change)
     w = w - change
-  end subroutine subtract_skew
+  end subroutine subtract_skew_product
 
 
   !> K - W.
-  function with_skew(K, skew) result(whole)
+  function combine_with_skew(K, skew) result(whole)
     type(sparse_type), intent(in) :: K             !< all entries, not a triangle
-    type(skew_type), intent(in) :: skew
+    type(skew_part_type), intent(in) :: skew
     type(sparse_type) :: whole
     if (allocated(skew%matrix%first)) then
-      whole = sum_of(K, -1.0_DP, skew%matrix)
+      whole = sparse_sum(K, -1.0_DP, skew%matrix)
     else
       whole = K
     end if
-  end function with_skew
+  end function combine_with_skew
 
 
   !> W of an element.
-  pure subroutine element_skew(kind, X, u, is_nlgeom, section, w, stiffness)
+  pure subroutine evaluate_element_skew(kind, X, u, is_nlgeom, section, w, stiffness)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, nodes) [length]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: section                !< thickness [length]
     real(DP), intent(in) :: w(:, :, :)             !< (6, 6, points), engineering shears [stress]
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 * nodes [force/length]
-    type(kind_type) :: entry
-    type(rest_type) :: rest
-    real(DP) :: B(6, 3 * MAX_NODES, MAX_POINTS), current(MAX_POINTS)
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 * nodes [force/length]
+    type(element_kind_type) :: entry
+    type(reference_geometry_type) :: reference
+    real(DP) :: B(6, 3 * MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), current(MAX_ELEMENT_POINTS)
     integer :: p, k
     entry = element_kind(kind)
     k = 3 * entry%n_nodes
     stiffness(:k, :k) = 0
     if (.not. any(entry%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
       FAMILY_AXISYMMETRIC])) return
-    call find_rest(kind, entry, X, section, rest)
-    do p = 1, rest%m
-      call strains_of(entry, rest, p, u, is_nlgeom, B(:, :, p), current(p))
+    call set_reference_geometry(kind, entry, X, section, reference)
+    do p = 1, reference%m
+      call set_strain_matrix(entry, reference, p, u, is_nlgeom, B(:, :, p), current(p))
     end do
-    if (entry%is_mean_dilatation) call take_mean_dilatation(rest, current, B)
-    do p = 1, rest%m
-      stiffness(:k, :k) = stiffness(:k, :k) + rest%volume(p) * matmul(transpose(B(:, :k, p)), matmul(w(:, :, p), B(:, :k, p)))
+    if (entry%is_mean_dilatation) call apply_mean_dilatation(reference, current, B)
+    do p = 1, reference%m
+      stiffness(:k, :k) = stiffness(:k, :k) + reference%volume(p) * matmul(transpose(B(:, :k, p)), matmul(w(:, :, p), B(:, :k, p)))
     end do
-  end subroutine element_skew
+  end subroutine evaluate_element_skew
 
 
   !> Gradients and volumes at rest; kinds of one point take their mean over the element.
-  pure subroutine find_rest(kind, entry, X, section, rest)
+  pure subroutine set_reference_geometry(kind, entry, X, section, reference)
     integer, intent(in) :: kind
-    type(kind_type), intent(in) :: entry
+    type(element_kind_type), intent(in) :: entry
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) [length]
     real(DP), intent(in) :: section                !< [length]
-    type(rest_type), intent(out) :: rest
-    real(DP) :: xi(3, MAX_POINTS), weight(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), J(3, 3), inverse(3, 3), det, radius
+    type(reference_geometry_type), intent(out) :: reference
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), weight(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), J(3, 3), &
+      inverse(3, 3), det, radius
     integer :: rule, p, d
     d = merge(3, 2, entry%family == FAMILY_SOLID)
     rule = kind
     if (kind == KIND_C3D8R) rule = KIND_C3D8_FULL
     if (any(kind == [KIND_CPS4R, KIND_CPE4R, KIND_CAX4R])) rule = KIND_CPE4_FULL
-    rest%n = entry%n_nodes
-    call quadrature(rule, rest%m, xi, weight)
-    do p = 1, rest%m
+    reference%n = entry%n_nodes
+    call quadrature(rule, reference%m, xi, weight)
+    do p = 1, reference%m
       call shape_functions(rule, xi(:, p), N, dN)
       J = IDENTITY
-      J(:d, :d) = matmul(X(:d, :rest%n), transpose(dN(:d, :rest%n)))
+      J(:d, :d) = matmul(X(:d, :reference%n), transpose(dN(:d, :reference%n)))
       call invert(J, inverse, det)
-      rest%gradient(:d, :rest%n, p) = matmul(transpose(inverse(:d, :d)), dN(:d, :rest%n))
-      rest%volume(p) = weight(p) * det
+      reference%gradient(:d, :reference%n, p) = matmul(transpose(inverse(:d, :d)), dN(:d, :reference%n))
+      reference%volume(p) = weight(p) * det
       if (entry%family == FAMILY_AXISYMMETRIC) then
-        radius = dot_product(N(:rest%n), X(1, :rest%n))
-        rest%volume(p) = rest%volume(p) * 2 * PI * radius
-        rest%hoop(:rest%n, p) = N(:rest%n) / radius
+        radius = dot_product(N(:reference%n), X(1, :reference%n))
+        reference%volume(p) = reference%volume(p) * 2 * PI * radius
+        reference%hoop(:reference%n, p) = N(:reference%n) / radius
       else if (d == 2) then
-        rest%volume(p) = rest%volume(p) * section
+        reference%volume(p) = reference%volume(p) * section
       end if
     end do
-    if (rule /= kind) call take_mean(rest)
-  end subroutine find_rest
+    if (rule /= kind) call average_gradients(reference)
+  end subroutine set_reference_geometry
 
 
   !> Puts the mean over all points into the first and only one.
-  pure subroutine take_mean(rest)
-    type(rest_type), intent(inout) :: rest
-    real(DP) :: share(rest%m), gradient(3, MAX_NODES), hoop(MAX_NODES)
+  pure subroutine average_gradients(reference)
+    type(reference_geometry_type), intent(inout) :: reference
+    real(DP) :: share(reference%m), gradient(3, MAX_ELEMENT_NODES), hoop(MAX_ELEMENT_NODES)
     integer :: p
-    share = rest%volume(:rest%m) / sum(rest%volume(:rest%m))
+    share = reference%volume(:reference%m) / sum(reference%volume(:reference%m))
     gradient = 0
     hoop = 0
-    do p = 1, rest%m
-      gradient = gradient + share(p) * rest%gradient(:, :, p)
-      hoop = hoop + share(p) * rest%hoop(:, p)
+    do p = 1, reference%m
+      gradient = gradient + share(p) * reference%gradient(:, :, p)
+      hoop = hoop + share(p) * reference%hoop(:, p)
     end do
-    rest%volume(1) = sum(rest%volume(:rest%m))
-    rest%gradient(:, :, 1) = gradient
-    rest%hoop(:, 1) = hoop
-    rest%m = 1
-  end subroutine take_mean
+    reference%volume(1) = sum(reference%volume(:reference%m))
+    reference%gradient(:, :, 1) = gradient
+    reference%hoop(:, 1) = hoop
+    reference%m = 1
+  end subroutine average_gradients
 
 
   !> B of a point, rows xx yy zz xy yz xz with engineering shears, by the current gradients under NLGEOM; its current volume.
-  pure subroutine strains_of(entry, rest, p, u, is_nlgeom, B, current)
-    type(kind_type), intent(in) :: entry
-    type(rest_type), intent(in) :: rest
+  pure subroutine set_strain_matrix(entry, reference, p, u, is_nlgeom, B, current)
+    type(element_kind_type), intent(in) :: entry
+    type(reference_geometry_type), intent(in) :: reference
     integer, intent(in) :: p                       !< point
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: B(6, 3 * MAX_NODES)   !< [1/length]
+    real(DP), intent(out) :: B(6, 3 * MAX_ELEMENT_NODES)   !< [1/length]
     real(DP), intent(out) :: current               !< [length^3]
     real(DP) :: F(3, 3), inverse(3, 3), det, g(3), hoop
     integer :: a
     inverse = IDENTITY
-    current = rest%volume(p)
+    current = reference%volume(p)
     hoop = 1
     if (is_nlgeom) then
-      F = IDENTITY + matmul(u(:, :rest%n), transpose(rest%gradient(:, :rest%n, p)))
-      if (entry%family == FAMILY_AXISYMMETRIC) F(3, 3) = 1 + dot_product(u(1, :rest%n), rest%hoop(:rest%n, p))
+      F = IDENTITY + matmul(u(:, :reference%n), transpose(reference%gradient(:, :reference%n, p)))
+      if (entry%family == FAMILY_AXISYMMETRIC) F(3, 3) = 1 + dot_product(u(1, :reference%n), reference%hoop(:reference%n, p))
       hoop = F(3, 3)
       call invert(F, inverse, det)
       current = det * current
     end if
     B = 0
-    do a = 1, rest%n
-      g = matmul(rest%gradient(:, a, p), inverse)
-      B(:, 3 * a - 2) = [g(1), 0.0_DP, rest%hoop(a, p) / hoop, g(2), 0.0_DP, g(3)]
+    do a = 1, reference%n
+      g = matmul(reference%gradient(:, a, p), inverse)
+      B(:, 3 * a - 2) = [g(1), 0.0_DP, reference%hoop(a, p) / hoop, g(2), 0.0_DP, g(3)]
       B(:, 3 * a - 1) = [0.0_DP, g(2), 0.0_DP, g(1), g(3), 0.0_DP]
       B(:, 3 * a) = [0.0_DP, 0.0_DP, g(3), 0.0_DP, g(2), g(1)]
     end do
-  end subroutine strains_of
+  end subroutine set_strain_matrix
 
 
   !> Replaces the change of volume of each point by its mean over the current volume.
-  pure subroutine take_mean_dilatation(rest, current, B)
-    type(rest_type), intent(in) :: rest
+  pure subroutine apply_mean_dilatation(reference, current, B)
+    type(reference_geometry_type), intent(in) :: reference
     real(DP), intent(in) :: current(:)             !< (points) [length^3]
     real(DP), intent(inout) :: B(:, :, :)          !< (6, 3 nodes, points) [1/length]
     real(DP) :: mean(size(B, 2)), change(size(B, 2))
     integer :: p, i
     mean = 0
-    do p = 1, rest%m
-      mean = mean + current(p) / sum(current(:rest%m)) * (B(1, :, p) + B(2, :, p) + B(3, :, p))
+    do p = 1, reference%m
+      mean = mean + current(p) / sum(current(:reference%m)) * (B(1, :, p) + B(2, :, p) + B(3, :, p))
     end do
-    do p = 1, rest%m
+    do p = 1, reference%m
       change = (mean - (B(1, :, p) + B(2, :, p) + B(3, :, p))) / 3
       do i = 1, 3
         B(i, :, p) = B(i, :, p) + change
       end do
     end do
-  end subroutine take_mean_dilatation
+  end subroutine apply_mean_dilatation
 
 end module amontons_unsymmetric_tangent

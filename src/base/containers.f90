@@ -2,10 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_containers
   use amontons_kinds, only: NAME_LENGTH, I64
-  use amontons_text, only: squeezed
+  use amontons_text, only: name_key
   implicit none
   private
-  public :: name_table_type, label_table_type, integer_list_type, sort_integers, letters_apart
+  public :: name_table_type, label_table_type, integer_list_type, sort_integers, edit_distance
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
 
@@ -17,9 +17,9 @@ module amontons_containers
   contains
     procedure :: add => add_name
     procedure :: find => find_name
-    procedure :: hint => hint_at_names
-    procedure, private :: slot_of
-    procedure, private :: enlarge
+    procedure :: suggest => suggest_names
+    procedure, private :: find_slot
+    procedure, private :: double_slots
   end type name_table_type
 
   !> Labels (positive numbers of the user) to indices 1 to n: a direct table where they lie dense, else a sorted list.
@@ -57,8 +57,8 @@ contains
       allocate (self%slots(64), source=0)
       allocate (self%keys(32))
     end if
-    key = squeezed(name)
-    slot = self%slot_of(key)
+    key = name_key(name)
+    slot = self%find_slot(key)
     position = self%slots(slot)
     is_new = position == 0
     if (.not. is_new) return
@@ -71,7 +71,7 @@ contains
     position = self%n
     self%keys(position) = key
     self%slots(slot) = position
-    if (2 * self%n > size(self%slots)) call self%enlarge()
+    if (2 * self%n > size(self%slots)) call self%double_slots()
   end subroutine add_name
 
 
@@ -83,28 +83,28 @@ contains
     character(KEY_LENGTH) :: key
     position = 0
     if (.not. allocated(self%slots)) return
-    key = squeezed(name)
-    position = self%slots(self%slot_of(key))
+    key = name_key(name)
+    position = self%slots(self%find_slot(key))
   end function find_name
 
 
   !> How a sentence about a name that is not known ends: with the name that was meant, all names if they are few, or a full stop.
-  function hint_at_names(self, name) result(text)
+  function suggest_names(self, name) result(text)
     class(name_table_type), intent(in) :: self
     character(*), intent(in) :: name
     character(:), allocatable :: text
-    integer, parameter :: FEW = 5
+    integer, parameter :: MAX_LISTED_NAMES = 5
     character(:), allocatable :: word
-    integer :: i, best, least, apart
+    integer :: i, best, least, distance
     text = '.'
-    word = squeezed(name)
+    word = name_key(name)
     if (word == '') return
     least = 1 + max(1, len_trim(word) / 3)
     best = 0
     do i = 1, self%n
-      apart = letters_apart(trim(word), trim(self%keys(i)))
-      if (apart >= least) cycle
-      least = apart
+      distance = edit_distance(trim(word), trim(self%keys(i)))
+      if (distance >= least) cycle
+      least = distance
       best = i
     end do
     if (best > 0) then
@@ -113,19 +113,19 @@ contains
       text = '; the deck has none at all.'
     else if (self%n == 1) then
       text = '; there is only ' // trim(self%keys(1)) // '.'
-    else if (self%n <= FEW) then
+    else if (self%n <= MAX_LISTED_NAMES) then
       text = '; there are ' // trim(self%keys(1))
       do i = 2, self%n
         if (i < self%n) text = text // ', ' // trim(self%keys(i))
         if (i == self%n) text = text // ' and ' // trim(self%keys(i)) // '.'
       end do
     end if
-  end function hint_at_names
+  end function suggest_names
 
 
   !> How many letters are to be changed, put in, left out or exchanged with their neighbour to make one word of another
   !! (optimal string alignment).
-  pure integer function letters_apart(one, other) result(apart)
+  pure integer function edit_distance(one, other) result(distance)
     character(*), intent(in) :: one, other
     integer :: rows(0:len(other), 0:2)             ! of the last row but one, the last one, and this one
     integer :: i, j, change
@@ -142,12 +142,12 @@ contains
           rows(j, 2) = min(rows(j, 2), rows(max(j - 2, 0), 0) + 1)
       end do
     end do
-    apart = rows(len(other), 2)
-  end function letters_apart
+    distance = rows(len(other), 2)
+  end function edit_distance
 
 
   !> The slot that holds a key, or the free one where it belongs (FNV-1a hash, linear probing).
-  pure function slot_of(self, key) result(slot)
+  pure function find_slot(self, key) result(slot)
     class(name_table_type), intent(in) :: self
     character(KEY_LENGTH), intent(in) :: key
     integer :: slot, i
@@ -161,20 +161,20 @@ contains
       if (self%keys(self%slots(slot)) == key) return
       slot = 1 + modulo(slot, size(self%slots))
     end do
-  end function slot_of
+  end function find_slot
 
 
   !> Doubles the slots.
-  subroutine enlarge(self)
+  subroutine double_slots(self)
     class(name_table_type), intent(inout) :: self
     integer :: i, n_slots
     n_slots = 2 * size(self%slots)
     deallocate (self%slots)
     allocate (self%slots(n_slots), source=0)
     do i = 1, self%n
-      self%slots(self%slot_of(self%keys(i))) = i
+      self%slots(self%find_slot(self%keys(i))) = i
     end do
-  end subroutine enlarge
+  end subroutine double_slots
 
 
   !> Builds the table. A label that comes twice keeps its first index.

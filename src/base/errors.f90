@@ -3,11 +3,11 @@
 module amontons_errors
   implicit none
   private
-  public :: error_type, complaint_type, complaints_type, set_error
-  public :: EXIT_DONE, EXIT_USAGE, EXIT_DECK, EXIT_SETUP, EXIT_NOT_CONVERGED, EXIT_SOLVER, EXIT_IO, EXIT_INTERNAL
+  public :: error_type, diagnostic_type, diagnostic_list_type, set_error
+  public :: EXIT_SUCCESS, EXIT_USAGE, EXIT_DECK, EXIT_SETUP, EXIT_NOT_CONVERGED, EXIT_SOLVER, EXIT_IO, EXIT_INTERNAL
 
   ! The exit codes of the program and the status codes of the library.
-  integer, parameter :: EXIT_DONE = 0            !< all steps done
+  integer, parameter :: EXIT_SUCCESS = 0            !< all steps done
   integer, parameter :: EXIT_USAGE = 2           !< wrong command line
   integer, parameter :: EXIT_DECK = 3            !< the deck has errors
   integer, parameter :: EXIT_SETUP = 4           !< the model cannot stand: found by the audit before the first step
@@ -23,23 +23,23 @@ module amontons_errors
   end type error_type
 
   !> One remark of the reader about one card.
-  type :: complaint_type
+  type :: diagnostic_type
     logical :: is_warning = .false.              !< .true.: the job may run
     character(:), allocatable :: file            !< file in which the card stands
     integer :: line = 0                          !< its line there, counted from 1; 0 if none
     character(:), allocatable :: card            !< the line as written
     character(:), allocatable :: text            !< what is wrong and what is allowed
-  end type complaint_type
+  end type diagnostic_type
 
   !> All remarks of the reader, in the order found.
-  type :: complaints_type
-    type(complaint_type), allocatable :: items(:)
+  type :: diagnostic_list_type
+    type(diagnostic_type), allocatable :: items(:)
     integer :: n_items = 0
     integer :: n_errors = 0
     integer :: n_warnings = 0
   contains
-    procedure :: add => add_complaint
-  end type complaints_type
+    procedure :: add => add_diagnostic
+  end type diagnostic_list_type
 
 contains
 
@@ -55,14 +55,14 @@ contains
 
 
   !> Adds a remark to the list. Cost: amortised constant.
-  subroutine add_complaint(self, file, line, card, text, is_warning)
-    class(complaints_type), intent(inout) :: self
+  subroutine add_diagnostic(self, file, line, card, text, is_warning)
+    class(diagnostic_list_type), intent(inout) :: self
     character(*), intent(in) :: file              !< file in which the card stands
     integer, intent(in) :: line                   !< line counted from 1; 0 if none
     character(*), intent(in) :: card              !< the line as written
     character(*), intent(in) :: text              !< what is wrong and what is allowed
     logical, intent(in), optional :: is_warning   !< default .false.: an error
-    type(complaint_type), allocatable :: larger(:)
+    type(diagnostic_type), allocatable :: larger(:)
     if (.not. allocated(self%items)) allocate (self%items(16))
     if (self%n_items == size(self%items)) then
       allocate (larger(2 * self%n_items))
@@ -82,6 +82,6 @@ contains
         self%n_errors = self%n_errors + 1
       end if
     end associate
-  end subroutine add_complaint
+  end subroutine add_diagnostic
 
 end module amontons_errors

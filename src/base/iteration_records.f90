@@ -5,7 +5,7 @@ module amontons_iteration_records
   implicit none
   private
   public :: iteration_record_type, increment_record_type
-  public :: STORY_LENGTH
+  public :: REPORT_LINE_LENGTH
   public :: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV, PHASE_OUTPUT, PHASE_OTHER, N_PHASES, PHASE_NAMES
 
   integer, parameter :: PHASE_ASSEMBLY = 1, PHASE_CONTACT = 2, PHASE_FACTOR = 3, PHASE_KRYLOV = 4, PHASE_OUTPUT = 5, &
@@ -13,7 +13,7 @@ module amontons_iteration_records
   character(12), parameter :: PHASE_NAMES(N_PHASES) = &
     [character(12) :: 'assembly', 'contact', 'factor', 'krylov', 'output', 'other']
 
-  integer, parameter :: STORY_LENGTH = 160     !< of a line of a story
+  integer, parameter :: REPORT_LINE_LENGTH = 160     !< of a line of a story
 
   !> One Newton iteration (a row of .cvg).
   type :: iteration_record_type
@@ -23,12 +23,12 @@ module amontons_iteration_records
     real(DP) :: correction = 0                 !< largest correction over the largest increment of displacement [-]
     integer :: n_status(0:2) = 0               !< slave nodes open, stick, slip
     integer :: n_scenario(4) = 0               !< slave nodes in scenario I to IV
-    integer :: n_balanced = 0                  !< slave nodes that slip in balance: all friction used up, nothing left over
-    integer :: n_opened = 0, n_closed_now = 0  !< slave nodes that opened and that closed in this iteration
+    integer :: n_slip_converged = 0                  !< slave nodes that slip in balance: all friction used up, nothing left over
+    integer :: n_newly_opened = 0, n_newly_closed = 0  !< slave nodes that opened and that closed in this iteration
     real(DP) :: step_length = 1                !< of the line search (mean of the nodes for NODAL) [-]
     integer :: n_krylov = 0                    !< Krylov iterations
-    integer :: n_rounds = 0                    !< corrections of the direction with the bulk linearised (settle)
-    real(DP) :: worst_gap = 0                  !< largest penetration or opening of a closed node [length]
+    integer :: n_subproblem_iterations = 0                    !< corrections of the direction with the bulk linearised (settle)
+    real(DP) :: max_gap_error = 0                  !< largest penetration or opening of a closed node [length]
   end type iteration_record_type
 
   !> One attempt at an increment (a row of .sta and of the history tables).
@@ -56,17 +56,18 @@ module amontons_iteration_records
     real(DP) :: external_work = 0              !< of loads and prescribed displacements since the start [energy]
     real(DP) :: friction_work = 0              !< dissipated since the start [energy]
     real(DP) :: plastic_work = 0               !< of plastic and creep strains since the start [energy]
-    integer :: n_cycles = 0                    !< cycles of slave nodes that were acted on
-    integer :: n_unforeseen = 0                !< slave nodes whose status at the end was not that after the first iteration
-    integer :: n_carried = 0                   !< iterations in which bodies that nothing held were carried
-    integer :: n_snapped = 0                   !< of them, those on the way from one balance to another
-    real(DP) :: carried_now = 0                !< work that this took in this increment [energy]
-    real(DP) :: carried_work = 0               !< taken while bodies that nothing held were carried, since the start [energy]
-    real(DP) :: damped_work = 0                !< dissipated by the damping of STABILIZE since the start [energy]
+    integer :: n_cycles_treated = 0                    !< cycles of slave nodes that were acted on
+    integer :: n_status_changes = 0                !< slave nodes whose status at the end was not that after the first iteration
+    integer :: n_proximal = 0                   !< iterations in which bodies that nothing held were carried
+    integer :: n_snap_through = 0                   !< of them, those on the way from one balance to another
+    real(DP) :: proximal_work_increment = 0                !< work that this took in this increment [energy]
+    real(DP) :: proximal_work = 0               !< taken while bodies that nothing held were carried, since the start [energy]
+    real(DP) :: stabilization_work = 0                !< dissipated by the damping of STABILIZE since the start [energy]
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored by compliant laws of contact [energy]
     character(:), allocatable :: reason        !< why the attempt failed; empty if it converged
-    character(STORY_LENGTH), allocatable :: story(:)   !< of a failed attempt: worst nodes and a remedy; who left its master
+    character(REPORT_LINE_LENGTH), allocatable :: report_lines(:)   !< of a failed attempt: worst nodes and a remedy; who left its
+                                                                    !! master
   end type increment_record_type
 
 end module amontons_iteration_records

@@ -6,18 +6,18 @@ module amontons_posix
   use amontons_errors, only: error_type, set_error, EXIT_IO
   implicit none
   private
-  public :: write_whole_file, sync_file, cut_file, checksum_of_words, checksum_of_text, reason_of
-  public :: has_memory, available_megabytes, whole_megabytes, peak_megabytes, watch_signals, stop_signal, &
-    is_status_asked, watch_end, begin_again
-  public :: turn_type, take_turn, leave_turn, resume_turn
+  public :: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text
+  public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
+    is_status_requested, set_exit_handler, restart_passive_threads
+  public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
 
   !> The turn of a thread to deal with words (posix_shim.c tells why): a procedure that has taken it gives it back at its end.
-  type :: turn_type
+  type :: process_lock_type
     private
-    logical :: is_taken = .false.
+    logical :: is_locked = .false.
   contains
-    final :: give_back
-  end type turn_type
+    final :: release_lock
+  end type process_lock_type
 
   interface
     function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
@@ -34,18 +34,18 @@ module amontons_posix
       integer(c_int) :: status
     end function sync_file_c
 
-    function cut_file_c(path, length) bind(C, name='amontons_cut_file') result(status)
+    function truncate_file_c(path, length) bind(C, name='amontons_cut_file') result(status)
       import :: c_char, c_int, c_int64_t
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int64_t), value :: length
       integer(c_int) :: status
-    end function cut_file_c
+    end function truncate_file_c
 
-    subroutine reason_c(number, text, room) bind(C, name='amontons_reason')
+    subroutine errno_text_c(number, text, buffer_length) bind(C, name='amontons_reason')
       import :: c_char, c_int
-      integer(c_int), value :: number, room
+      integer(c_int), value :: number, buffer_length
       character(kind=c_char), intent(out) :: text(*)
-    end subroutine reason_c
+    end subroutine errno_text_c
 
     pure function checksum_words_c(words, n_bytes) bind(C, name='amontons_checksum') result(sum)
       import :: c_int64_t
@@ -54,42 +54,42 @@ module amontons_posix
       integer(c_int64_t) :: sum
     end function checksum_words_c
 
-    subroutine take_turn_c() bind(C, name='amontons_take_turn')
-    end subroutine take_turn_c
+    subroutine acquire_lock_c() bind(C, name='amontons_take_turn')
+    end subroutine acquire_lock_c
 
-    subroutine end_turn_c() bind(C, name='amontons_end_turn')
-    end subroutine end_turn_c
+    subroutine release_lock_c() bind(C, name='amontons_end_turn')
+    end subroutine release_lock_c
 
-    !> Gives the turn away while something without words takes its time; the number is for resume_turn.
-    function leave_turn() bind(C, name='amontons_leave_turn') result(before)
+    !> Gives the turn away while something without words takes its time; the number is for resume_lock.
+    function suspend_lock() bind(C, name='amontons_leave_turn') result(before)
       import :: c_int
       integer(c_int) :: before
-    end function leave_turn
+    end function suspend_lock
 
     !> Takes it again, if it was there.
-    subroutine resume_turn(before) bind(C, name='amontons_resume_turn')
+    subroutine resume_lock(before) bind(C, name='amontons_resume_turn')
       import :: c_int
       integer(c_int), value :: before
-    end subroutine resume_turn
+    end subroutine resume_lock
 
     !> Starts the program again with threads that soon sleep when they wait; see posix_shim.c. For the main program only.
-    subroutine begin_again() bind(C, name='amontons_begin_again')
-    end subroutine begin_again
+    subroutine restart_passive_threads() bind(C, name='amontons_begin_again')
+    end subroutine restart_passive_threads
 
     !> SIGINT, SIGTERM and SIGUSR1 are noted from now on. For the main program only.
-    subroutine watch_signals() bind(C, name='amontons_watch_signals')
-    end subroutine watch_signals
+    subroutine install_signal_handlers() bind(C, name='amontons_watch_signals')
+    end subroutine install_signal_handlers
 
     !> The number of the signal that asked for a stop; 0: none, or nobody watches.
-    function stop_signal() bind(C, name='amontons_stop_signal') result(number)
+    function pending_stop_signal() bind(C, name='amontons_stop_signal') result(number)
       import :: c_int
       integer(c_int) :: number
-    end function stop_signal
+    end function pending_stop_signal
 
-    function status_asked_c() bind(C, name='amontons_status_asked') result(asked)
+    function status_requested_c() bind(C, name='amontons_status_asked') result(asked)
       import :: c_int
       integer(c_int) :: asked
-    end function status_asked_c
+    end function status_requested_c
 
     function has_memory_c(n_bytes) bind(C, name='amontons_has_memory') result(has)
       import :: c_int, c_int64_t
@@ -104,10 +104,10 @@ module amontons_posix
     end function available_megabytes
 
     !> Megabytes that the machine and the limits allow the process in all, whatever others have.
-    function whole_megabytes() bind(C, name='amontons_whole_megabytes') result(megabytes)
+    function total_megabytes() bind(C, name='amontons_whole_megabytes') result(megabytes)
       import :: c_double
       real(c_double) :: megabytes
-    end function whole_megabytes
+    end function total_megabytes
 
     !> The most memory that the process has had in the machine so far [megabytes].
     function peak_megabytes() bind(C, name='amontons_peak_megabytes') result(megabytes)
@@ -115,10 +115,10 @@ module amontons_posix
       real(c_double) :: megabytes
     end function peak_megabytes
 
-    subroutine watch_end_c(is_on) bind(C, name='amontons_watch_end')
+    subroutine set_exit_handler_c(is_on) bind(C, name='amontons_watch_end')
       import :: c_int
       integer(c_int), value :: is_on
-    end subroutine watch_end_c
+    end subroutine set_exit_handler_c
   end interface
 
 contains
@@ -129,7 +129,7 @@ contains
     character(*), intent(in) :: path
     integer(I64), intent(in) :: words(:)             !< contents
     type(error_type), allocatable, intent(out) :: error
-    call judge('write', path, write_whole_c(path // c_null_char, path // '.new' // c_null_char, words, &
+    call set_posix_error('write', path, write_whole_c(path // c_null_char, path // '.new' // c_null_char, words, &
       8_I64 * size(words, kind=I64)), error)
   end subroutine write_whole_file
 
@@ -138,24 +138,24 @@ contains
   subroutine sync_file(path, error)
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
-    call judge('bring to disk', path, sync_file_c(path // c_null_char), error)
+    call set_posix_error('bring to disk', path, sync_file_c(path // c_null_char), error)
   end subroutine sync_file
 
 
   !> Cuts a file off at a length. Errors: it is not there, or shorter.
-  subroutine cut_file(path, length, error)
+  subroutine truncate_file(path, length, error)
     character(*), intent(in) :: path
     integer(I64), intent(in) :: length               !< [bytes]
     type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: TOO_SHORT = 22             ! EINVAL
+    integer, parameter :: ERRNO_INVALID = 22             ! EINVAL
     integer :: status
-    status = cut_file_c(path // c_null_char, length)
-    if (status == TOO_SHORT) then
+    status = truncate_file_c(path // c_null_char, length)
+    if (status == ERRNO_INVALID) then
       call set_error(error, EXIT_IO, 'The file ' // path // ' is shorter than it was when the checkpoint was written.')
     else
-      call judge('cut off', path, status, error)
+      call set_posix_error('cut off', path, status, error)
     end if
-  end subroutine cut_file
+  end subroutine truncate_file
 
 
   !> A number that changes if any of the words changes or moves.
@@ -175,19 +175,19 @@ contains
 
 
   !> What the operating system says of an error number, e.g. 'No space left on device'.
-  function reason_of(number) result(text)
+  function errno_text(number) result(text)
     integer, intent(in) :: number                    !< errno
     character(:), allocatable :: text
     character(256) :: buffer
-    call reason_c(number, buffer, len(buffer))
+    call errno_text_c(number, buffer, len(buffer))
     text = buffer(:index(buffer, c_null_char) - 1)
-  end function reason_of
+  end function errno_text
 
 
   !> Whether SIGUSR1 has come since the last call.
-  logical function is_status_asked()
-    is_status_asked = status_asked_c() /= 0
-  end function is_status_asked
+  logical function is_status_requested()
+    is_status_requested = status_requested_c() /= 0
+  end function is_status_requested
 
 
   !> Whether so much memory can be had at once.
@@ -199,37 +199,37 @@ contains
 
   !> From now on an end of the process that is not ours gives an exit code of ours and a line that starts with *ERROR;
   !! .false. says that the end that comes is ours. For the main program only.
-  subroutine watch_end(is_on)
+  subroutine set_exit_handler(is_on)
     logical, intent(in) :: is_on
-    call watch_end_c(merge(1_c_int, 0_c_int, is_on))
-  end subroutine watch_end
+    call set_exit_handler_c(merge(1_c_int, 0_c_int, is_on))
+  end subroutine set_exit_handler
 
 
   !> Makes an error of an error number.
-  subroutine judge(doing, path, status, error)
+  subroutine set_posix_error(doing, path, status, error)
     character(*), intent(in) :: doing                !< e.g. 'write'
     character(*), intent(in) :: path
     integer, intent(in) :: status                    !< errno; 0: all is well
     type(error_type), allocatable, intent(out) :: error
     if (status /= 0) call set_error(error, EXIT_IO, 'Cannot ' // doing // ' the file ' // path // ': ' // &
-      reason_of(status) // '.')
-  end subroutine judge
+      errno_text(status) // '.')
+  end subroutine set_posix_error
 
 
   !> Waits for the turn; it ends with the procedure to which the variable belongs.
-  subroutine take_turn(turn)
-    type(turn_type), intent(inout) :: turn
-    if (turn%is_taken) return
-    call take_turn_c()
-    turn%is_taken = .true.
-  end subroutine take_turn
+  subroutine acquire_lock(turn)
+    type(process_lock_type), intent(inout) :: turn
+    if (turn%is_locked) return
+    call acquire_lock_c()
+    turn%is_locked = .true.
+  end subroutine acquire_lock
 
 
   !> The turn of a variable that ceases to be.
-  subroutine give_back(turn)
-    type(turn_type), intent(inout) :: turn
-    if (turn%is_taken) call end_turn_c()
-    turn%is_taken = .false.
-  end subroutine give_back
+  subroutine release_lock(turn)
+    type(process_lock_type), intent(inout) :: turn
+    if (turn%is_locked) call release_lock_c()
+    turn%is_locked = .false.
+  end subroutine release_lock
 
 end module amontons_posix

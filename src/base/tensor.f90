@@ -7,7 +7,7 @@ module amontons_tensor
   implicit none
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
-  public :: cross_product, outer, determinant, determinant_minus_one, invert, trace
+  public :: cross_product, outer_product, determinant, determinant_minus_one, invert, trace
   public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -142,8 +142,8 @@ contains
     d = d * (1 / max(scale, tiny(scale)))
     v = isolated_eigenvector(d)
     call complete_basis(v, u, w)
-    au = times_vector(d, u)
-    aw = times_vector(d, w)
+    au = multiply_voigt_vector(d, u)
+    aw = multiply_voigt_vector(d, w)
     t = jacobi_tangent(dot_product(u, au), dot_product(u, aw), dot_product(w, aw))
     c = 1 / sqrt(1 + t * t)
     s = t * c
@@ -152,7 +152,7 @@ contains
     vectors(:, 3) = v
     values(1) = mean + scale * (dot_product(u, au) - t * dot_product(u, aw))
     values(2) = mean + scale * (dot_product(w, aw) + t * dot_product(u, aw))
-    values(3) = mean + scale * dot_product(v, times_vector(d, v))
+    values(3) = mean + scale * dot_product(v, multiply_voigt_vector(d, v))
   end subroutine symmetric_eigen
 
 
@@ -210,13 +210,13 @@ contains
 
 
   !> The product of a symmetric matrix in Voigt form and a vector.
-  pure function times_vector(m, x) result(y)
+  pure function multiply_voigt_vector(m, x) result(y)
     real(DP), intent(in) :: m(6), x(3)
     real(DP) :: y(3)
     y(1) = m(1) * x(1) + m(4) * x(2) + m(6) * x(3)
     y(2) = m(4) * x(1) + m(2) * x(2) + m(5) * x(3)
     y(3) = m(6) * x(1) + m(5) * x(2) + m(3) * x(3)
-  end function times_vector
+  end function multiply_voigt_vector
 
 
   !> The tangent of the Jacobi rotation that makes ((a, b), (b, c)) diagonal; the smaller angle of the two.
@@ -231,13 +231,13 @@ contains
 
 
   !> a b'.
-  pure function outer(a, b) result(c)
+  pure function outer_product(a, b) result(c)
     real(DP), intent(in) :: a(3), b(3)
     real(DP) :: c(3, 3)
     integer :: k
     do k = 1, 3
       c(:, k) = a * b(k)
     end do
-  end function outer
+  end function outer_product
 
 end module amontons_tensor

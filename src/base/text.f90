@@ -11,36 +11,37 @@ module amontons_text
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
   implicit none
   private
-  public :: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, is_blank
-  public :: parse_integer, parse_real, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
+  public :: upper_case, name_key, is_one_of, nth_word, count_words, to_text, joined_words, plural, is_blank
+  public :: parse_integer, parse_real, NUMBER_OK, NUMBER_EMPTY, NUMBER_INVALID, NUMBER_NOT_FINITE
   public :: BLANK_CHARACTERS, NEWLINE
-  public :: rows_as_text
-  public :: read_plain, read_beside
+  public :: format_value_rows
+  public :: read_text_file, read_relative_file
 
   integer, parameter :: NUMBER_OK = 0            !< a number
   integer, parameter :: NUMBER_EMPTY = 1         !< nothing but blanks
-  integer, parameter :: NUMBER_BAD = 2           !< not a number of the kind asked for, or too large an integer
+  integer, parameter :: NUMBER_INVALID = 2           !< not a number of the kind asked for, or too large an integer
   integer, parameter :: NUMBER_NOT_FINITE = 3    !< NaN, infinity, or 1e301 and more
 
   character(1), parameter :: NEWLINE = achar(10)
   character(3), parameter :: BLANK_CHARACTERS = ' ' // achar(9) // achar(13)   !< blank, tab, carriage return
 
   integer, parameter :: MAX_DECIMAL_EXPONENT = 301     !< 1e301 and more is refused
-  integer, parameter :: EXACT_DIVISOR = 18             !< 10**18 is the largest power of ten in a 64-bit integer
-  integer(I64), parameter :: LONG_POWERS(0:EXACT_DIVISOR) = [1_I64, 10_I64, 100_I64, 1000_I64, 10000_I64, 100000_I64, &
+  integer, parameter :: MAX_INTEGER_POWER = 18             !< 10**18 is the largest power of ten in a 64-bit integer
+  integer(I64), parameter :: INTEGER_POWERS_OF_TEN(0:MAX_INTEGER_POWER) = [1_I64, 10_I64, 100_I64, 1000_I64, 10000_I64, &
+    100000_I64, &
     1000000_I64, 10000000_I64, 100000000_I64, 1000000000_I64, 10000000000_I64, 100000000000_I64, 1000000000000_I64, &
     10000000000000_I64, 100000000000000_I64, 1000000000000000_I64, 10000000000000000_I64, 100000000000000000_I64, &
     1000000000000000000_I64]
-  integer, parameter :: EXACT_POWER = 22               !< 10**22 is the largest exact power of ten in double precision
-  integer(I64), parameter :: EXACT_MANTISSA = 9007199254740992_I64   !< 2**53
-  real(DP), parameter :: POWERS(0:EXACT_POWER) = [1.0e0_DP, 1.0e1_DP, 1.0e2_DP, 1.0e3_DP, 1.0e4_DP, 1.0e5_DP, &
+  integer, parameter :: MAX_EXACT_POWER = 22               !< 10**22 is the largest exact power of ten in double precision
+  integer(I64), parameter :: MAX_EXACT_MANTISSA = 9007199254740992_I64   !< 2**53
+  real(DP), parameter :: REAL_POWERS_OF_TEN(0:MAX_EXACT_POWER) = [1.0e0_DP, 1.0e1_DP, 1.0e2_DP, 1.0e3_DP, 1.0e4_DP, 1.0e5_DP, &
     1.0e6_DP, 1.0e7_DP, 1.0e8_DP, 1.0e9_DP, 1.0e10_DP, 1.0e11_DP, 1.0e12_DP, 1.0e13_DP, 1.0e14_DP, 1.0e15_DP, &
     1.0e16_DP, 1.0e17_DP, 1.0e18_DP, 1.0e19_DP, 1.0e20_DP, 1.0e21_DP, 1.0e22_DP]
 
   !> A number as text for a message.
-  interface text_of
+  interface to_text
     module procedure text_of_integer, text_of_long, text_of_real
-  end interface text_of
+  end interface to_text
 
   interface
     subroutine put_rows(labels, values, width, n, text) bind(C, name='amontons_put_rows')
@@ -52,9 +53,9 @@ module amontons_text
     end subroutine put_rows
   end interface
 
-  integer(I64), parameter :: BLOCK = 16777216_I64   !< bytes read at once
-  character(2), parameter :: LITTLE_END = char(255) // char(254), BIG_END = char(254) // char(255)   !< marks of UTF-16
-  character(3), parameter :: UTF_8 = char(239) // char(187) // char(191)   !< the mark of UTF-8
+  integer(I64), parameter :: READ_BLOCK_SIZE = 16777216_I64   !< bytes read at once
+  character(2), parameter :: BOM_UTF16_LE = char(255) // char(254), BOM_UTF16_BE = char(254) // char(255)   !< marks of UTF-16
+  character(3), parameter :: BOM_UTF8 = char(239) // char(187) // char(191)   !< the mark of UTF-8
 
 contains
 
@@ -74,7 +75,7 @@ contains
 
 
   !> The text in upper case without any blank or quotation mark: how names and keywords are compared.
-  pure function squeezed(string) result(key)
+  pure function name_key(string) result(key)
     character(*), intent(in) :: string
     character(:), allocatable :: key
     character(len(string)) :: kept
@@ -86,7 +87,7 @@ contains
       kept(n:n) = string(i:i)
     end do
     key = upper_case(kept(:n))
-  end function squeezed
+  end function name_key
 
 
   !> The number of words in a list 'A|B|C'; 0 if it is empty.
@@ -129,7 +130,7 @@ contains
     integer :: i
     is_member = .true.
     do i = 1, count_words(list)
-      if (squeezed(nth_word(list, i)) == squeezed(word)) return
+      if (name_key(nth_word(list, i)) == name_key(word)) return
     end do
     is_member = .false.
   end function is_one_of
@@ -158,7 +159,7 @@ contains
     integer, intent(in) :: n
     character(*), intent(in) :: noun             !< in the singular, with a regular plural
     character(:), allocatable :: text
-    text = text_of(n) // ' ' // noun
+    text = to_text(n) // ' ' // noun
     if (n /= 1) text = text // 's'
   end function plural
 
@@ -195,18 +196,18 @@ contains
       text = '0'
     else if (abs(value) >= 1.0e-3_DP .and. abs(value) < 1.0e6_DP) then
       write (buffer, '(f16.6)') value
-      text = without_zeros(trim(adjustl(buffer)))
+      text = strip_trailing_zeros(trim(adjustl(buffer)))
     else
       write (buffer, '(es24.5e3)') value
       buffer = adjustl(buffer)
       power = index(buffer, 'E')
-      text = without_zeros(buffer(:power - 1)) // 'E' // short_exponent(buffer(power + 1:))
+      text = strip_trailing_zeros(buffer(:power - 1)) // 'E' // shorten_exponent(buffer(power + 1:))
     end if
   end function text_of_real
 
 
   !> 1.50000 becomes 1.5 and 3.0000 becomes 3.
-  pure function without_zeros(digits) result(text)
+  pure function strip_trailing_zeros(digits) result(text)
     character(*), intent(in) :: digits           !< with a decimal point
     character(:), allocatable :: text
     integer :: n
@@ -214,17 +215,17 @@ contains
     if (digits(n:n) == '.') n = n - 1
     text = digits(:n)
     if (text == '' .or. text == '-') text = '0'
-  end function without_zeros
+  end function strip_trailing_zeros
 
 
   !> +007 becomes 7 and -006 becomes -6.
-  pure function short_exponent(digits) result(text)
+  pure function shorten_exponent(digits) result(text)
     character(*), intent(in) :: digits           !< sign and three digits
     character(:), allocatable :: text
     integer :: power
     read (digits, '(i5)') power
     text = text_of_integer(power)
-  end function short_exponent
+  end function shorten_exponent
 
 
   !> Reads an integer: blanks around it are allowed, nothing else.
@@ -238,7 +239,7 @@ contains
     call trim_bounds(field, first, last)
     status = NUMBER_EMPTY
     if (first > last) return
-    status = NUMBER_BAD
+    status = NUMBER_INVALID
     i = first
     if (field(i:i) == '+' .or. field(i:i) == '-') i = i + 1
     if (i > last) return
@@ -275,7 +276,7 @@ contains
     call scan_mantissa(field(first:last), mark, mantissa, power, n_digits, is_exact)
     call scan_exponent(field(first + mark - 1:last), power, magnitude, n_digits, status)
     if (status /= NUMBER_OK) then
-      if (is_word_not_finite(field(first:last))) status = NUMBER_NOT_FINITE
+      if (is_nonfinite_word(field(first:last))) status = NUMBER_NOT_FINITE
       return
     end if
     if (mantissa == 0) return
@@ -283,23 +284,23 @@ contains
       status = NUMBER_NOT_FINITE
     else if (magnitude < -MAX_DECIMAL_EXPONENT) then
       return                                     ! too small to matter: zero
-    else if (is_exact .and. mantissa <= EXACT_MANTISSA .and. abs(power) <= EXACT_POWER) then
+    else if (is_exact .and. mantissa <= MAX_EXACT_MANTISSA .and. abs(power) <= MAX_EXACT_POWER) then
       value = real(mantissa, DP)
-      if (power < 0) value = value / POWERS(-power)
-      if (power > 0) value = value * POWERS(power)
+      if (power < 0) value = value / REAL_POWERS_OF_TEN(-power)
+      if (power > 0) value = value * REAL_POWERS_OF_TEN(power)
       if (field(first:first) == '-') value = -value
-    else if (is_exact .and. power <= 0 .and. power >= -EXACT_DIVISOR) then
-      value = quotient(mantissa, LONG_POWERS(-power))
+    else if (is_exact .and. power <= 0 .and. power >= -MAX_INTEGER_POWER) then
+      value = rounded_quotient(mantissa, INTEGER_POWERS_OF_TEN(-power))
       if (field(first:first) == '-') value = -value
     else
-      call read_by_library(field(first:last), mark, value, status)
+      call read_by_runtime(field(first:last), mark, value, status)
     end if
   end subroutine parse_real
 
 
   !> A quotient of integers, correctly rounded: long division, some bits at a time, until all bits of a real, a rounding
   !! bit and one more are there; a remainder that is left sets the last bit, so that no tie is taken for one.
-  pure function quotient(numerator, divisor) result(value)
+  pure function rounded_quotient(numerator, divisor) result(value)
     integer(I64), intent(in) :: numerator        !< positive
     integer(I64), intent(in) :: divisor          !< 1 to 10**18
     real(DP) :: value
@@ -309,7 +310,7 @@ contains
     rest = numerator - whole * divisor
     n_bits = min(8, leadz(divisor) - 1)          ! rest < divisor: rest * 2**n_bits does not overflow
     shift = 0
-    do while (whole < 2 * EXACT_MANTISSA)
+    do while (whole < 2 * MAX_EXACT_MANTISSA)
       rest = shiftl(rest, n_bits)
       whole = shiftl(whole, n_bits) + rest / divisor
       rest = modulo(rest, divisor)
@@ -317,7 +318,7 @@ contains
     end do
     if (rest /= 0) whole = ior(whole, 1_I64)
     value = scale(real(whole, DP), -shift)
-  end function quotient
+  end function rounded_quotient
 
 
   !> Gathers sign, digits and point.
@@ -363,9 +364,9 @@ contains
     integer, intent(inout) :: power              !< power of ten
     integer, intent(out) :: magnitude            !< upper bound of the decimal exponent
     integer, intent(in) :: n_digits              !< digits of the mantissa
-    integer, intent(out) :: status               !< NUMBER_OK or NUMBER_BAD
+    integer, intent(out) :: status               !< NUMBER_OK or NUMBER_INVALID
     integer :: exponent, start
-    status = NUMBER_BAD
+    status = NUMBER_INVALID
     magnitude = 0
     if (n_digits == 0) return
     exponent = 0
@@ -376,7 +377,7 @@ contains
       if (is_blank(field(len(field):)) .or. start > len(field)) return
       call parse_integer(field(start:), exponent, status)
       if (status /= NUMBER_OK .or. is_blank(field(start:start))) then
-        status = NUMBER_BAD
+        status = NUMBER_INVALID
         return
       end if
     end if
@@ -388,11 +389,11 @@ contains
 
 
   !> The slow, always correct way.
-  pure subroutine read_by_library(field, mark, value, status)
+  pure subroutine read_by_runtime(field, mark, value, status)
     character(*), intent(in) :: field            !< a number that has passed the scan
     integer, intent(in) :: mark                  !< where the exponent starts, or after the end
     real(DP), intent(out) :: value
-    integer, intent(out) :: status               !< NUMBER_OK or NUMBER_BAD
+    integer, intent(out) :: status               !< NUMBER_OK or NUMBER_INVALID
     character(len(field) + 1) :: standard
     character(16) :: form
     integer :: iostat
@@ -409,13 +410,13 @@ contains
     status = NUMBER_OK
     if (iostat /= 0) then
       value = 0
-      status = NUMBER_BAD
+      status = NUMBER_INVALID
     end if
-  end subroutine read_by_library
+  end subroutine read_by_runtime
 
 
   !> NaN, Inf, Infinity with or without a sign.
-  pure function is_word_not_finite(field) result(is_word)
+  pure function is_nonfinite_word(field) result(is_word)
     character(*), intent(in) :: field            !< without blanks around it
     logical :: is_word
     character(:), allocatable :: word
@@ -423,7 +424,7 @@ contains
     if (scan(word(1:1), '+-') == 1) word = word(2:)
     is_word = word == 'NAN' .or. word == 'INF' .or. word == 'INFINITY'
     if (len(word) >= 4) is_word = is_word .or. word(:4) == 'NAN('
-  end function is_word_not_finite
+  end function is_nonfinite_word
 
 
   !> Whether a character is a blank, a tab or a carriage return.
@@ -453,7 +454,7 @@ contains
 
   !> Rows of ' -1', a label in ten columns and values in twelve each, with an end of line between them. Values beyond 9.9e99 are cut
   !! off there, those below 1e-99 are 0: the exponent has two digits.
-  function rows_as_text(labels, values) result(text)
+  function format_value_rows(labels, values) result(text)
     integer, intent(in) :: labels(:)               !< (n) positive
     real(DP), intent(in) :: values(:, :)           !< (width, n) no NaN
     character(:), allocatable :: text
@@ -461,11 +462,11 @@ contains
     if (size(labels) == 0) return
     call put_rows(labels, values, size(values, 1), size(labels), text)
     text = text(:len(text) - 1)
-  end function rows_as_text
+  end function format_value_rows
 
 
   !> Reads a whole file.
-  subroutine read_plain(path, text, is_read)
+  subroutine read_text_file(path, text, is_read)
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: text
     logical, intent(out) :: is_read
@@ -484,8 +485,8 @@ contains
     end if
     close (unit, iostat=iostat)
     is_read = is_read .and. iostat == 0
-    if (is_read) call make_plain(text)
-  end subroutine read_plain
+    if (is_read) call normalize_encoding(text)
+  end subroutine read_text_file
 
 
   !> Reads a file whose size is known.
@@ -497,8 +498,8 @@ contains
     integer :: iostat
     integer(I64) :: first, last
     allocate (character(n) :: text)
-    do first = 1, n, BLOCK
-      last = min(n, first + BLOCK - 1)
+    do first = 1, n, READ_BLOCK_SIZE
+      last = min(n, first + READ_BLOCK_SIZE - 1)
       read (unit, iostat=iostat) text(first:last)
       if (iostat /= 0) exit
     end do
@@ -534,24 +535,24 @@ contains
 
 
   !> Single bytes without a mark, and lines that end with line ends.
-  pure subroutine make_plain(text)
+  pure subroutine normalize_encoding(text)
     character(:), allocatable, intent(inout) :: text
     integer(I64) :: i
     if (len(text) < 3) return
-    if (text(:3) == UTF_8) then
+    if (text(:3) == BOM_UTF8) then
       text = text(4:)
-    else if (text(:2) == LITTLE_END .or. text(:2) == BIG_END) then
-      text = single_bytes(text, merge(1_I64, 0_I64, text(:2) == BIG_END))
+    else if (text(:2) == BOM_UTF16_LE .or. text(:2) == BOM_UTF16_BE) then
+      text = decode_utf16(text, merge(1_I64, 0_I64, text(:2) == BOM_UTF16_BE))
     end if
     if (scan(text, NEWLINE) > 0) return
     do i = 1, len(text, I64)
       if (text(i:i) == achar(13)) text(i:i) = NEWLINE
     end do
-  end subroutine make_plain
+  end subroutine normalize_encoding
 
 
   !> UTF-16 behind its mark with one byte for each character; what is not ASCII becomes a question mark.
-  pure function single_bytes(text, low) result(plain)
+  pure function decode_utf16(text, low) result(plain)
     character(*), intent(in) :: text
     integer(I64), intent(in) :: low              !< place of the low byte in a pair: 0 or 1
     character(:), allocatable :: plain
@@ -562,11 +563,11 @@ contains
       plain(i:i) = text(2 * i + 1 + low:2 * i + 1 + low)
       if (iachar(text(2 * i + 2 - low:2 * i + 2 - low)) /= 0 .or. iachar(plain(i:i)) > 127) plain(i:i) = '?'
     end do
-  end function single_bytes
+  end function decode_utf16
 
 
   !> Reads a file named in another one: beside that one first, then as it stands.
-  subroutine read_beside(including, path, text, is_read)
+  subroutine read_relative_file(including, path, text, is_read)
     character(*), intent(in) :: including        !< path of the including file
     character(:), allocatable, intent(inout) :: path   !< as written; as opened on return
     character(:), allocatable, intent(out) :: text
@@ -575,13 +576,13 @@ contains
     is_read = .false.
     if (path(1:1) /= '/') then
       beside = including(:index(including, '/', back=.true.)) // path
-      call read_plain(beside, text, is_read)
+      call read_text_file(beside, text, is_read)
     end if
     if (is_read) then
       path = beside
     else
-      call read_plain(path, text, is_read)
+      call read_text_file(path, text, is_read)
     end if
-  end subroutine read_beside
+  end subroutine read_relative_file
 
 end module amontons_text

@@ -6,107 +6,108 @@ module amontons_boundary_conditions
   use amontons_loads, only: load_value
   use amontons_steps, only: step_type
   use amontons_mesh, only: mesh_extent
-  use amontons_model, only: model_type, direction_of
+  use amontons_model, only: model_type, dof_direction
   use amontons_state, only: fields_type
-  use amontons_user_state, only: ask_displacement
-  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, &
-    finish_constraints, ROW_CONFLICT
-  use amontons_nonlinear_mpc, only: add_bonds, hold_lone, TAG_SUPPORT
+  use amontons_user_state, only: evaluate_disp
+  use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
+    eliminate_constraints, ROW_CONFLICT
+  use amontons_nonlinear_mpc, only: add_nonlinear_mpcs, fix_unconnected_unknowns, TAG_PRESCRIBED
   implicit none
   private
-  public :: support_model
+  public :: build_base_constraints
 
-  real(DP), parameter :: ROUNDING = 1.0e-9_DP      !< of displacements, by which rows may miss each other [-]
-  real(DP), parameter :: SMALL = 0.1_DP            !< displacements are taken for no less than this part of the model [-]
+  real(DP), parameter :: TOL_ROW_CONFLICT = 1.0e-9_DP      !< of displacements, by which rows may miss each other [-]
+  real(DP), parameter :: MIN_DISPLACEMENT_SCALE = 0.1_DP            !< displacements are taken for no less than this part of the
+                                                                    !! model [-]
 
 contains
 
   !> The base constraints for what is still missing to the prescribed displacements at the time of `fields`.
-  subroutine support_model(base, model, step, fields, u_start, follower, is_lone, violation, error)
+  subroutine build_base_constraints(base, model, step, fields, u_start, midside_nodes, is_unconnected, violation, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields        !< displacements and times
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
-    integer, intent(in) :: follower(:, :)          !< (3, n) mid-side slave nodes and their corners
-    logical, intent(in) :: is_lone(:)              !< (3 n_nodes) of a node without elements
+    integer, intent(in) :: midside_nodes(:, :)          !< (3, n) mid-side slave nodes and their corners
+    logical, intent(in) :: is_unconnected(:)              !< (3 n_nodes) of a node without elements
     real(DP), intent(out) :: violation             !< largest of the bonds, over their size [-]
     type(error_type), allocatable, intent(out) :: error
     violation = 0.0_DP
-    call start_constraints(base, 3 * model%mesh%n_nodes)
-    call hold_idle(base, model, fields%u)
-    call add_supports(base, model, step, fields, u_start, error)
+    call reset_constraints(base, 3 * model%mesh%n_nodes)
+    call fix_unresisted_unknowns(base, model, fields%u)
+    call add_prescribed_displacements(base, model, step, fields, u_start, error)
     if (allocated(error)) return
     call add_equations(base, model, fields%u, error)
     if (allocated(error)) return
-    call add_bonds(base, model, fields%u, step%is_nlgeom, violation, error)
+    call add_nonlinear_mpcs(base, model, fields%u, step%is_nlgeom, violation, error)
     if (allocated(error)) return
-    call add_followers(base, follower, fields%u)
-    call hold_lone(base, is_lone, fields%u, u_start)
-    call finish_constraints(base)
-  end subroutine support_model
+    call add_midside_constraints(base, midside_nodes, fields%u)
+    call fix_unconnected_unknowns(base, is_unconnected, fields%u, u_start)
+    call eliminate_constraints(base)
+  end subroutine build_base_constraints
 
 
   !> The prescribed displacements; those of a transformed node are rows in its own directions.
-  subroutine add_supports(base, model, step, fields, u_start, error)
+  subroutine add_prescribed_displacements(base, model, step, fields, u_start, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
     real(DP), intent(in) :: u_start(:, :)
     type(error_type), allocatable, intent(out) :: error
-    type(row_type) :: row
-    real(DP) :: direction(3), lack
-    integer :: i, pass, verdict
+    type(constraint_row_type) :: row
+    real(DP) :: direction(3), residual
+    integer :: i, pass, row_status
     logical :: is_global
     do pass = 1, 2                                 ! what is fixed comes before all rows
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
-          direction = direction_of(model, load%node, load%dof)
+          direction = dof_direction(model, load%node, load%dof)
           is_global = direction(load%dof) >= 1.0_DP
           if (is_global .neqv. pass == 1) cycle
-          lack = prescribed_value(model, step, i, fields, dot_product(direction, u_start(:, load%node))) &
+          residual = prescribed_value(model, step, i, fields, dot_product(direction, u_start(:, load%node))) &
             - dot_product(direction, fields%u(:, load%node))
           if (is_global) then
-            call fix_unknown(base, 3 * (load%node - 1) + load%dof, lack)
+            call prescribe_unknown(base, 3 * (load%node - 1) + load%dof, residual)
             cycle
           end if
           row%unknown = 3 * (load%node - 1) + [1, 2, 3]
           row%coefficient = direction
-          row%rhs = lack
-          row%tag = TAG_SUPPORT
-          call add_row(base, row, 3, rounding_of(model, fields%u), verdict)
-          if (verdict == ROW_CONFLICT) call set_error(error, EXIT_SETUP, &
+          row%rhs = residual
+          row%tag = TAG_PRESCRIBED
+          call add_constraint_row(base, row, 3, find_conflict_tolerance(model, fields%u), row_status)
+          if (row_status == ROW_CONFLICT) call set_error(error, EXIT_SETUP, &
             'Boundary conditions of one node in different directions contradict each other.')
         end associate
         if (allocated(error)) return
       end do
     end do
-  end subroutine add_supports
+  end subroutine add_prescribed_displacements
 
 
   !> What rows may miss each other by without a contradiction.
-  pure real(DP) function rounding_of(model, u) result(length)
+  pure real(DP) function find_conflict_tolerance(model, u) result(length)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    length = ROUNDING * (SMALL * mesh_extent(model%mesh) + maxval(abs(u)))
-  end function rounding_of
+    length = TOL_ROW_CONFLICT * (MIN_DISPLACEMENT_SCALE * mesh_extent(model%mesh) + maxval(abs(u)))
+  end function find_conflict_tolerance
 
 
   !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
-  subroutine hold_idle(base, model, u)
+  subroutine fix_unresisted_unknowns(base, model, u)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)
     integer :: i, k
-    if (.not. allocated(model%mesh%is_idle)) return
-    if (.not. any(model%mesh%is_idle)) return
+    if (.not. allocated(model%mesh%is_unstiffened)) return
+    if (.not. any(model%mesh%is_unstiffened)) return
     do i = 1, model%mesh%n_nodes
       do k = 1, 3
-        if (model%mesh%is_idle(k, i)) call fix_unknown(base, 3 * (i - 1) + k, -u(k, i))
+        if (model%mesh%is_unstiffened(k, i)) call prescribe_unknown(base, 3 * (i - 1) + k, -u(k, i))
       end do
     end do
-  end subroutine hold_idle
+  end subroutine fix_unresisted_unknowns
 
 
   !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.
@@ -124,7 +125,7 @@ contains
       else
         value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
       end if
-      if (load%is_user) call ask_displacement(model, load, fields, value)
+      if (load%is_user) call evaluate_disp(model, load, fields, value)
     end associate
   end function prescribed_value
 
@@ -135,8 +136,8 @@ contains
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)
     type(error_type), allocatable, intent(out) :: error
-    type(row_type) :: row
-    integer :: i, k, verdict
+    type(constraint_row_type) :: row
+    integer :: i, k, row_status
     character(12) :: line
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
@@ -144,8 +145,8 @@ contains
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
-        call add_row(base, row, equation%n_candidates, rounding_of(model, u), verdict)
-        if (verdict == ROW_CONFLICT) then
+        call add_constraint_row(base, row, equation%n_eliminable, find_conflict_tolerance(model, u), row_status)
+        if (row_status == ROW_CONFLICT) then
           write (line, '(i0)') equation%line
           call set_error(error, EXIT_SETUP, 'The *' // trim(equation%card) // ' of line ' // trim(line) // &
             ' contradicts the boundary ' // &
@@ -158,21 +159,21 @@ contains
 
 
   !> A mid-side node of a slave face stays in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
-  subroutine add_followers(base, follower, u)
+  subroutine add_midside_constraints(base, midside_nodes, u)
     type(constraints_type), intent(inout) :: base
-    integer, intent(in) :: follower(:, :)          !< (3, n) the node and its two corners
+    integer, intent(in) :: midside_nodes(:, :)          !< (3, n) the node and its two corners
     real(DP), intent(in) :: u(:, :)
-    type(row_type) :: row
-    integer :: i, k, verdict
-    do i = 1, size(follower, 2)
+    type(constraint_row_type) :: row
+    integer :: i, k, row_status
+    do i = 1, size(midside_nodes, 2)
       do k = 1, 3
-        row%unknown = 3 * (follower(:, i) - 1) + k
+        row%unknown = 3 * (midside_nodes(:, i) - 1) + k
         if (base%owner(row%unknown(1)) /= 0) cycle
         row%coefficient = [1.0_DP, -0.5_DP, -0.5_DP]
-        row%rhs = -dot_product(row%coefficient, u(k, follower(:, i)))
-        call add_row(base, row, 1, huge(1.0_DP), verdict)
+        row%rhs = -dot_product(row%coefficient, u(k, midside_nodes(:, i)))
+        call add_constraint_row(base, row, 1, huge(1.0_DP), row_status)
       end do
     end do
-  end subroutine add_followers
+  end subroutine add_midside_constraints
 
 end module amontons_boundary_conditions

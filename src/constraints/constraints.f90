@@ -8,39 +8,40 @@
 module amontons_constraints
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
   implicit none
   private
-  public :: constraints_type, row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
-  public :: start_constraints, fix_unknown, add_row, finish_constraints, scale_offsets, condense_forces, condensation
-  public :: find_multipliers, is_named
+  public :: constraints_type, constraint_row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
+  public :: reset_constraints, prescribe_unknown, add_constraint_row, eliminate_constraints, scale_offsets, condense_forces, &
+    build_condensation_matrix
+  public :: find_multipliers, is_in_constraint_row
 
   integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
   integer, parameter :: ROW_REDUNDANT = 1      !< stronger rows say the same already
   integer, parameter :: ROW_CONFLICT = 2       !< stronger rows say something else: the row was dropped
 
-  real(DP), parameter :: TINY_COEFFICIENT = 1.0e-10_DP   !< relative to the row's largest: taken as zero [-]
+  real(DP), parameter :: TOL_COEFFICIENT = 1.0e-10_DP   !< relative to the row's largest: taken as zero [-]
 
   !> Other rows that went into a row.
-  type :: use_type
+  type :: row_combination_type
     integer, allocatable :: row(:)
-    real(DP), allocatable :: amount(:)
-  end type use_type
+    real(DP), allocatable :: factor(:)
+  end type row_combination_type
 
   !> One row sum coefficient * du(unknown) = rhs, or, once accepted, du(pivot) = sum coefficient * du(unknown) + rhs.
-  type :: row_type
+  type :: constraint_row_type
     integer, allocatable :: unknown(:)
     real(DP), allocatable :: coefficient(:)
     real(DP) :: rhs = 0
     integer :: pivot = 0
     integer :: tag = 0                         !< what the row is, for the one who added it; kept
     ! Once accepted: the row as it was added, and how it was made of others, for the multipliers.
-    integer, allocatable :: given_unknown(:)
-    real(DP), allocatable :: given_coefficient(:)
+    integer, allocatable :: original_unknown(:)
+    real(DP), allocatable :: original_coefficient(:)
     real(DP) :: scale = 1                      !< row as added = scale * this one + sum amount * stronger ones
-    type(use_type) :: stronger
-    type(use_type) :: weaker                   !< this one expanded = this one + sum amount * weaker ones expanded
-  end type row_type
+    type(row_combination_type) :: earlier_rows
+    type(row_combination_type) :: later_rows                   !< this one expanded = this one + sum amount * weaker ones expanded
+  end type constraint_row_type
 
   !> The elimination. Unknowns are numbered 1 to n_unknowns; fixed and dependent ones leave, the rest are free.
   type :: constraints_type
@@ -49,8 +50,8 @@ module amontons_constraints
     integer, allocatable :: owner(:)           !< (n_unknowns) 0 free, -1 fixed, k > 0 dependent by row k
     integer, allocatable :: free_of(:)         !< (n_unknowns) number among the free unknowns, 0 if not free
     real(DP), allocatable :: offset(:)         !< (n_unknowns) c
-    type(sparse_type) :: map                   !< C (n_unknowns x n_free)
-    type(row_type), allocatable :: rows(:)     !< accepted rows in the order of acceptance
+    type(sparse_type) :: transformation                   !< C (n_unknowns x n_free)
+    type(constraint_row_type), allocatable :: rows(:)     !< accepted rows in the order of acceptance
     integer :: n_rows = 0
     real(DP), allocatable :: work(:)           !< (n_unknowns) sum of coefficients while a row is reduced; 0 between calls
   end type constraints_type
@@ -58,7 +59,7 @@ module amontons_constraints
 contains
 
   !> All unknowns free, no rows.
-  subroutine start_constraints(self, n_unknowns)
+  subroutine reset_constraints(self, n_unknowns)
     type(constraints_type), intent(inout) :: self   !< emptied; memory of the same size is kept
     integer, intent(in) :: n_unknowns
     if (self%n_unknowns /= n_unknowns) then
@@ -70,38 +71,38 @@ contains
     self%offset = 0.0_DP
     self%work = 0.0_DP
     self%n_rows = 0
-  end subroutine start_constraints
+  end subroutine reset_constraints
 
 
-  !> Prescribes one unknown: du = amount. The strongest constraint; call before any add_row.
-  subroutine fix_unknown(self, unknown, amount)
+  !> Prescribes one unknown: du = amount. The strongest constraint; call before any add_constraint_row.
+  subroutine prescribe_unknown(self, unknown, amount)
     type(constraints_type), intent(inout) :: self
     integer, intent(in) :: unknown
     real(DP), intent(in) :: amount              !< [length]
     self%owner(unknown) = -1
     self%offset(unknown) = amount
-  end subroutine fix_unknown
+  end subroutine prescribe_unknown
 
 
   !> Adds a row. The pivot is the largest of the candidates that are still free, else the largest of all that are left.
-  subroutine add_row(self, row, n_candidates, tolerance, verdict)
+  subroutine add_constraint_row(self, row, n_candidates, tolerance, row_status)
     type(constraints_type), intent(inout) :: self
-    type(row_type), intent(in) :: row           !< sum coefficient * du(unknown) = rhs
+    type(constraint_row_type), intent(in) :: row           !< sum coefficient * du(unknown) = rhs
     integer, intent(in) :: n_candidates         !< the first so many unknowns of the row are wanted as the pivot
     real(DP), intent(in) :: tolerance           !< a row without unknowns left and |rhs| above this is a conflict [length]
-    integer, intent(out) :: verdict             !< ROW_...
-    type(row_type) :: reduced
+    integer, intent(out) :: row_status             !< ROW_...
+    type(constraint_row_type) :: reduced
     integer :: k
-    call substitute(self, row, reduced, reduced%stronger)
+    call eliminate_dependent(self, row, reduced, reduced%earlier_rows)
     if (size(reduced%unknown) == 0) then
-      verdict = merge(ROW_CONFLICT, ROW_REDUNDANT, abs(reduced%rhs) > tolerance)
+      row_status = merge(ROW_CONFLICT, ROW_REDUNDANT, abs(reduced%rhs) > tolerance)
       return
     end if
-    k = pivot_position(reduced, row%unknown(:n_candidates))
+    k = find_pivot(reduced, row%unknown(:n_candidates))
     reduced%pivot = reduced%unknown(k)
     reduced%tag = row%tag
-    reduced%given_unknown = row%unknown
-    reduced%given_coefficient = row%coefficient
+    reduced%original_unknown = row%unknown
+    reduced%original_coefficient = row%coefficient
     reduced%scale = reduced%coefficient(k)
     reduced%rhs = reduced%rhs / reduced%coefficient(k)
     reduced%coefficient = -reduced%coefficient / reduced%coefficient(k)
@@ -109,13 +110,13 @@ contains
     reduced%coefficient = [reduced%coefficient(:k - 1), reduced%coefficient(k + 1:)]
     call append_row(self, reduced)
     self%owner(reduced%pivot) = self%n_rows
-    verdict = ROW_ACCEPTED
-  end subroutine add_row
+    row_status = ROW_ACCEPTED
+  end subroutine add_constraint_row
 
 
   !> Position in the reduced row of the pivot: largest coefficient among the candidates, else among all.
-  pure integer function pivot_position(reduced, candidates) result(position)
-    type(row_type), intent(in) :: reduced
+  pure integer function find_pivot(reduced, candidates) result(position)
+    type(constraint_row_type), intent(in) :: reduced
     integer, intent(in) :: candidates(:)        !< unknowns
     real(DP) :: largest
     integer :: k
@@ -129,24 +130,24 @@ contains
       end if
     end do
     if (position == 0) position = maxloc(abs(reduced%coefficient), dim=1)
-  end function pivot_position
+  end function find_pivot
 
 
   !> The row without fixed and dependent unknowns: they are replaced until only free ones are left.
-  subroutine substitute(self, row, reduced, used)
+  subroutine eliminate_dependent(self, row, reduced, combination)
     type(constraints_type), intent(inout) :: self
-    type(row_type), intent(in) :: row
-    type(row_type), intent(inout) :: reduced    !< unknown, coefficient and rhs are set
-    type(use_type), intent(out) :: used         !< the rows that were put in
+    type(constraint_row_type), intent(in) :: row
+    type(constraint_row_type), intent(inout) :: reduced    !< unknown, coefficient and rhs are set
+    type(row_combination_type), intent(out) :: combination         !< the rows that were put in
     integer, allocatable :: list(:)             ! unknowns met; grows while it is walked
     integer :: i, n
     real(DP) :: a, largest
-    allocate (list(max(16, 4 * size(row%unknown))), used%row(0), used%amount(0))
+    allocate (list(max(16, 4 * size(row%unknown))), combination%row(0), combination%factor(0))
     reduced%rhs = row%rhs
     largest = maxval(abs(row%coefficient))
     n = 0
     do i = 1, size(row%unknown)
-      call gather(row%unknown(i), row%coefficient(i))
+      call add_coefficient(row%unknown(i), row%coefficient(i))
     end do
     i = 0
     do while (i < n)
@@ -154,24 +155,24 @@ contains
       a = self%work(list(i))
       if (self%owner(list(i)) == 0 .or. a == 0.0_DP) cycle
       self%work(list(i)) = 0.0_DP
-      call expand(list(i), a)
+      call replace_unknown(list(i), a)
     end do
-    call collect()
+    call collect_remaining()
 
   contains
 
     !> Adds to the coefficient of an unknown and puts it on the list.
-    subroutine gather(unknown, amount)
+    subroutine add_coefficient(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
       if (n == size(list)) list = [list, spread(0, 1, n)]
       n = n + 1
       list(n) = unknown
       self%work(unknown) = self%work(unknown) + amount
-    end subroutine gather
+    end subroutine add_coefficient
 
     !> Replaces a fixed unknown by its value, a dependent one by its expression.
-    subroutine expand(unknown, amount)
+    subroutine replace_unknown(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
       integer :: j, k
@@ -181,21 +182,21 @@ contains
         return
       end if
       reduced%rhs = reduced%rhs - amount * self%rows(k)%rhs
-      used%row = [used%row, k]
-      used%amount = [used%amount, amount]
+      combination%row = [combination%row, k]
+      combination%factor = [combination%factor, amount]
       do j = 1, size(self%rows(k)%unknown)
-        call gather(self%rows(k)%unknown(j), amount * self%rows(k)%coefficient(j))
+        call add_coefficient(self%rows(k)%unknown(j), amount * self%rows(k)%coefficient(j))
       end do
-    end subroutine expand
+    end subroutine replace_unknown
 
     !> The unknowns left with a coefficient; clears the work array.
-    subroutine collect()
+    subroutine collect_remaining()
       integer :: j, m
       m = 0
       if (allocated(reduced%unknown)) deallocate (reduced%unknown, reduced%coefficient)
       allocate (reduced%unknown(n), reduced%coefficient(n))
       do j = 1, n
-        if (abs(self%work(list(j))) > TINY_COEFFICIENT * largest) then
+        if (abs(self%work(list(j))) > TOL_COEFFICIENT * largest) then
           m = m + 1
           reduced%unknown(m) = list(j)
           reduced%coefficient(m) = self%work(list(j))
@@ -204,16 +205,16 @@ contains
       end do
       reduced%unknown = reduced%unknown(:m)
       reduced%coefficient = reduced%coefficient(:m)
-    end subroutine collect
+    end subroutine collect_remaining
 
-  end subroutine substitute
+  end subroutine eliminate_dependent
 
 
   !> Adds an accepted row; the list doubles when it is full.
   subroutine append_row(self, row)
     type(constraints_type), intent(inout) :: self
-    type(row_type), intent(in) :: row
-    type(row_type), allocatable :: larger(:)
+    type(constraint_row_type), intent(in) :: row
+    type(constraint_row_type), allocatable :: larger(:)
     integer :: k
     if (.not. allocated(self%rows)) allocate (self%rows(64))
     if (self%n_rows == size(self%rows)) then
@@ -241,7 +242,7 @@ contains
 
 
   !> Numbers the free unknowns and makes C and c. Cost: linear in the entries of C.
-  subroutine finish_constraints(self)
+  subroutine eliminate_constraints(self)
     type(constraints_type), intent(inout) :: self
     integer :: i
     self%n_free = 0
@@ -255,14 +256,14 @@ contains
       call expand_row(self, i)
     end do
     call fill_map(self)
-  end subroutine finish_constraints
+  end subroutine eliminate_constraints
 
 
   !> Replaces in row k the unknowns made dependent by later rows, which are expanded already.
   subroutine expand_row(self, k)
     type(constraints_type), intent(inout) :: self
     integer, intent(in) :: k
-    type(row_type) :: whole, expanded
+    type(constraint_row_type) :: whole, expanded
     integer :: j
     logical :: has_dependent
     has_dependent = .false.
@@ -274,7 +275,7 @@ contains
         whole%unknown = row%unknown
         whole%coefficient = row%coefficient
         whole%rhs = -row%rhs                    ! substitute() keeps sum a du = rhs, the row is du(pivot) = sum a du + rhs
-        call substitute(self, whole, expanded, row%weaker)
+        call eliminate_dependent(self, whole, expanded, row%later_rows)
         row%unknown = expanded%unknown
         row%coefficient = expanded%coefficient
         row%rhs = -expanded%rhs
@@ -288,7 +289,7 @@ contains
   subroutine fill_map(self)
     type(constraints_type), intent(inout) :: self
     integer :: i, n
-    associate (map => self%map)
+    associate (map => self%transformation)
       map%n_rows = self%n_unknowns
       map%n_columns = self%n_free
       if (allocated(map%first)) deallocate (map%first)
@@ -317,20 +318,20 @@ contains
 
     !> Writes one expression with ascending columns (insertion sort: rows are short).
     subroutine fill_row(row, start)
-      type(row_type), intent(in) :: row
+      type(constraint_row_type), intent(in) :: row
       integer, intent(in) :: start
       integer :: j, k, column
       do j = 1, size(row%unknown)
         column = self%free_of(row%unknown(j))
         k = start + j - 1
         do while (k > start)
-          if (self%map%column(k - 1) < column) exit
-          self%map%column(k) = self%map%column(k - 1)
-          self%map%value(k) = self%map%value(k - 1)
+          if (self%transformation%column(k - 1) < column) exit
+          self%transformation%column(k) = self%transformation%column(k - 1)
+          self%transformation%value(k) = self%transformation%value(k - 1)
           k = k - 1
         end do
-        self%map%column(k) = column
-        self%map%value(k) = row%coefficient(j)
+        self%transformation%column(k) = column
+        self%transformation%value(k) = row%coefficient(j)
       end do
     end subroutine fill_row
 
@@ -338,16 +339,16 @@ contains
 
 
   !> Whether rows speak of an unknown that is free so far. Before: not finished.
-  pure function is_named(self) result(named)
+  pure function is_in_constraint_row(self) result(is_in_row)
     type(constraints_type), intent(in) :: self
-    logical :: named(self%n_unknowns)
+    logical :: is_in_row(self%n_unknowns)
     integer :: k
-    named = .false.
+    is_in_row = .false.
     do k = 1, self%n_rows
-      named(self%rows(k)%unknown) = .true.
-      named(self%rows(k)%pivot) = .true.
+      is_in_row(self%rows(k)%unknown) = .true.
+      is_in_row(self%rows(k)%pivot) = .true.
     end do
-  end function is_named
+  end function is_in_constraint_row
 
 
   !> The multipliers of the rows as they were added: sum multiplier * row balances the force on every dependent unknown.
@@ -364,22 +365,22 @@ contains
       multiplier(k) = -force(mod(self%rows(k)%pivot - 1, 3) + 1, (self%rows(k)%pivot + 2) / 3)
     end do
     do k = 1, self%n_rows
-      if (allocated(self%rows(k)%weaker%row)) call add_to(self%rows(k)%weaker, multiplier(k))
+      if (allocated(self%rows(k)%later_rows%row)) call add_to(self%rows(k)%later_rows, multiplier(k))
     end do
     do k = self%n_rows, 1, -1
       multiplier(k) = multiplier(k) / self%rows(k)%scale
-      call add_to(self%rows(k)%stronger, -multiplier(k))
+      call add_to(self%rows(k)%earlier_rows, -multiplier(k))
     end do
 
   contains
 
     !> Adds to the multipliers of other rows.
-    subroutine add_to(used, factor)
-      type(use_type), intent(in) :: used
+    subroutine add_to(combination, factor)
+      type(row_combination_type), intent(in) :: combination
       real(DP), intent(in) :: factor
       integer :: i
-      do i = 1, size(used%row)
-        multiplier(used%row(i)) = multiplier(used%row(i)) + factor * used%amount(i)
+      do i = 1, size(combination%row)
+        multiplier(combination%row(i)) = multiplier(combination%row(i)) + factor * combination%factor(i)
       end do
     end subroutine add_to
 
@@ -418,7 +419,7 @@ contains
 
 
   !> The same as a matrix E (n_unknowns x n_unknowns): condensed = E force.
-  subroutine condensation(self, matrix, error)
+  subroutine build_condensation_matrix(self, matrix, error)
     type(constraints_type), intent(in) :: self      !< finished
     type(sparse_type), intent(out) :: matrix
     type(error_type), allocatable, intent(out) :: error
@@ -433,7 +434,7 @@ contains
       column = [column, spread(self%rows(k)%pivot, 1, size(self%rows(k)%unknown))]
       value = [value, self%rows(k)%coefficient]
     end do
-    call from_triplets(self%n_unknowns, self%n_unknowns, row, column, value, matrix, error)
-  end subroutine condensation
+    call sparse_from_triplets(self%n_unknowns, self%n_unknowns, row, column, value, matrix, error)
+  end subroutine build_condensation_matrix
 
 end module amontons_constraints

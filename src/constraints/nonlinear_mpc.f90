@@ -21,48 +21,48 @@ module amontons_nonlinear_mpc
   use amontons_tensor, only: cross_product
   use amontons_mesh, only: mesh_extent
   use amontons_loads, only: equation_type
-  use amontons_mpc_data, only: bond_type, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
-  use amontons_model, only: model_type, n_bonds
-  use amontons_constraints, only: constraints_type, row_type, add_row, fix_unknown, find_multipliers, &
-    is_named, ROW_CONFLICT
+  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
+  use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, prescribe_unknown, find_multipliers, &
+    is_in_constraint_row, ROW_CONFLICT
   use amontons_state, only: fields_type
-  use amontons_assembly, only: assembly_type, add_coupling
+  use amontons_assembly, only: assembly_type, add_node_block
   implicit none
   private
-  public :: add_bonds, add_curvatures, hold_lone, keep_supports, linear_equations
-  public :: bond_rows, curvature_of, curved_nodes, rotation_matrix, levers, TAG_SUPPORT
+  public :: add_nonlinear_mpcs, add_mpc_stiffness, fix_unconnected_unknowns, extract_support_reactions, linearize_mpcs
+  public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, rotation_matrix, find_rotation_lengths, TAG_PRESCRIBED
 
-  integer, parameter :: TAG_SUPPORT = 1            !< rows of prescribed displacements of transformed nodes
-  integer, parameter :: TAG_BOND = 1000000000      !< rows of bonds have this tag and more
-  integer, parameter :: BODY_TERMS = 9             !< a row of a BODY: node, reference node, rotation node
+  integer, parameter :: TAG_PRESCRIBED = 1            !< rows of prescribed displacements of transformed nodes
+  integer, parameter :: TAG_MPC = 1000000000      !< rows of bonds have this tag and more
+  integer, parameter :: N_RIGID_BODY_TERMS = 9             !< a row of a BODY: node, reference node, rotation node
 
 contains
 
   !> Adds the rows of all bonds at u. Errors: rows that contradict stronger ones (EXIT_SETUP).
-  subroutine add_bonds(base, model, u, is_nlgeom, violation, error)
+  subroutine add_nonlinear_mpcs(base, model, u, is_nlgeom, violation, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: violation             !< largest |g| over the size of its bond [-]
     type(error_type), allocatable, intent(out) :: error
-    type(row_type), allocatable :: rows(:)
+    type(constraint_row_type), allocatable :: rows(:)
     character(12) :: line
-    integer :: i, k, n, verdict
-    real(DP) :: size_of_bond
+    integer :: i, k, n, row_status
+    real(DP) :: mpc_size
     violation = 0.0_DP
     n = 0
-    do i = 1, n_bonds(model)
-      associate (bond => model%bonds(i))
-        call bond_rows(bond, model%mesh%coordinates, u, is_nlgeom, rows)
-        size_of_bond = extent(bond, model%mesh%coordinates)
+    do i = 1, n_nonlinear_mpcs(model)
+      associate (bond => model%nonlinear_mpcs(i))
+        call evaluate_mpc_rows(bond, model%mesh%coordinates, u, is_nlgeom, rows)
+        mpc_size = find_mpc_size(bond, model%mesh%coordinates)
         do k = 1, size(rows)
           n = n + 1
-          rows(k)%tag = TAG_BOND + n
-          violation = max(violation, abs(rows(k)%rhs) / size_of_bond)
-          call add_row(base, rows(k), merge(3, size(rows(k)%unknown), bond%kind <= BOND_STRAIGHT), &
-            1.0e-6_DP * size_of_bond, verdict)
-          if (verdict /= ROW_CONFLICT) cycle
+          rows(k)%tag = TAG_MPC + n
+          violation = max(violation, abs(rows(k)%rhs) / mpc_size)
+          call add_constraint_row(base, rows(k), merge(3, size(rows(k)%unknown), bond%kind <= MPC_STRAIGHT), &
+            1.0e-6_DP * mpc_size, row_status)
+          if (row_status /= ROW_CONFLICT) cycle
           write (line, '(i0)') bond%line
           call set_error(error, EXIT_SETUP, 'The *' // bond%card // ' of line ' // trim(line) // ' contradicts the ' // &
             'boundary conditions of its nodes or the constraints before it. Release one of them.')
@@ -70,49 +70,49 @@ contains
         end do
       end associate
     end do
-  end subroutine add_bonds
+  end subroutine add_nonlinear_mpcs
 
 
   !> What makes a displacement of what is an angle, and a force of a moment: half the size of the model at nodes that bear
   !! rotations, 1 at all others. Without rotations it is empty.
-  function levers(model) result(lever)
+  function find_rotation_lengths(model) result(rotation_length)
     type(model_type), intent(in) :: model
-    real(DP), allocatable :: lever(:)              !< (n_nodes) or (0) [length] or [-]
+    real(DP), allocatable :: rotation_length(:)              !< (n_nodes) or (0) [length] or [-]
     logical, allocatable :: is_angle(:)
     integer :: i
     allocate (is_angle(model%mesh%n_nodes), source=.false.)
-    do i = 1, n_bonds(model)
-      if (model%bonds(i)%kind == BOND_TURN) is_angle(model%bonds(i)%reference) = .true.
+    do i = 1, n_nonlinear_mpcs(model)
+      if (model%nonlinear_mpcs(i)%kind == MPC_MEAN_ROTATION) is_angle(model%nonlinear_mpcs(i)%reference) = .true.
     end do
     if (allocated(model%rotation_of)) then
       do i = 1, size(model%rotation_of)
         if (model%rotation_of(i) > 0) is_angle(model%rotation_of(i)) = .true.
       end do
     end if
-    allocate (lever(0))
-    if (any(is_angle)) lever = merge(0.5_DP * mesh_extent(model%mesh), 1.0_DP, is_angle)
-  end function levers
+    allocate (rotation_length(0))
+    if (any(is_angle)) rotation_length = merge(0.5_DP * mesh_extent(model%mesh), 1.0_DP, is_angle)
+  end function find_rotation_lengths
 
 
   !> Displacements of nodes without elements that no row speaks of stay as they are: nothing else holds them.
-  subroutine hold_lone(base, is_lone, u, u_start)
+  subroutine fix_unconnected_unknowns(base, is_unconnected, u, u_start)
     type(constraints_type), intent(inout) :: base
-    logical, intent(in) :: is_lone(:)              !< (3 n_nodes) of a node without elements
+    logical, intent(in) :: is_unconnected(:)              !< (3 n_nodes) of a node without elements
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
-    logical, allocatable :: is_loose(:)
+    logical, allocatable :: is_unreferenced(:)
     integer :: i
-    if (.not. any(is_lone)) return
-    is_loose = is_lone .and. .not. is_named(base)
-    do i = 1, size(is_loose)
-      if (is_loose(i) .and. base%owner(i) == 0) call fix_unknown(base, i, &
+    if (.not. any(is_unconnected)) return
+    is_unreferenced = is_unconnected .and. .not. is_in_constraint_row(base)
+    do i = 1, size(is_unreferenced)
+      if (is_unreferenced(i) .and. base%owner(i) == 0) call prescribe_unknown(base, i, &
         u_start(mod(i - 1, 3) + 1, (i + 2) / 3) - u(mod(i - 1, 3) + 1, (i + 2) / 3))
     end do
-  end subroutine hold_lone
+  end subroutine fix_unconnected_unknowns
 
 
   !> Takes the forces of equations and bonds from what elements, loads and contact leave: the rest is of supports.
-  subroutine keep_supports(base, reaction)
+  subroutine extract_support_reactions(base, reaction)
     type(constraints_type), intent(in) :: base
     real(DP), intent(inout) :: reaction(:, :)      !< (3, n_nodes) [force]
     real(DP), allocatable :: multiplier(:)
@@ -120,19 +120,19 @@ contains
     if (base%n_rows == 0) return
     call find_multipliers(base, -reaction, multiplier)
     do k = 1, base%n_rows
-      if (base%rows(k)%tag == TAG_SUPPORT) cycle
-      do i = 1, size(base%rows(k)%given_unknown)
-        unknown = base%rows(k)%given_unknown(i)
+      if (base%rows(k)%tag == TAG_PRESCRIBED) cycle
+      do i = 1, size(base%rows(k)%original_unknown)
+        unknown = base%rows(k)%original_unknown(i)
         associate (force => reaction(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))
-          force = force - multiplier(k) * base%rows(k)%given_coefficient(i)
+          force = force - multiplier(k) * base%rows(k)%original_coefficient(i)
         end associate
       end do
     end do
-  end subroutine keep_supports
+  end subroutine extract_support_reactions
 
 
   !> K = K - sum multiplier * d2g/du2: the forces of bonds change as their directions turn.
-  subroutine add_curvatures(base, assembly, model, fields)
+  subroutine add_mpc_stiffness(base, assembly, model, fields)
     type(constraints_type), intent(in) :: base     !< finished
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -141,83 +141,83 @@ contains
     integer, allocatable :: nodes(:)
     integer :: i, k, n, n_rows, a, b
     call find_multipliers(base, fields%applied_force + fields%contact_force - fields%internal_force, multiplier)
-    allocate (of_bonds(sum([(count_rows(model%bonds(i)), i=1, n_bonds(model))])), source=0.0_DP)
+    allocate (of_bonds(sum([(count_rows(model%nonlinear_mpcs(i)), i=1, n_nonlinear_mpcs(model))])), source=0.0_DP)
     do k = 1, base%n_rows
-      if (base%rows(k)%tag > TAG_BOND) of_bonds(base%rows(k)%tag - TAG_BOND) = multiplier(k)
+      if (base%rows(k)%tag > TAG_MPC) of_bonds(base%rows(k)%tag - TAG_MPC) = multiplier(k)
     end do
     n = 0
-    do i = 1, n_bonds(model)
-      n_rows = count_rows(model%bonds(i))
-      call curvature_of(model%bonds(i), model%mesh%coordinates, fields%u, of_bonds(n + 1:n + n_rows), H)
+    do i = 1, n_nonlinear_mpcs(model)
+      n_rows = count_rows(model%nonlinear_mpcs(i))
+      call evaluate_mpc_hessian(model%nonlinear_mpcs(i), model%mesh%coordinates, fields%u, of_bonds(n + 1:n + n_rows), H)
       n = n + n_rows
-      nodes = curved_nodes(model%bonds(i))
+      nodes = list_hessian_nodes(model%nonlinear_mpcs(i))
       do b = 1, size(nodes)
         do a = 1, size(nodes)
           if (nodes(a) > nodes(b)) cycle
-          call add_coupling(assembly, nodes(a), nodes(b), -H(3 * a - 2:3 * a, 3 * b - 2:3 * b))
+          call add_node_block(assembly, nodes(a), nodes(b), -H(3 * a - 2:3 * a, 3 * b - 2:3 * b))
         end do
       end do
     end do
-  end subroutine add_curvatures
+  end subroutine add_mpc_stiffness
 
 
   !> The bonds linearised at u = 0, as equations.
-  subroutine linear_equations(model, equations)
+  subroutine linearize_mpcs(model, equations)
     type(model_type), intent(in) :: model
     type(equation_type), allocatable, intent(out) :: equations(:)
     type(equation_type) :: equation
-    type(row_type), allocatable :: rows(:)
+    type(constraint_row_type), allocatable :: rows(:)
     real(DP), allocatable :: u(:, :)
     integer :: i, k
     allocate (equations(0))
-    if (n_bonds(model) == 0) return
+    if (n_nonlinear_mpcs(model) == 0) return
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
-    do i = 1, n_bonds(model)
-      call bond_rows(model%bonds(i), model%mesh%coordinates, u, .false., rows)
+    do i = 1, n_nonlinear_mpcs(model)
+      call evaluate_mpc_rows(model%nonlinear_mpcs(i), model%mesh%coordinates, u, .false., rows)
       do k = 1, size(rows)
         equation%node = (rows(k)%unknown + 2) / 3
         equation%dof = mod(rows(k)%unknown - 1, 3) + 1
         equation%coefficient = rows(k)%coefficient
-        equation%n_candidates = merge(3, size(rows(k)%unknown), model%bonds(i)%kind <= BOND_STRAIGHT)
-        equation%card = model%bonds(i)%card
-        equation%line = model%bonds(i)%line
+        equation%n_eliminable = merge(3, size(rows(k)%unknown), model%nonlinear_mpcs(i)%kind <= MPC_STRAIGHT)
+        equation%card = model%nonlinear_mpcs(i)%card
+        equation%line = model%nonlinear_mpcs(i)%line
         equations = [equations, equation]
       end do
     end do
-  end subroutine linear_equations
+  end subroutine linearize_mpcs
 
 
   !> The number of rows of a bond.
   pure integer function count_rows(bond) result(n)
-    type(bond_type), intent(in) :: bond
+    type(nonlinear_mpc_type), intent(in) :: bond
     n = 1
-    if (bond%kind == BOND_STRAIGHT) n = 2
-    if (bond%kind == BOND_BODY) n = size(bond%node) * count(bond%is_bound)
+    if (bond%kind == MPC_STRAIGHT) n = 2
+    if (bond%kind == MPC_RIGID_BODY) n = size(bond%node) * count(bond%is_bound)
   end function count_rows
 
 
   !> The rows of one bond: dg/du, and -g as right-hand side.
-  subroutine bond_rows(bond, coordinates, u, is_nlgeom, rows)
-    type(bond_type), intent(in) :: bond
+  subroutine evaluate_mpc_rows(bond, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :)      !< (3, n_nodes) X [length]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     logical, intent(in) :: is_nlgeom               !< .false.: linearised at u = 0
-    type(row_type), allocatable, intent(out) :: rows(:)
-    if (bond%kind == BOND_BODY) then
-      call body_rows(bond, coordinates, u, is_nlgeom, rows)
+    type(constraint_row_type), allocatable, intent(out) :: rows(:)
+    if (bond%kind == MPC_RIGID_BODY) then
+      call evaluate_rigid_body_rows(bond, coordinates, u, is_nlgeom, rows)
     else
-      call shape_rows(bond, coordinates, u, is_nlgeom, rows)
+      call evaluate_geometric_rows(bond, coordinates, u, is_nlgeom, rows)
     end if
-  end subroutine bond_rows
+  end subroutine evaluate_mpc_rows
 
 
   !> The rows of a BODY, direction by direction of each node.
-  subroutine body_rows(bond, coordinates, u, is_nlgeom, rows)
-    type(bond_type), intent(in) :: bond
+  subroutine evaluate_rigid_body_rows(bond, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
-    type(row_type), allocatable, intent(out) :: rows(:)
-    real(DP) :: R(3, 3), dR(3, 3, 3), w(3), arm(3), a(3), lack(3), turn(3, 3)
+    type(constraint_row_type), allocatable, intent(out) :: rows(:)
+    real(DP) :: R(3, 3), dR(3, 3, 3), w(3), arm(3), a(3), residual(3), turn(3, 3)
     integer :: i, k, n
     w = u(:, bond%rotation)
     call rotation_matrix(merge(w, [0.0_DP, 0.0_DP, 0.0_DP], is_nlgeom), R, dR)
@@ -226,30 +226,30 @@ contains
     do i = 1, size(bond%node)
       arm = coordinates(:, bond%node(i)) - coordinates(:, bond%reference)
       turn = reshape([(matmul(dR(:, :, k), arm), k=1, 3)], [3, 3])
-      lack = u(:, bond%node(i)) - u(:, bond%reference) - matmul(turn, w)
-      if (is_nlgeom) lack = u(:, bond%node(i)) - u(:, bond%reference) - matmul(R, arm) + arm
+      residual = u(:, bond%node(i)) - u(:, bond%reference) - matmul(turn, w)
+      if (is_nlgeom) residual = u(:, bond%node(i)) - u(:, bond%reference) - matmul(R, arm) + arm
       do k = 1, 3
         if (.not. bond%is_bound(k)) cycle
         n = n + 1
         a = 0.0_DP
         a(k) = 1.0_DP
         if (allocated(bond%axes)) a = bond%axes(:, k, i)
-        allocate (rows(n)%unknown(BODY_TERMS), rows(n)%coefficient(BODY_TERMS))
+        allocate (rows(n)%unknown(N_RIGID_BODY_TERMS), rows(n)%coefficient(N_RIGID_BODY_TERMS))
         rows(n)%unknown = [unknowns_of(bond%node(i)), unknowns_of(bond%reference), unknowns_of(bond%rotation)]
         rows(n)%coefficient = [a, -a, -matmul(a, turn)]
-        rows(n)%rhs = -dot_product(a, lack)
+        rows(n)%rhs = -dot_product(a, residual)
         call drop_zeros(rows(n))
       end do
     end do
-  end subroutine body_rows
+  end subroutine evaluate_rigid_body_rows
 
 
   !> The rows of the other kinds, which depend on the present places of their nodes (and the pilot).
-  subroutine shape_rows(bond, coordinates, u, is_nlgeom, rows)
-    type(bond_type), intent(in) :: bond
+  subroutine evaluate_geometric_rows(bond, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
-    type(row_type), allocatable, intent(out) :: rows(:)
+    type(constraint_row_type), allocatable, intent(out) :: rows(:)
     real(DP), allocatable :: X(:, :), shift(:, :), dg(:, :)
     real(DP) :: g
     integer :: k, i
@@ -258,91 +258,91 @@ contains
     allocate (dg(3, size(bond%node)))
     allocate (rows(count_rows(bond)))
     do k = 1, size(rows)
-      call shape_function(bond, k, X, merge(X + shift, X, is_nlgeom), g, dg)
+      call evaluate_constraint(bond, k, X, merge(X + shift, X, is_nlgeom), g, dg)
       if (.not. is_nlgeom) g = g + sum(dg * shift)
       rows(k)%unknown = [(unknowns_of(bond%node(i)), i=1, size(bond%node))]
       rows(k)%coefficient = reshape(dg, [size(dg)])
-      if (bond%kind == BOND_TURN) then
-        g = g - radius_of(bond%axis, X) * u(1, bond%reference)
+      if (bond%kind == MPC_MEAN_ROTATION) then
+        g = g - find_mean_radius(bond%axis, X) * u(1, bond%reference)
         rows(k)%unknown = [rows(k)%unknown, 3 * bond%reference - 2]
-        rows(k)%coefficient = [rows(k)%coefficient, -radius_of(bond%axis, X)]
+        rows(k)%coefficient = [rows(k)%coefficient, -find_mean_radius(bond%axis, X)]
       end if
       rows(k)%rhs = -g
     end do
-  end subroutine shape_rows
+  end subroutine evaluate_geometric_rows
 
 
   !> g (for TURN without the pilot) and its derivative by the places of the nodes.
-  subroutine shape_function(bond, k, X, place, g, dg)
-    type(bond_type), intent(in) :: bond
+  subroutine evaluate_constraint(bond, k, X, position, g, dg)
+    type(nonlinear_mpc_type), intent(in) :: bond
     integer, intent(in) :: k                       !< which row of the bond
     real(DP), intent(in) :: X(:, :)                !< (3, n) reference [length]
-    real(DP), intent(in) :: place(:, :)            !< (3, n) present [length]
+    real(DP), intent(in) :: position(:, :)            !< (3, n) present [length]
     real(DP), intent(out) :: g                     !< [length]
     real(DP), intent(out) :: dg(:, :)              !< (3, n) [-]
     real(DP) :: a(3), b(3), c(3), t(3), d
     select case (bond%kind)
-    case (BOND_PLANE)
+    case (MPC_PLANE)
       d = norm2(cross_product(X(:, 2) - X(:, 4), X(:, 3) - X(:, 4)))
-      a = place(:, 1) - place(:, 4)
-      b = place(:, 2) - place(:, 4)
-      c = place(:, 3) - place(:, 4)
+      a = position(:, 1) - position(:, 4)
+      b = position(:, 2) - position(:, 4)
+      c = position(:, 3) - position(:, 4)
       g = dot_product(a, cross_product(b, c)) / d
       dg(:, 1) = cross_product(b, c) / d
       dg(:, 2) = cross_product(c, a) / d
       dg(:, 3) = cross_product(a, b) / d
       dg(:, 4) = -dg(:, 1) - dg(:, 2) - dg(:, 3)
-    case (BOND_STRAIGHT)
+    case (MPC_STRAIGHT)
       d = norm2(X(:, 2) - X(:, 3))
-      a = place(:, 1) - place(:, 3)
-      b = place(:, 2) - place(:, 3)
-      t = across(b, k)
+      a = position(:, 1) - position(:, 3)
+      b = position(:, 2) - position(:, 3)
+      t = global_axis(b, k)
       g = dot_product(t, cross_product(a, b)) / d
       dg(:, 1) = cross_product(b, t) / d
       dg(:, 2) = cross_product(t, a) / d
       dg(:, 3) = -dg(:, 1) - dg(:, 2)
-    case (BOND_DISTANCE)
+    case (MPC_DISTANCE)
       d = norm2(X(:, 1) - X(:, 2))
-      a = place(:, 1) - place(:, 2)
+      a = position(:, 1) - position(:, 2)
       g = (dot_product(a, a) - d**2) / (2.0_DP * d)
       dg(:, 1) = a / d
       dg(:, 2) = -a / d
     case default
-      call mean_turn(bond%axis, X, place, g, dg)
+      call evaluate_mean_rotation(bond%axis, X, position, g, dg)
     end select
-  end subroutine shape_function
+  end subroutine evaluate_constraint
 
 
   !> The global axis k (counted without the one that b is nearest to): the rows of STRAIGHT are components of a x b.
-  pure function across(b, k) result(t)
+  pure function global_axis(b, k) result(t)
     real(DP), intent(in) :: b(3)
     integer, intent(in) :: k                       !< 1 or 2
     real(DP) :: t(3)
     t = 0.0_DP
     t(mod(maxloc(abs(b), dim=1) + k - 1, 3) + 1) = 1.0_DP
-  end function across
+  end function global_axis
 
 
   !> The mean angle by which the nodes have turned about an axis through their centre, times the mean radius.
   !!
   !! The angle of a node is that between its arms, as seen along the axis; nodes on the axis do not count.
-  subroutine mean_turn(axis, X, place, g, dg)
+  subroutine evaluate_mean_rotation(axis, X, position, g, dg)
     real(DP), intent(in) :: axis(3)
-    real(DP), intent(in) :: X(:, :), place(:, :)   !< (3, n) [length]
+    real(DP), intent(in) :: X(:, :), position(:, :)   !< (3, n) [length]
     real(DP), intent(out) :: g                     !< [length]
     real(DP), intent(out) :: dg(:, :)              !< (3, n) [-]
     real(DP) :: p(3), q(3), slope(3), mean(3), radius
     real(DP) :: n
     integer :: i, n_counted
     n = real(size(X, 2), DP)
-    radius = radius_of(axis, X)
+    radius = find_mean_radius(axis, X)
     g = 0.0_DP
     dg = 0.0_DP
     mean = 0.0_DP
     n_counted = 0
     do i = 1, size(X, 2)
       p = X(:, i) - sum(X, 2) / n
-      q = place(:, i) - sum(place, 2) / n
+      q = position(:, i) - sum(position, 2) / n
       p = p - dot_product(p, axis) * axis
       q = q - dot_product(q, axis) * axis
       if (norm2(p) <= 1.0e-5_DP * radius) cycle
@@ -354,11 +354,11 @@ contains
     end do
     g = g * radius / real(max(1, n_counted), DP)
     dg = (dg - spread(mean, 2, size(X, 2))) * radius / real(max(1, n_counted), DP)
-  end subroutine mean_turn
+  end subroutine evaluate_mean_rotation
 
 
   !> The root of the mean square distance of the nodes from the axis through their centre.
-  pure function radius_of(axis, X) result(radius)
+  pure function find_mean_radius(axis, X) result(radius)
     real(DP), intent(in) :: axis(3), X(:, :)
     real(DP) :: radius, p(3), n
     integer :: i
@@ -369,24 +369,24 @@ contains
       radius = radius + sum((p - dot_product(p, axis) * axis)**2) / n
     end do
     radius = sqrt(radius)
-  end function radius_of
+  end function find_mean_radius
 
 
   !> The nodes whose displacements the curvature of a bond couples.
-  pure function curved_nodes(bond) result(nodes)
-    type(bond_type), intent(in) :: bond
+  pure function list_hessian_nodes(bond) result(nodes)
+    type(nonlinear_mpc_type), intent(in) :: bond
     integer, allocatable :: nodes(:)
-    if (bond%kind == BOND_BODY) then
+    if (bond%kind == MPC_RIGID_BODY) then
       nodes = [bond%rotation]
     else
       nodes = bond%node
     end if
-  end function curved_nodes
+  end function list_hessian_nodes
 
 
   !> sum multiplier * d2g/du2 of one bond, at u, between its curved nodes.
-  subroutine curvature_of(bond, coordinates, u, multiplier, H)
-    type(bond_type), intent(in) :: bond
+  subroutine evaluate_mpc_hessian(bond, coordinates, u, multiplier, H)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :), u(:, :)   !< (3, n_nodes) [length]
     real(DP), intent(in) :: multiplier(:)          !< of the rows of the bond, in their order [force]
     real(DP), allocatable, intent(out) :: H(:, :)  !< (3 n, 3 n) symmetric [force/length]
@@ -394,28 +394,28 @@ contains
     integer, allocatable :: nodes(:)
     real(DP) :: h_step
     integer :: j
-    nodes = curved_nodes(bond)
+    nodes = list_hessian_nodes(bond)
     allocate (H(3 * size(nodes), 3 * size(nodes)))
     h_step = 1.0e-5_DP
-    if (bond%kind /= BOND_BODY) h_step = 1.0e-4_DP * extent(bond, coordinates)
+    if (bond%kind /= MPC_RIGID_BODY) h_step = 1.0e-4_DP * find_mpc_size(bond, coordinates)
     moved = u(:, nodes)
     do j = 1, 3 * size(nodes)
       associate (unknown => moved(mod(j - 1, 3) + 1, (j + 2) / 3))
         unknown = unknown + h_step
-        plus = weighted_slope(bond, coordinates, moved, multiplier)
+        plus = sum_weighted_gradients(bond, coordinates, moved, multiplier)
         unknown = unknown - 2.0_DP * h_step
-        minus = weighted_slope(bond, coordinates, moved, multiplier)
+        minus = sum_weighted_gradients(bond, coordinates, moved, multiplier)
         unknown = unknown + h_step
       end associate
       H(:, j) = (plus - minus) / (2.0_DP * h_step)
     end do
     H = 0.5_DP * (H + transpose(H))
-  end subroutine curvature_of
+  end subroutine evaluate_mpc_hessian
 
 
   !> sum multiplier * dg/du by the displacements of the curved nodes.
-  function weighted_slope(bond, coordinates, u_curved, multiplier) result(slope)
-    type(bond_type), intent(in) :: bond
+  function sum_weighted_gradients(bond, coordinates, u_curved, multiplier) result(slope)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :)
     real(DP), intent(in) :: u_curved(:, :)         !< (3, n curved)
     real(DP), intent(in) :: multiplier(:)
@@ -424,23 +424,23 @@ contains
     real(DP), allocatable :: dg(:, :)
     integer :: k
     slope = 0.0_DP
-    if (bond%kind == BOND_BODY) then
-      torque = force_times_arm(bond, coordinates, multiplier)
+    if (bond%kind == MPC_RIGID_BODY) then
+      torque = sum_force_moments(bond, coordinates, multiplier)
       call rotation_matrix(u_curved(:, 1), R, dR)
       slope = [(-sum(dR(:, :, k) * torque), k=1, 3)]
       return
     end if
     allocate (dg(3, size(bond%node)))
     do k = 1, size(multiplier)
-      call shape_function(bond, k, coordinates(:, bond%node), coordinates(:, bond%node) + u_curved, g, dg)
+      call evaluate_constraint(bond, k, coordinates(:, bond%node), coordinates(:, bond%node) + u_curved, g, dg)
       slope = slope + multiplier(k) * reshape(dg, [size(dg)])
     end do
-  end function weighted_slope
+  end function sum_weighted_gradients
 
 
   !> sum f_i (X_i - X_r)' of a BODY, with the constraint forces f_i on its nodes.
-  pure function force_times_arm(bond, coordinates, multiplier) result(torque)
-    type(bond_type), intent(in) :: bond
+  pure function sum_force_moments(bond, coordinates, multiplier) result(torque)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :), multiplier(:)
     real(DP) :: torque(3, 3)
     real(DP) :: a(3), arm(3)
@@ -460,7 +460,7 @@ contains
         end do
       end do
     end do
-  end function force_times_arm
+  end function sum_force_moments
 
 
   !> R(w) = 1 + s [w] + c [w][w], s = sin t / t, c = (1 - cos t) / t^2, t = |w|, and dR/dw_k. Series for small t.
@@ -483,13 +483,13 @@ contains
       ds = (cos(t) - s) / t2                       ! ds/dw_k = ds * w_k
       dc = (s - 2.0_DP * c) / t2
     end if
-    S_matrix = skew(w)
+    S_matrix = skew_matrix(w)
     R = s * S_matrix + c * matmul(S_matrix, S_matrix)
     do i = 1, 3
       R(i, i) = R(i, i) + 1.0_DP
     end do
     do k = 1, 3
-      E = skew([(merge(1.0_DP, 0.0_DP, i == k), i=1, 3)])
+      E = skew_matrix([(merge(1.0_DP, 0.0_DP, i == k), i=1, 3)])
       dR(:, :, k) = w(k) * (ds * S_matrix + dc * matmul(S_matrix, S_matrix)) + s * E &
         + c * (matmul(E, S_matrix) + matmul(S_matrix, E))
     end do
@@ -497,11 +497,11 @@ contains
 
 
   !> [w] with [w] x = w x x.
-  pure function skew(w) result(S)
+  pure function skew_matrix(w) result(S)
     real(DP), intent(in) :: w(3)
     real(DP) :: S(3, 3)
     S = reshape([0.0_DP, w(3), -w(2), -w(3), 0.0_DP, w(1), w(2), -w(1), 0.0_DP], [3, 3])
-  end function skew
+  end function skew_matrix
 
 
   !> The three unknowns of a node.
@@ -513,20 +513,20 @@ contains
 
 
   !> The size of a bond: the largest distance of a node from the first one, or from the reference node.
-  pure real(DP) function extent(bond, coordinates)
-    type(bond_type), intent(in) :: bond
+  pure real(DP) function find_mpc_size(bond, coordinates)
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :)
     integer :: i, from
     from = bond%node(1)
-    if (bond%kind == BOND_BODY) from = bond%reference
-    extent = maxval([(norm2(coordinates(:, bond%node(i)) - coordinates(:, from)), i=1, size(bond%node))])
-    if (.not. extent > 0.0_DP) extent = 1.0_DP
-  end function extent
+    if (bond%kind == MPC_RIGID_BODY) from = bond%reference
+    find_mpc_size = maxval([(norm2(coordinates(:, bond%node(i)) - coordinates(:, from)), i=1, size(bond%node))])
+    if (.not. find_mpc_size > 0.0_DP) find_mpc_size = 1.0_DP
+  end function find_mpc_size
 
 
   !> Leaves out the terms without a coefficient; the three of the node that is bound stay in front.
   pure subroutine drop_zeros(row)
-    type(row_type), intent(inout) :: row
+    type(constraint_row_type), intent(inout) :: row
     logical :: is_kept(size(row%unknown))
     is_kept = abs(row%coefficient) > 0.0_DP
     is_kept(:3) = .true.

@@ -4,54 +4,54 @@ module amontons_tie_generation
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert, IDENTITY
-  use amontons_topology, only: kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
-  use amontons_tributary_areas, only: node_areas, depth_of
+  use amontons_topology, only: element_kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
+  use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
   use amontons_loads, only: equation_type
-  use amontons_mpc_data, only: tie_type, spread_type
+  use amontons_mpc_data, only: tie_type, distributing_coupling_type
   use amontons_model, only: model_type, append_equation
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
-  use amontons_facet_search, only: search_type, build_search
-  use amontons_surface_projection, only: projection_type, find_projection, fixed_point, PROJECT_ON
+  use amontons_facet_search, only: facet_search_type, build_facet_search
+  use amontons_surface_projection, only: projection_type, find_projection, evaluate_facet_point, PROJECTION_INSIDE
   implicit none
   private
-  public :: fasten_model
+  public :: convert_ties_to_equations
 
-  real(DP), parameter :: TIE_TOLERANCE = 0.025_DP  !< nodes nearer than this times the mean edge of a facet are tied [-]
-  real(DP), parameter :: SECTOR_TOLERANCE = 1.0e-3_DP   !< the same of a sector: of the extent of its dependent side [-]
+  real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< nodes nearer than this times the mean edge of a facet are tied [-]
+  real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< the same of a sector: of the extent of its dependent side [-]
 
 contains
 
   !> Appends the equations of all ties and distributing couplings to the model, and moves tied nodes onto their masters.
-  subroutine fasten_model(model, error)
+  subroutine convert_ties_to_equations(model, error)
     type(model_type), intent(inout) :: model
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     if (allocated(model%ties)) then
       do i = 1, size(model%ties)
         if (model%ties(i)%is_cyclic) then
-          call join_sectors(model, model%ties(i), error)
+          call convert_cyclic_symmetry(model, model%ties(i), error)
         else
-          call fasten_tie(model, model%ties(i), error)
+          call convert_tie(model, model%ties(i), error)
         end if
         if (allocated(error)) return
       end do
     end if
-    if (.not. allocated(model%spreads)) return
-    do i = 1, size(model%spreads)
-      call fasten_spread(model, model%spreads(i), error)
+    if (.not. allocated(model%distributing_couplings)) return
+    do i = 1, size(model%distributing_couplings)
+      call convert_distributing_coupling(model, model%distributing_couplings(i), error)
       if (allocated(error)) return
     end do
-  end subroutine fasten_model
+  end subroutine convert_ties_to_equations
 
 
   !> The nodes of the slave stay where they are on the facets of the master: u = sum N_i u_i.
-  subroutine fasten_tie(model, tie, error)
+  subroutine convert_tie(model, tie, error)
     type(model_type), intent(inout) :: model
     type(tie_type), intent(in) :: tie
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: place
     real(DP), allocatable :: x(:, :)
     integer, allocatable :: slaves(:)
@@ -63,25 +63,25 @@ contains
     if (allocated(error)) return
     x = model%mesh%coordinates
     tolerance_length = tie%tolerance
-    if (tie%tolerance < 0.0_DP) tolerance_length = TIE_TOLERANCE * sum(facets%edge_length) / real(facets%n, DP)
-    call build_search(facets, x, tolerance_length, search)
+    if (tie%tolerance < 0.0_DP) tolerance_length = TOL_TIE_DISTANCE * sum(facets%edge_length) / real(facets%n, DP)
+    call build_facet_search(facets, x, tolerance_length, search)
     slaves = model%surfaces(tie%slave)%nodes
     n_tied = 0
     do i = 1, size(slaves)
       if (any(facets%nodes == slaves(i))) cycle    ! a node of both is one with itself
       call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, place)
-      if (place%status /= PROJECT_ON .or. place%facet == 0) cycle
+      if (place%status /= PROJECTION_INSIDE .or. place%facet == 0) cycle
       n_tied = n_tied + 1
-      if (tie%is_adjusted) call fixed_point(facets, x, place%facet, place%xi, model%mesh%coordinates(:, slaves(i)))
-      call tie_node(model, facets, place, slaves(i), tie%line)
+      if (tie%is_adjusted) call evaluate_facet_point(facets, x, place%facet, place%xi, model%mesh%coordinates(:, slaves(i)))
+      call add_tie_equations(model, facets, place, slaves(i), tie%line)
     end do
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
-  end subroutine fasten_tie
+  end subroutine convert_tie
 
 
   !> The three equations of one tied node.
-  subroutine tie_node(model, facets, place, slave, line)
+  subroutine add_tie_equations(model, facets, place, slave, line)
     type(model_type), intent(inout) :: model
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: place
@@ -93,31 +93,31 @@ contains
     do k = 1, 3
       call append_equation(model, [slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)
     end do
-  end subroutine tie_node
+  end subroutine add_tie_equations
 
 
   !> Appends u_s = R sum N_i u_i for every node s of the dependent side, R the turn that brings the independent side onto it.
   !!
   !! Of the two senses the one counts in which more nodes find a partner. Errors: nodes without a partner (EXIT_SETUP).
-  subroutine join_sectors(model, tie, error)
+  subroutine convert_cyclic_symmetry(model, tie, error)
     type(model_type), intent(inout) :: model
     type(tie_type), intent(in) :: tie
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: first(:), nodes(:), best_first(:), best_nodes(:)
     real(DP), allocatable :: weight(:), best_weight(:)
-    real(DP) :: turn(3, 3), best_turn(3, 3)
-    integer :: sense, s, k, n_found, n_best
+    real(DP) :: rotation_map(3, 3), best_rotation(3, 3)
+    integer :: rotation_sign, s, k, n_found, n_best
     character(12) :: number
     n_best = -1
-    do sense = 1, 2
-      turn = tie%turn
-      if (sense == 2) turn = transpose(tie%turn)
-      call find_partners(model, tie, turn, first, nodes, weight, error)
+    do rotation_sign = 1, 2
+      rotation_map = tie%turn
+      if (rotation_sign == 2) rotation_map = transpose(tie%turn)
+      call find_cyclic_partners(model, tie, rotation_map, first, nodes, weight, error)
       if (allocated(error)) return
       n_found = count(first(2:) > first(:size(first) - 1))
       if (n_found <= n_best) cycle
       n_best = n_found
-      best_turn = turn
+      best_rotation = rotation_map
       best_first = first
       best_nodes = nodes
       best_weight = weight
@@ -132,25 +132,25 @@ contains
       end if
       do s = 1, size(slaves)
         do k = 1, 3
-          call add_turned_row(model, slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
-            best_weight(best_first(s):best_first(s + 1) - 1), best_turn(k, :), tie%line)
+          call add_rotated_equation(model, slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
+            best_weight(best_first(s):best_first(s + 1) - 1), best_rotation(k, :), tie%line)
         end do
       end do
     end associate
-  end subroutine join_sectors
+  end subroutine convert_cyclic_symmetry
 
 
   !> For each node of the dependent side the nodes and weights of its place on the independent side; none if there is none.
-  subroutine find_partners(model, tie, turn, first, nodes, weight, error)
+  subroutine find_cyclic_partners(model, tie, rotation_map, first, nodes, weight, error)
     type(model_type), intent(in) :: model
     type(tie_type), intent(in) :: tie
-    real(DP), intent(in) :: turn(3, 3)             !< brings the independent side onto the dependent one
+    real(DP), intent(in) :: rotation_map(3, 3)             !< brings the independent side onto the dependent one
     integer, allocatable, intent(out) :: first(:)  !< (n + 1)
     integer, allocatable, intent(out) :: nodes(:)
     real(DP), allocatable, intent(out) :: weight(:)
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     real(DP) :: place(3), reach
     integer :: s, i
     logical :: has_faces
@@ -158,30 +158,30 @@ contains
       allocate (first(size(slaves) + 1), source=1)
       allocate (nodes(0), weight(0))
       reach = tie%tolerance
-      if (reach < 0.0_DP) reach = SECTOR_TOLERANCE * norm2(maxval(X(:, slaves), dim=2) - minval(X(:, slaves), dim=2))
+      if (reach < 0.0_DP) reach = TOL_CYCLIC_MATCH * norm2(maxval(X(:, slaves), dim=2) - minval(X(:, slaves), dim=2))
       has_faces = .not. master%is_node_based
       if (has_faces) call build_facets(model%mesh, master%element, master%face, facets, error)
       if (allocated(error)) return
-      if (has_faces) call build_search(facets, X, reach, search)
+      if (has_faces) call build_facet_search(facets, X, reach, search)
       do s = 1, size(slaves)
-        place = tie%centre + matmul(transpose(turn), X(:, slaves(s)) - tie%centre)
+        place = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
         i = minloc(sum((X(:, master%nodes) - spread(place, 2, size(master%nodes)))**2, dim=1), dim=1)
         if (norm2(X(:, master%nodes(i)) - place) <= reach) then
           nodes = [nodes, master%nodes(i)]
           weight = [weight, 1.0_DP]
         else if (has_faces) then
-          call take_facet(facets, search, X, place, reach, nodes, weight)
+          call append_facet_weights(facets, search, X, place, reach, nodes, weight)
         end if
         first(s + 1) = size(nodes) + 1
       end do
     end associate
-  end subroutine find_partners
+  end subroutine find_cyclic_partners
 
 
   !> Appends the nodes of the facet at a place, if there is one within reach.
-  subroutine take_facet(facets, search, X, place, reach, nodes, weight)
+  subroutine append_facet_weights(facets, search, X, place, reach, nodes, weight)
     type(facets_type), intent(in) :: facets
-    type(search_type), intent(in) :: search
+    type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: X(:, :), place(3), reach   !< [length]
     integer, allocatable, intent(inout) :: nodes(:)
     real(DP), allocatable, intent(inout) :: weight(:)
@@ -189,20 +189,20 @@ contains
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: corners(MAX_FACE_NODES), n
     call find_projection(facets, search, X, place, reach, projection)
-    if (projection%status /= PROJECT_ON .or. projection%facet == 0) return
+    if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) return
     call facet_nodes(facets, projection%facet, n, corners)
     call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
     nodes = [nodes, corners(:n)]
     weight = [weight, N_i(:n)]
-  end subroutine take_facet
+  end subroutine append_facet_weights
 
 
   !> u_s(k) - sum_j R(k, j) sum_i N_i u_i(j) = 0; terms of a node on the axis, which is its own partner, are added up.
-  subroutine add_turned_row(model, slave, k, partners, weight, turn, line)
+  subroutine add_rotated_equation(model, slave, k, partners, weight, rotation_map, line)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: slave, k
     integer, intent(in) :: partners(:)
-    real(DP), intent(in) :: weight(:), turn(3)     !< row k of R
+    real(DP), intent(in) :: weight(:), rotation_map(3)     !< row k of R
     integer, intent(in) :: line                    !< of the deck
     type(equation_type) :: equation
     real(DP) :: coefficient
@@ -210,7 +210,7 @@ contains
     n = 3 * size(partners) + 3
     equation%node = [spread(slave, 1, 3), [(spread(partners(i), 1, 3), i=1, size(partners))]]
     equation%dof = [k, mod(k, 3) + 1, mod(k + 1, 3) + 1, [(1, 2, 3, i=1, size(partners))]]
-    equation%coefficient = [1.0_DP, 0.0_DP, 0.0_DP, [((-weight(i) * turn(j), j=1, 3), i=1, size(partners))]]
+    equation%coefficient = [1.0_DP, 0.0_DP, 0.0_DP, [((-weight(i) * rotation_map(j), j=1, 3), i=1, size(partners))]]
     do i = 4, n
       if (equation%node(i) /= slave) cycle
       coefficient = equation%coefficient(i)
@@ -225,11 +225,11 @@ contains
       equation%dof = pack(equation%dof, is_kept)
       equation%coefficient = pack(equation%coefficient, is_kept)
     end associate
-    equation%n_candidates = count(equation%node == slave)
+    equation%n_eliminable = count(equation%node == slave)
     equation%card = 'CYCLIC SYMMETRY'
     equation%line = line
     model%equations = [model%equations, equation]
-  end subroutine add_turned_row
+  end subroutine add_rotated_equation
 
 
   !> The reference node moves with the mean rigid motion of the surface, weighted by area.
@@ -237,52 +237,52 @@ contains
   !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the
   !! reference node has u = u_c + t x (X - c) and the rotation t. Its forces and moments so spread over the nodes as
   !! w (f + inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
-  subroutine fasten_spread(model, spread_out, error)
+  subroutine convert_distributing_coupling(model, coupling, error)
     type(model_type), intent(inout) :: model
-    type(spread_type), intent(in) :: spread_out
+    type(distributing_coupling_type), intent(in) :: coupling
     type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: weight(:), turn(:, :, :), coefficient(:)
+    real(DP), allocatable :: weight(:), rotation_map(:, :, :), coefficient(:)
     real(DP) :: centre(3), arm(3), mean(3, 3)
     integer, allocatable :: nodes(:), node(:), dof(:)
     integer :: i, k, n
     logical :: is_ok, is_plane
-    nodes = model%surfaces(spread_out%surface)%nodes
+    nodes = model%surfaces(coupling%surface)%nodes
     n = size(nodes)
-    call share_area(model, spread_out%surface, weight)
-    is_plane = all(model%mesh%is_idle(3, nodes))
-    call mean_rotation(model%mesh%coordinates(:, nodes), weight, is_plane, centre, turn, is_ok)
+    call find_nodal_weights(model, coupling%surface, weight)
+    is_plane = all(model%mesh%is_unstiffened(3, nodes))
+    call find_mean_rotation(model%mesh%coordinates(:, nodes), weight, is_plane, centre, rotation_map, is_ok)
     if (.not. is_ok) then
       call set_error(error, EXIT_SETUP, 'The nodes of the surface of a *DISTRIBUTING coupling lie on a line; a ' // &
         'rotation cannot be spread over them.')
-    else if (is_axisymmetric(model, spread_out%surface)) then
+    else if (is_axisymmetric(model, coupling%surface)) then
       call set_error(error, EXIT_SETUP, 'A *DISTRIBUTING coupling is of a surface of axisymmetric elements, which ' // &
         'have no mean rigid motion but along their axis; an *EQUATION can bind the mean displacement along it.')
     end if
     if (allocated(error)) return
-    arm = model%mesh%coordinates(:, spread_out%reference) - centre
+    arm = model%mesh%coordinates(:, coupling%reference) - centre
     node = [0, [(spread(nodes(i), 1, 3), i=1, n)]]
     dof = [0, [(1, 2, 3, i=1, n)]]
     coefficient = [(1.0_DP, i=0, 3 * n)]
     do k = 1, 6
-      if (k > 3 .and. .not. spread_out%is_bound(modulo(k - 1, 3) + 1)) cycle
+      if (k > 3 .and. .not. coupling%is_bound(modulo(k - 1, 3) + 1)) cycle
       if (is_plane .and. any(k == [3, 4, 5])) cycle
-      node(1) = merge(spread_out%reference, spread_out%rotation, k <= 3)
+      node(1) = merge(coupling%reference, coupling%rotation, k <= 3)
       dof(1) = modulo(k - 1, 3) + 1
       do i = 1, n
-        mean = turn(:, :, i)
-        if (k <= 3) mean = weight(i) * IDENTITY + turned_cross(arm, turn(:, :, i))
-        coefficient(3 * i - 1:3 * i + 1) = -matmul(spread_out%axes(:, dof(1)), mean)
+        mean = rotation_map(:, :, i)
+        if (k <= 3) mean = weight(i) * IDENTITY + rotation_moment_matrix(arm, rotation_map(:, :, i))
+        coefficient(3 * i - 1:3 * i + 1) = -matmul(coupling%axes(:, dof(1)), mean)
       end do
-      call append_equation(model, node, dof, coefficient, 'COUPLING', spread_out%line)
+      call append_equation(model, node, dof, coefficient, 'COUPLING', coupling%line)
     end do
-  end subroutine fasten_spread
+  end subroutine convert_distributing_coupling
 
 
   !> Whether a surface has axisymmetric elements.
   pure logical function is_axisymmetric(model, surface)
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     integer :: i
     is_axisymmetric = .false.
     do i = 1, size(model%surfaces(surface)%element)
@@ -293,11 +293,11 @@ contains
 
 
   !> The share of each node of a surface in its area, by the shape functions.
-  subroutine share_area(model, surface, weight)
+  subroutine find_nodal_weights(model, surface, weight)
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface
     real(DP), allocatable, intent(out) :: weight(:)   !< of surface%nodes, sum 1
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     real(DP) :: of_node(model%mesh%n_nodes)
     integer :: i, e
     integer, allocatable :: nodes(:)
@@ -308,32 +308,32 @@ contains
         kind = element_kind(mesh%kind(e))
         associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
           nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
-          of_node(nodes) = of_node(nodes) + node_areas(mesh%coordinates(:, nodes), facet, depth_of(mesh, e))
+          of_node(nodes) = of_node(nodes) + integrate_nodal_areas(mesh%coordinates(:, nodes), facet, out_of_plane_depth(mesh, e))
         end associate
       end do
       weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
     end associate
-  end subroutine share_area
+  end subroutine find_nodal_weights
 
 
   !> The matrix of u -> (turn u) x arm.
-  pure function turned_cross(arm, turn) result(M)
-    real(DP), intent(in) :: arm(3), turn(3, 3)
+  pure function rotation_moment_matrix(arm, rotation_map) result(M)
+    real(DP), intent(in) :: arm(3), rotation_map(3, 3)
     real(DP) :: M(3, 3)
     integer :: j
     do j = 1, 3
-      M(:, j) = cross_product(turn(:, j), arm)
+      M(:, j) = cross_product(rotation_map(:, j), arm)
     end do
-  end function turned_cross
+  end function rotation_moment_matrix
 
 
   !> The centre of weighted nodes, and the matrices with mean rotation t = sum turn_i u_i. In the plane nodes turn about z alone.
-  pure subroutine mean_rotation(x, weight, is_plane, centre, turn, is_ok)
+  pure subroutine find_mean_rotation(x, weight, is_plane, centre, rotation_map, is_ok)
     real(DP), intent(in) :: x(:, :)              !< (3, n) [length]
     real(DP), intent(in) :: weight(:)            !< (n) sum 1
     logical, intent(in) :: is_plane
     real(DP), intent(out) :: centre(3)
-    real(DP), allocatable, intent(out) :: turn(:, :, :)   !< (3, 3, n) [1/length]
+    real(DP), allocatable, intent(out) :: rotation_map(:, :, :)   !< (3, 3, n) [1/length]
     logical, intent(out) :: is_ok
     real(DP) :: J_matrix(3, 3), inverse(3, 3), r(3), det, size2
     integer :: i, k
@@ -349,14 +349,14 @@ contains
     if (is_plane) J_matrix = J_matrix(3, 3) * IDENTITY
     size2 = J_matrix(1, 1) + J_matrix(2, 2) + J_matrix(3, 3)
     call invert(J_matrix, inverse, det)
-    allocate (turn(3, 3, size(weight)))
+    allocate (rotation_map(3, 3, size(weight)))
     is_ok = abs(det) > 1.0e-12_DP * size2**3
     if (.not. is_ok) return
     do i = 1, size(weight)
       r = x(:, i) - centre
-      turn(:, :, i) = weight(i) * matmul(inverse, reshape([0.0_DP, r(3), -r(2), -r(3), 0.0_DP, r(1), r(2), -r(1), &
+      rotation_map(:, :, i) = weight(i) * matmul(inverse, reshape([0.0_DP, r(3), -r(2), -r(3), 0.0_DP, r(1), r(2), -r(1), &
         0.0_DP], [3, 3]))
     end do
-  end subroutine mean_rotation
+  end subroutine find_mean_rotation
 
 end module amontons_tie_generation

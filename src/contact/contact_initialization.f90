@@ -5,109 +5,114 @@ module amontons_contact_initialization
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
   use amontons_node_overrides, only: node_overrides_type, gives_way, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, &
     NODE_OVERRIDE_GIVES_WAY
-  use amontons_contact_constraint_rows, only: facet_weights
-  use amontons_tributary_areas, only: face_area, depth_of, sum_shares
-  use amontons_surface_projection, only: excess_over_edges
-  use amontons_facet_search, only: build_search
-  use amontons_mortar, only: search_margin, n_own_nodes
-  use amontons_shared_slave_nodes, only: order_slaves, reach_type
-  use amontons_slave_nodes, only: lose_master, never_slips
-  use amontons_contact_pairs, only: contact_type, renew_rows, refresh_facet, set_origin, SEARCH_REACH, create_contact
+  use amontons_contact_constraint_rows, only: evaluate_facet_weights
+  use amontons_tributary_areas, only: integrate_face_area, out_of_plane_depth, sum_nodal_areas
+  use amontons_surface_projection, only: find_edge_excess
+  use amontons_facet_search, only: build_facet_search
+  use amontons_mortar, only: find_search_margin, n_imbalance_nodes
+  use amontons_shared_slave_nodes, only: order_slave_levels, reachable_nodes_type
+  use amontons_slave_nodes, only: detach_slave, is_rough
+  use amontons_contact_pairs, only: contact_type, update_mortar_rows, update_projection, set_stick_origin, SEARCH_RADIUS_RATIO, &
+    create_contact
   use amontons_errors, only: error_type
   implicit none
   private
-  public :: begin_contact_increment
-  public :: adjust_slaves
+  public :: initialize_contact
+  public :: adjust_slave_nodes
 
-  real(DP), parameter :: TOUCH = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge touches [-]
+  real(DP), parameter :: TOL_INITIAL_CONTACT = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge
+                                                                !! touches [-]
 
 contains
 
   !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
-  subroutine begin_contact_increment(contact, model, is_nlgeom, is_step_start, u_start, fields)
+  subroutine initialize_contact(contact, model, is_nlgeom, is_step_start, u_start, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     logical, intent(in) :: is_nlgeom
     logical, intent(in) :: is_step_start           !< first increment of a step
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     type(fields_type), intent(inout) :: fields     !< in: u; out: slaves
-    real(DP), allocatable :: x(:, :), here(:, :)
-    type(reach_type) :: nodes_in_reach
+    real(DP), allocatable :: x(:, :), x_now(:, :)
+    type(reachable_nodes_type) :: nodes_in_reach
     real(DP) :: reach
     integer :: p, s
-    logical :: is_new, is_stale(size(model%pairs)), is_of_start(size(model%pairs))
+    logical :: is_new, needs_new_rows(size(model%pairs)), is_at_step_start(size(model%pairs))
     allocate (x, source=model%mesh%coordinates)
-    is_stale = .false.
+    needs_new_rows = .false.
     if (is_nlgeom) x = x + fields%u
-    allocate (here, source=model%mesh%coordinates + fields%u)
+    allocate (x_now, source=model%mesh%coordinates + fields%u)
     do p = 1, size(model%pairs)
-      contact%is_small(p) = is_kept_in_step(contact, model, is_nlgeom, p)
-      if (model%pairs(p)%is_pointwise) cycle
-      reach = SEARCH_REACH * contact%edge(p)
-      if (model%pairs(p)%is_mortar) reach = search_margin(contact%mortar(p), reach)
-      if (.not. allocated(contact%facets(p)%profile)) call build_search(contact%facets(p), merge(x, here, contact%is_small(p)), &
+      contact%has_fixed_geometry(p) = uses_fixed_geometry(contact, model, is_nlgeom, p)
+      if (model%pairs(p)%has_point_contact) cycle
+      reach = SEARCH_RADIUS_RATIO * contact%edge(p)
+      if (model%pairs(p)%is_mortar) reach = find_search_margin(contact%mortar(p), reach)
+      if (.not. allocated(contact%facets(p)%profile)) call build_facet_search(contact%facets(p), merge(x, x_now, &
+        contact%has_fixed_geometry(p)), &
         reach, contact%search(p))
       if (.not. model%pairs(p)%is_mortar) cycle
-      is_stale(p) = .not. contact%is_small(p) .or. is_step_start .or. .not. contact%mortar(p)%is_made
+      needs_new_rows(p) = .not. contact%has_fixed_geometry(p) .or. is_step_start .or. .not. contact%mortar(p)%is_made
     end do
-    is_of_start = is_stale .and. contact%is_small .and. is_nlgeom
-    if (any(is_of_start)) call renew_rows(contact, fields%slaves, is_of_start, .true., model%mesh%coordinates + u_start)
-    is_stale = is_stale .and. .not. is_of_start
-    if (any(is_stale)) call renew_rows(contact, fields%slaves, is_stale, .true., x)
+    is_at_step_start = needs_new_rows .and. contact%has_fixed_geometry .and. is_nlgeom
+    if (any(is_at_step_start)) call update_mortar_rows(contact, fields%slaves, is_at_step_start, .true., &
+      model%mesh%coordinates + u_start)
+    needs_new_rows = needs_new_rows .and. .not. is_at_step_start
+    if (any(needs_new_rows)) call update_mortar_rows(contact, fields%slaves, needs_new_rows, .true., x)
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         p = slave%pair
         if (contact%is_removed(p)) then
-          call lose_master(slave)
+          call detach_slave(slave)
           slave%origin_facet = 0
           slave%elastic = 0.0_DP
           cycle
         end if
-        reach = SEARCH_REACH * contact%edge(p)
-        if (slave%side > 0 .or. .not. contact%is_small(p)) then
-          call refresh_facet(contact, here, s, reach, slave)
+        reach = SEARCH_RADIUS_RATIO * contact%edge(p)
+        if (slave%slave_facet > 0 .or. .not. contact%has_fixed_geometry(p)) then
+          call update_projection(contact, x_now, s, reach, slave)
         else if (is_step_start) then
-          call refresh_facet(contact, x, s, reach, slave)
+          call update_projection(contact, x, s, reach, slave)
         end if
-        slave%overrides = node_overrides_type(edge=merge(NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_NONE, is_beyond(contact, slave)))
-        is_new = .not. slave%is_started
-        if (is_new) call start_slave(contact, model, slave)
+        slave%overrides = node_overrides_type(edge=merge(NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_NONE, is_beyond_edge(contact, &
+          slave)))
+        is_new = .not. slave%is_initialized
+        if (is_new) call initialize_slave(contact, model, slave)
         call ramp_interference(contact, is_step_start, fields, slave)
-        if (is_new .and. slave%facet > 0 .and. slave%gap <= TOUCH * contact%edge(p)) slave%status = STATUS_STICK
+        if (is_new .and. slave%facet > 0 .and. slave%gap <= TOL_INITIAL_CONTACT * contact%edge(p)) slave%status = STATUS_STICK
         slave%scenario = 0
-        slave%is_within = .false.
-        if (never_slips(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
+        slave%is_in_law_range = .false.
+        if (is_rough(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
-        if (slave%status /= STATUS_OPEN) call set_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
+        if (slave%status /= STATUS_OPEN) call set_stick_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
       end associate
     end do
-    if (contact%overlaps%has_chains) call list_reach(contact, model, fields%slaves, nodes_in_reach)
-    call order_slaves(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%overlaps)
-    where (contact%is_bound) fields%slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
+    if (contact%shared_slaves%has_reaction_chains) call list_reachable_nodes(contact, model, fields%slaves, nodes_in_reach)
+    call order_slave_levels(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%shared_slaves)
+    where (contact%is_pretension_duplicate) fields%slaves%overrides%slave_facet = NODE_OVERRIDE_GIVES_WAY
     do s = 1, size(fields%slaves)
       if (.not. gives_way(fields%slaves(s)%overrides)) cycle
-      call lose_master(fields%slaves(s))
+      call detach_slave(fields%slaves(s))
       fields%slaves(s)%origin_facet = 0
     end do
-    if (model%dialect == DIALECT_CALCULIX) x = here
-    call renew_areas(contact, model, x, fields%slaves)
-  end subroutine begin_contact_increment
+    if (model%dialect == DIALECT_CALCULIX) x = x_now
+    call update_areas(contact, model, x, fields%slaves)
+  end subroutine initialize_contact
 
 
   !> Pairs that are an earlier one with its sides changed, both surface to surface: in the mean of the one the other holds too.
   function mirrored_pairs(contact, model) result(is_mirrored)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    logical :: is_mirrored(size(model%pairs)), counts(size(model%pairs))
+    logical :: is_mirrored(size(model%pairs)), is_hard_mortar(size(model%pairs))
     integer :: q
-    counts = model%pairs%is_mortar .and. .not. is_compliant(contact%laws) .and. .not. contact%is_removed
+    is_hard_mortar = model%pairs%is_mortar .and. .not. is_compliant(contact%laws) .and. .not. contact%is_removed
     is_mirrored = .false.
     do q = 2, size(model%pairs)
-      is_mirrored(q) = counts(q) .and. any(counts(:q - 1) .and. model%pairs(:q - 1)%slave == model%pairs(q)%master &
+      is_mirrored(q) = is_hard_mortar(q) .and. any(is_hard_mortar(:q - 1) .and. model%pairs(:q - 1)%slave == model%pairs(q)%master &
         .and. model%pairs(:q - 1)%master == model%pairs(q)%slave)
     end do
   end function mirrored_pairs
@@ -115,11 +120,11 @@ contains
 
   !> The nodes to which slaves may give a force within the increment: those of the facet and around it, and of a mortar row all its
   !! master nodes; under a law also their own. A force on a mid-side node of a mortar pair is felt at the corners beside it too.
-  subroutine list_reach(contact, model, slaves, reach)
+  subroutine list_reachable_nodes(contact, model, slaves, reach)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
-    type(reach_type), intent(out) :: reach
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(reachable_nodes_type), intent(out) :: reach
     integer, allocatable :: ends(:, :), nodes(:)
     integer :: s, p, k, n
     allocate (ends(2, model%mesh%n_nodes), source=0)
@@ -130,7 +135,7 @@ contains
     allocate (reach%first(size(slaves) + 1), reach%nodes(1000))
     reach%first(1) = 1
     do s = 1, size(slaves)
-      call add_reach(s)
+      call add_reachable_nodes(s)
       n = size(nodes)
       nodes = [nodes, pack(reshape(ends(:, nodes), [2 * n]), reshape(ends(:, nodes), [2 * n]) > 0)]
       n = reach%first(s)
@@ -148,7 +153,7 @@ contains
   contains
 
     !> The nodes of one slave, some of them twice.
-    subroutine add_reach(s)
+    subroutine add_reachable_nodes(s)
       integer, intent(in) :: s
       integer :: own
       nodes = [integer ::]
@@ -158,50 +163,50 @@ contains
         if (is_compliant(contact%laws(slave%pair))) nodes = [nodes, slave%node]
         if (slave%row == 0) return
         own = 0
-        if (.not. is_compliant(contact%laws(slave%pair))) own = n_own_nodes(contact%mortar(slave%pair), slave%row)
+        if (.not. is_compliant(contact%laws(slave%pair))) own = n_imbalance_nodes(contact%mortar(slave%pair), slave%row)
         nodes = [nodes, contact%mortar(slave%pair)%rows(slave%row)%nodes(own + 1:)]
       end associate
-    end subroutine add_reach
+    end subroutine add_reachable_nodes
 
-  end subroutine list_reach
+  end subroutine list_reachable_nodes
 
 
   !> Whether a slave node that touches its meshed master is beyond an edge of it.
-  pure logical function is_beyond(contact, slave)
+  pure logical function is_beyond_edge(contact, slave)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
-    is_beyond = slave%overrides%edge == NODE_OVERRIDE_EXTENDED .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
-    if (is_beyond) is_beyond = any(excess_over_edges(contact%facets(slave%pair)%kind(slave%facet), slave%xi) > 0.0_DP)
-  end function is_beyond
+    type(slave_state_type), intent(in) :: slave
+    is_beyond_edge = slave%overrides%edge == NODE_OVERRIDE_EXTENDED .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
+    if (is_beyond_edge) is_beyond_edge = any(find_edge_excess(contact%facets(slave%pair)%kind(slave%facet), slave%xi) > 0.0_DP)
+  end function is_beyond_edge
 
 
   !> Whether a pair keeps weights and normals throughout a step. Under the calculix dialect springs at slave nodes and MORTAR follow
   !! their master in any step, as in CalculiX.
-  pure logical function is_kept_in_step(contact, model, is_nlgeom, p) result(is_kept)
+  pure logical function uses_fixed_geometry(contact, model, is_nlgeom, p) result(is_kept)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     logical, intent(in) :: is_nlgeom
     integer, intent(in) :: p                       !< pair
     associate (pair => model%pairs(p))
-      is_kept = pair%is_pointwise .or. pair%is_small_sliding .or. .not. is_nlgeom
-      if (model%dialect /= DIALECT_CALCULIX .or. pair%is_pointwise) return
+      is_kept = pair%has_point_contact .or. pair%is_small_sliding .or. .not. is_nlgeom
+      if (model%dialect /= DIALECT_CALCULIX .or. pair%has_point_contact) return
       if (.not. pair%is_mortar) is_kept = is_kept .and. .not. is_compliant(contact%laws(p))
       if (pair%is_mortar) is_kept = pair%is_small_sliding
     end associate
-  end function is_kept_in_step
+  end function uses_fixed_geometry
 
 
   !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.
-  subroutine start_slave(contact, model, slave)
+  subroutine initialize_slave(contact, model, slave)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(inout) :: slave
-    slave%is_started = .true.
+    type(slave_state_type), intent(inout) :: slave
+    slave%is_initialized = .true.
     slave%clearance = 0.0_DP
     if (slave%facet == 0) return
     if (model%pairs(slave%pair)%has_clearance) slave%clearance = model%pairs(slave%pair)%clearance - slave%gap
-    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED .and. slave%side == 0) slave%clearance = -slave%gap
-  end subroutine start_slave
+    if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED .and. slave%slave_facet == 0) slave%clearance = -slave%gap
+  end subroutine initialize_slave
 
 
   !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
@@ -213,67 +218,68 @@ contains
     type(contact_type), intent(in) :: contact
     logical, intent(in) :: is_step_start
     type(fields_type), intent(in) :: fields        !< step, times at the end of the increment
-    type(slave_type), intent(inout) :: slave
-    real(DP) :: offset, rest, raw, given
+    type(slave_state_type), intent(inout) :: slave
+    real(DP) :: offset, remaining_share, gap_without_offset, clearance_now
     logical :: is_new
-    raw = slave%gap - slave%offset
-    given = slave%clearance
-    if (slave%side > 0) given = given * fields%step_time / contact%period
+    gap_without_offset = slave%gap - slave%offset
+    clearance_now = slave%clearance
+    if (slave%slave_facet > 0) clearance_now = clearance_now * fields%step_time / contact%period
     if (is_step_start) then
       slave%allowed = contact%interference(slave%pair)
       is_new = contact%is_ramped(slave%pair) .and. slave%row > 0 .and. slave%status == STATUS_OPEN
-      if (slave%facet > 0 .and. (contact%is_shrink(slave%pair) .or. is_new)) slave%allowed = max(0.0_DP, -(raw + given))
+      if (slave%facet > 0 .and. (contact%is_shrink_fit(slave%pair) .or. is_new)) slave%allowed = max(0.0_DP, &
+        -(gap_without_offset + clearance_now))
     end if
-    is_new = contact%is_ramped(slave%pair) .and. (slave%side > 0 .or. slave%row == 0)
-    if (is_new .and. .not. (abs(contact%interference(slave%pair)) > 0.0_DP .or. contact%is_shrink(slave%pair))) then
-      is_new = fields%step <= 1 .and. (is_step_start .or. slave%side > 0)
-      is_new = is_new .or. (slave%side > 0 .and. is_step_start .and. slave%status == STATUS_OPEN)
-      rest = 1.0_DP - (fields%step_time - fields%time_increment) / contact%period
-      is_new = is_new .and. fields%time_increment > 0.0_DP .and. rest > 0.0_DP   ! not in the audit before the first step
+    is_new = contact%is_ramped(slave%pair) .and. (slave%slave_facet > 0 .or. slave%row == 0)
+    if (is_new .and. .not. (abs(contact%interference(slave%pair)) > 0.0_DP .or. contact%is_shrink_fit(slave%pair))) then
+      is_new = fields%step <= 1 .and. (is_step_start .or. slave%slave_facet > 0)
+      is_new = is_new .or. (slave%slave_facet > 0 .and. is_step_start .and. slave%status == STATUS_OPEN)
+      remaining_share = 1.0_DP - (fields%step_time - fields%time_increment) / contact%period
+      is_new = is_new .and. fields%time_increment > 0.0_DP .and. remaining_share > 0.0_DP   ! not in the audit before the first step
       slave%allowed = 0.0_DP
-      if (slave%facet > 0 .and. is_new) slave%allowed = max(0.0_DP, -(raw + given)) / rest
+      if (slave%facet > 0 .and. is_new) slave%allowed = max(0.0_DP, -(gap_without_offset + clearance_now)) / remaining_share
     end if
-    offset = given + slave%allowed * max(0.0_DP, 1.0_DP - fields%step_time / contact%period)
-    if (slave%facet > 0) slave%gap = raw + offset
+    offset = clearance_now + slave%allowed * max(0.0_DP, 1.0_DP - fields%step_time / contact%period)
+    if (slave%facet > 0) slave%gap = gap_without_offset + offset
     slave%offset = offset
   end subroutine ramp_interference
 
 
   !> The areas of the slave nodes of compliant pairs as the bodies are deformed now: the laws speak of true pressures. A
   !! slave node without faces of its own takes the area of its facet.
-  subroutine renew_areas(contact, model, x, slaves)
+  subroutine update_areas(contact, model, x, slaves)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
-    type(slave_type), intent(inout) :: slaves(:)
+    type(slave_state_type), intent(inout) :: slaves(:)
     real(DP), allocatable :: area(:), area_vector(:, :)
     real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), vector(3), depth
     integer :: nodes(MAX_FACE_NODES), n, s, p
     do p = 1, size(model%pairs)
       if (.not. is_compliant(contact%laws(p)) .or. model%pairs(p)%is_mortar) cycle
       allocate (area_vector(3, size(x, 2)), area(size(x, 2)), source=0.0_DP)
-      call sum_shares(model%mesh, contact%cover(p), x, area_vector, area)
+      call sum_nodal_areas(model%mesh, contact%slave_area_faces(p), x, area_vector, area)
       do s = 1, size(slaves)
         if (slaves(s)%pair /= p) cycle
         if (area(slaves(s)%node) > 0.0_DP) then
           slaves(s)%area = area(slaves(s)%node)
         else if (slaves(s)%facet > 0 .and. .not. allocated(contact%facets(p)%profile)) then
-          call facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
-          depth = depth_of(model%mesh, contact%facets(p)%element(slaves(s)%facet))
+          call evaluate_facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
+          depth = out_of_plane_depth(model%mesh, contact%facets(p)%element(slaves(s)%facet))
           if (depth < 0.0_DP) depth = 2 * PI * x(1, slaves(s)%node)   ! of the circle on which the node is
-          call face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), depth, vector, slaves(s)%area)
+          call integrate_face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), depth, vector, slaves(s)%area)
         end if
       end do
       deallocate (area_vector, area)
     end do
-  end subroutine renew_areas
+  end subroutine update_areas
 
 
   !> Moves the slave nodes that penetrate or are nearer than the distance, along the master's normal; those of the given
   !! set wherever they are. A mid-side node that follows its corners moves by half of what they move.
   !!
   !! As in Abaqus and CalculiX the mesh itself is changed. Cost: one search.
-  subroutine adjust_slaves(model, n_moved, largest, error)
+  subroutine adjust_slave_nodes(model, n_moved, largest, error)
     type(model_type), intent(inout) :: model       !< its coordinates are changed
     integer, intent(out) :: n_moved                !< nodes moved
     real(DP), intent(out) :: largest               !< longest way [length]
@@ -281,49 +287,49 @@ contains
     type(contact_type) :: contact
     type(model_type) :: by_nodes                   ! the same with node-to-surface contact: nodes are moved, not faces
     type(state_type) :: state
-    type(slave_type), allocatable :: slaves(:)
-    real(DP) :: way(3, model%mesh%n_nodes)
+    type(slave_state_type), allocatable :: slaves(:)
+    real(DP) :: adjustment(3, model%mesh%n_nodes)
     integer :: s, i
     n_moved = 0
     largest = 0.0_DP
     if (.not. any(model%pairs%has_adjust)) return
     by_nodes = model
     by_nodes%pairs%is_mortar = .false.
-    by_nodes%pairs%is_pointwise = .false.
+    by_nodes%pairs%has_point_contact = .false.
     call create_contact(contact, by_nodes, slaves, error)
     if (allocated(error)) return
     call create_state(state, model%mesh, slaves)
-    call begin_contact_increment(contact, by_nodes, .true., .true., state%new%u, state%new)
-    way = 0.0_DP
+    call initialize_contact(contact, by_nodes, .true., .true., state%new%u, state%new)
+    adjustment = 0.0_DP
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
-        if (is_wanted(model, slave)) way(:, slave%node) = -(slave%gap - slave%offset) * slave%normal
+        if (is_adjusted(model, slave)) adjustment(:, slave%node) = -(slave%gap - slave%offset) * slave%normal
       end associate
     end do
-    do i = 1, size(contact%follower, 2)
-      associate (f => contact%follower(:, i))
-        way(:, f(1)) = 0.5_DP * (way(:, f(2)) + way(:, f(3)))
+    do i = 1, size(contact%midside_followers, 2)
+      associate (f => contact%midside_followers(:, i))
+        adjustment(:, f(1)) = 0.5_DP * (adjustment(:, f(2)) + adjustment(:, f(3)))
       end associate
     end do
-    n_moved = count(norm2(way, dim=1) > 0.0_DP)
-    largest = maxval(norm2(way, dim=1))
-    model%mesh%coordinates = model%mesh%coordinates + way
-  end subroutine adjust_slaves
+    n_moved = count(norm2(adjustment, dim=1) > 0.0_DP)
+    largest = maxval(norm2(adjustment, dim=1))
+    model%mesh%coordinates = model%mesh%coordinates + adjustment
+  end subroutine adjust_slave_nodes
 
 
   !> Whether a slave node is to be moved.
-  pure logical function is_wanted(model, slave)
+  pure logical function is_adjusted(model, slave)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slave
-    is_wanted = .false.
+    type(slave_state_type), intent(in) :: slave
+    is_adjusted = .false.
     associate (pair => model%pairs(slave%pair))
       if (.not. pair%has_adjust .or. slave%facet == 0) return
       if (allocated(pair%adjust_nodes)) then
-        is_wanted = any(pair%adjust_nodes == slave%node)
+        is_adjusted = any(pair%adjust_nodes == slave%node)
       else
-        is_wanted = slave%gap - slave%offset <= pair%adjust
+        is_adjusted = slave%gap - slave%offset <= pair%adjust
       end if
     end associate
-  end function is_wanted
+  end function is_adjusted
 
 end module amontons_contact_initialization

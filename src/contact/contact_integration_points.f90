@@ -8,130 +8,132 @@ module amontons_contact_integration_points
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes
-  use amontons_facets, only: facets_type, facet_nodes, is_line
+  use amontons_facets, only: facets_type, facet_nodes, is_line_facet
   use amontons_model, only: model_type
-  use amontons_state, only: state_type, slave_type, STATUS_OPEN
-  use amontons_contact_constraint_rows, only: contact_row_type, facet_weights
-  use amontons_facet_search, only: build_search
-  use amontons_mortar, only: mortar_type, place_type, search_margin
-  use amontons_face_integration_points, only: facing_type, find_facing, face_normal
-  use amontons_contact_pairs, only: contact_type, fit_contact, SEARCH_REACH
+  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
+  use amontons_contact_constraint_rows, only: contact_row_type, evaluate_facet_weights
+  use amontons_facet_search, only: build_facet_search
+  use amontons_mortar, only: mortar_type, mortar_node_type, find_search_margin
+  use amontons_face_integration_points, only: facing_point_type, find_facing_points, evaluate_face_normal
+  use amontons_contact_pairs, only: contact_type, resize_contact, SEARCH_RADIUS_RATIO
   implicit none
   private
-  public :: renew_points, nearest_of
+  public :: update_points, nearest_point
 
-  real(DP), parameter :: EQUAL = 1.0e-9_DP         !< two distances in natural coordinates are one within this [-]
+  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< two distances in natural coordinates are one within this [-]
 
 contains
 
   !> The points of all pairs that have them, with the bodies as they are committed. After: both states have the same slaves, those
   !! of other pairs first.
-  subroutine renew_points(contact, model, state)
+  subroutine update_points(contact, model, state)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state       !< trial and committed slaves are the same but for what an iteration made of them
-    type(slave_type), allocatable :: old(:), new(:), points(:)
+    type(slave_state_type), allocatable :: old(:), new(:), points(:)
     real(DP), allocatable :: x(:, :)
     integer :: p
-    if (.not. any(model%pairs%is_pointwise)) return
-    old = pack(state%old%slaves, state%old%slaves%side == 0)
-    new = pack(state%new%slaves, state%new%slaves%side == 0)
+    if (.not. any(model%pairs%has_point_contact)) return
+    old = pack(state%old%slaves, state%old%slaves%slave_facet == 0)
+    new = pack(state%new%slaves, state%new%slaves%slave_facet == 0)
     allocate (x, source=model%mesh%coordinates + state%old%u)
     do p = 1, size(model%pairs)
-      if (.not. model%pairs(p)%is_pointwise) cycle
-      call make_points(contact, p, x, pack(state%old%slaves, state%old%slaves%pair == p), points)
+      if (.not. model%pairs(p)%has_point_contact) cycle
+      call create_points(contact, p, x, pack(state%old%slaves, state%old%slaves%pair == p), points)
       old = [old, points]
       new = [new, points]
     end do
     call move_alloc(old, state%old%slaves)
     call move_alloc(new, state%new%slaves)
-    call fit_contact(contact, state%new%slaves)
-  end subroutine renew_points
+    call resize_contact(contact, state%new%slaves)
+  end subroutine update_points
 
 
   !> The points of one pair with their rows and places, and what they remember.
-  subroutine make_points(contact, pair, x, before, points)
+  subroutine create_points(contact, pair, x, before, points)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: pair
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    type(slave_type), intent(in) :: before(:)      !< the points of the pair as committed
-    type(slave_type), allocatable, intent(out) :: points(:)
-    type(facing_type), allocatable :: found(:)
+    type(slave_state_type), intent(in) :: before(:)      !< the points of the pair as committed
+    type(slave_state_type), allocatable, intent(out) :: points(:)
+    type(facing_point_type), allocatable :: face_points(:)
     integer :: first(contact%mortar(pair)%slave%n + 1)
     integer :: i, n
     associate (master => contact%facets(pair), mortar => contact%mortar(pair))
       n = 0
       if (contact%is_removed(pair)) then
-        allocate (found(0))
+        allocate (face_points(0))
       else
-        call build_search(master, x, search_margin(mortar, SEARCH_REACH * contact%edge(pair)), contact%search(pair))
-        call find_facing(mortar%slave, mortar%depth, master, contact%search(pair), x, SEARCH_REACH * contact%edge(pair), found, n)
+        call build_facet_search(master, x, find_search_margin(mortar, SEARCH_RADIUS_RATIO * contact%edge(pair)), &
+          contact%search(pair))
+        call find_facing_points(mortar%slave, mortar%depth, master, contact%search(pair), x, &
+          SEARCH_RADIUS_RATIO * contact%edge(pair), face_points, n)
       end if
-      call make_room(mortar, n)
-      call sort_by_side(before, first)
+      call allocate_rows(mortar, n)
+      call index_by_facet(before, first)
       allocate (points(n))
       do i = 1, n
-        call point_row(mortar%slave, master, found(i), mortar%rows(i))
-        mortar%places(i) = place_type(facet=found(i)%master, xi=found(i)%xi, area=found(i)%area, &
-          normal=face_normal(master, x, found(i)%master, found(i)%xi))
-        call remember(before, first, found(i), points(i))
+        call build_point_row(mortar%slave, master, face_points(i), mortar%rows(i))
+        mortar%places(i) = mortar_node_type(facet=face_points(i)%master, xi=face_points(i)%xi, area=face_points(i)%area, &
+          normal=evaluate_face_normal(master, x, face_points(i)%master, face_points(i)%xi))
+        call inherit_state(before, first, face_points(i), points(i))
         points(i)%pair = pair
         points(i)%row = i
-        points(i)%side = found(i)%slave
-        points(i)%at = found(i)%at
-        points(i)%node = nearest_node(mortar%slave, found(i))
-        points(i)%area = found(i)%area
+        points(i)%slave_facet = face_points(i)%slave
+        points(i)%at = face_points(i)%at
+        points(i)%node = nearest_node(mortar%slave, face_points(i))
+        points(i)%area = face_points(i)%area
       end do
     end associate
-  end subroutine make_points
+  end subroutine create_points
 
 
   !> Rows, places and origins for n points.
-  subroutine make_room(mortar, n)
+  subroutine allocate_rows(mortar, n)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: n
-    if (allocated(mortar%rows)) deallocate (mortar%rows, mortar%places, mortar%origins, mortar%origin_normal)
-    allocate (mortar%rows(n), mortar%places(n), mortar%origins(n))
+    if (allocated(mortar%rows)) deallocate (mortar%rows, mortar%places, mortar%origin_rows, mortar%origin_normal)
+    allocate (mortar%rows(n), mortar%places(n), mortar%origin_rows(n))
     allocate (mortar%origin_normal(3, n), source=0.0_DP)
-  end subroutine make_room
+  end subroutine allocate_rows
 
 
   !> Where the points of each slave facet begin: points stand facet by facet.
-  pure subroutine sort_by_side(points, first)
-    type(slave_type), intent(in) :: points(:)
+  pure subroutine index_by_facet(points, first)
+    type(slave_state_type), intent(in) :: points(:)
     integer, intent(out) :: first(:)               !< (facets + 1)
     integer :: i
     first = 0
     first(1) = 1
     do i = 1, size(points)
-      first(points(i)%side + 1) = first(points(i)%side + 1) + 1
+      first(points(i)%slave_facet + 1) = first(points(i)%slave_facet + 1) + 1
     end do
     do i = 2, size(first)
       first(i) = first(i) + first(i - 1)
     end do
-  end subroutine sort_by_side
+  end subroutine index_by_facet
 
 
   !> What a point takes over from the nearest old one of its facet. A facet that had none takes over nothing, but is not at the
   !! start of the job if the pair had points.
-  pure subroutine remember(before, first, point, slave)
-    type(slave_type), intent(in) :: before(:)
+  pure subroutine inherit_state(before, first, point, slave)
+    type(slave_state_type), intent(in) :: before(:)
     integer, intent(in) :: first(:)                !< (facets + 1) where those of a facet begin
-    type(facing_type), intent(in) :: point
-    type(slave_type), intent(out) :: slave
+    type(facing_point_type), intent(in) :: point
+    type(slave_state_type), intent(out) :: slave
     real(DP) :: places(2, first(point%slave + 1) - first(point%slave))
-    integer :: i, ahead
-    ahead = first(point%slave) - 1
+    integer :: i, offset
+    offset = first(point%slave) - 1
     do i = 1, size(places, 2)
-      places(:, i) = before(ahead + i)%at
+      places(:, i) = before(offset + i)%at
     end do
-    slave%is_started = size(before) > 0
-    if (size(places, 2) > 0) slave = before(ahead + nearest_of(places, point%at))
-  end subroutine remember
+    slave%is_initialized = size(before) > 0
+    if (size(places, 2) > 0) slave = before(offset + nearest_point(places, point%at))
+  end subroutine inherit_state
 
 
   !> The place nearest to a point; of equally near ones (symmetry makes them, rounding parts them) the first. 0: there is none.
-  pure integer function nearest_of(places, at) result(nearest)
+  pure integer function nearest_point(places, at) result(nearest)
     real(DP), intent(in) :: places(:, :)           !< (2, n) natural coordinates [-]
     real(DP), intent(in) :: at(2)                  !< [-]
     real(DP) :: distance, least
@@ -140,29 +142,29 @@ contains
     least = huge(1.0_DP)
     do i = 1, size(places, 2)
       distance = norm2(places(:, i) - at)
-      if (distance >= least - EQUAL) cycle
+      if (distance >= least - TOL_EQUAL_DISTANCE) cycle
       least = distance
       nearest = i
     end do
-  end function nearest_of
+  end function nearest_point
 
 
   !> The row of a point: each node once, also where slave and master share it or a facet is collapsed.
-  pure subroutine point_row(slave, master, point, row)
+  pure subroutine build_point_row(slave, master, point, row)
     type(facets_type), intent(in) :: slave, master
-    type(facing_type), intent(in) :: point
+    type(facing_point_type), intent(in) :: point
     type(contact_row_type), intent(inout) :: row
     real(DP) :: weights(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), of_row(2 * MAX_FACE_NODES)
     integer :: nodes(MAX_FACE_NODES), n, own(2 * MAX_FACE_NODES), m
     m = 0
-    call facet_weights(slave, point%slave, point%at, n, nodes, weights, dN)
+    call evaluate_facet_weights(slave, point%slave, point%at, n, nodes, weights, dN)
     call add_nodes(nodes(:n), weights(:n), m, own, of_row)
-    call facet_weights(master, point%master, point%xi, n, nodes, weights, dN)
+    call evaluate_facet_weights(master, point%master, point%xi, n, nodes, weights, dN)
     call add_nodes(nodes(:n), -weights(:n), m, own, of_row)
     row%nodes = own(:m)
     row%weights = of_row(:m)
-    allocate (row%own(0), row%shares(0))           ! no imbalance of a node is the point's
-  end subroutine point_row
+    allocate (row%imbalance_nodes(0), row%imbalance_weights(0))           ! no imbalance of a node is the point's
+  end subroutine build_point_row
 
 
   !> Adds the nodes of a facet to those of a row.
@@ -189,7 +191,7 @@ contains
   !> The node of the slave facet that takes most of a point, for messages.
   pure integer function nearest_node(slave, point) result(node)
     type(facets_type), intent(in) :: slave
-    type(facing_type), intent(in) :: point
+    type(facing_point_type), intent(in) :: point
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: n, nodes(MAX_FACE_NODES)
     call facet_nodes(slave, point%slave, n, nodes)

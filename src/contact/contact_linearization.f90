@@ -8,24 +8,24 @@
 !!     d lambda = lambda_R sum b_k d Rhat_k + sum_j lambda_j d u_j.
 module amontons_contact_linearization
   use amontons_kinds, only: DP
-  use amontons_tensor, only: outer, IDENTITY
+  use amontons_tensor, only: outer_product, IDENTITY
   use amontons_model, only: model_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_constraints, only: constraints_type, row_type, add_row, ROW_CONFLICT
-  use amontons_surface_projection, only: gap_derivative, gap_derivative_type, vertex_derivative
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, ROW_CONFLICT
+  use amontons_surface_projection, only: evaluate_gap_derivatives, gap_derivatives_type, evaluate_vertex_derivative
   use amontons_slip_scenarios, only: friction_limit, is_friction_capped
   use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
-  use amontons_contact_constraint_rows, only: contact_row_type, relative_position
-  use amontons_segment_derivatives, only: facet_rates_type
-  use amontons_mortar_linearization, only: row_rates_type, differentiate_row
-  use amontons_contact_pairs, only: contact_type, touching_row, origin_row, contact_slip_vector, origin_offset_rate
-  use amontons_contact_evaluation, only: is_cornered
+  use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
+  use amontons_segment_derivatives, only: facet_derivatives_type
+  use amontons_mortar_linearization, only: row_derivatives_type, differentiate_mortar_row
+  use amontons_contact_pairs, only: contact_type, current_row, origin_row, contact_slip_vector, origin_offset_derivative
+  use amontons_contact_evaluation, only: has_other_constraints
   implicit none
   private
-  public :: link_type, linearise_contact, keep_symmetric, add_contact_rows
+  public :: contact_tangent_type, linearize_contact, drop_unsymmetric_terms, add_contact_rows
 
   !> The linearised contact force of one closed slave node.
-  type :: link_type
+  type :: contact_tangent_type
     integer :: slave = 0                           !< index of the slave
     integer :: node = 0                            !< its node
     integer :: level = 1                           !< it carries what slaves of lower levels bring
@@ -33,394 +33,399 @@ module amontons_contact_linearization
     integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend
     real(DP), allocatable :: weights(:)            !< (n_weights) w_k [-]
     real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dw_k/dxi [-]; none if xi are the weights themselves
-    integer, allocatable :: own(:)                 !< slave nodes whose imbalance is the row's
-    real(DP), allocatable :: shares(:)             !< b_k [-]
+    integer, allocatable :: imbalance_nodes(:)                 !< slave nodes whose imbalance is the row's
+    real(DP), allocatable :: imbalance_weights(:)             !< b_k [-]
     real(DP) :: force(3) = 0                       !< lambda [force]
     real(DP) :: force_imbalance(3, 3) = 0          !< d lambda / d Rhat [-]
     real(DP), allocatable :: force_nodes(:, :, :)  !< (3, 3, :) d lambda / d u_j [force/length]
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2 or n_weights, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
-    logical :: is_spring = .false.                 !< a compliant law: the node keeps its unknowns and has no row
+    logical :: is_compliant_node = .false.                 !< a compliant law: the node keeps its unknowns and has no row
     real(DP) :: spring(3, 3) = 0                 !< its stiffness without the turning of normals: symmetric, positive [force/length]
-  end type link_type
+  end type contact_tangent_type
 
   !> What the facets of a mortar pair's slave have been asked for.
-  type :: pair_rates_type
-    type(facet_rates_type), allocatable :: facets(:)
-  end type pair_rates_type
+  type :: pair_derivatives_type
+    type(facet_derivatives_type), allocatable :: facets(:)
+  end type pair_derivatives_type
 
 contains
 
   !> The links of all closed nodes at the configuration of the last evaluation.
-  subroutine linearise_contact(contact, model, old, fields, links)
+  subroutine linearize_contact(contact, model, old, fields, tangents)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
-    type(link_type), allocatable, intent(out) :: links(:)   !< one for each closed slave node, in their order
-    type(pair_rates_type) :: rates(size(contact%facets))
+    type(contact_tangent_type), allocatable, intent(out) :: tangents(:)   !< one for each closed slave node, in their order
+    type(pair_derivatives_type) :: rates(size(contact%facets))
     real(DP), allocatable :: x(:, :)
     integer :: s, n
-    allocate (links(count(fields%slaves(:)%status /= STATUS_OPEN)))
-    if (size(links) == 0) return
+    allocate (tangents(count(fields%slaves(:)%status /= STATUS_OPEN)))
+    if (size(tangents) == 0) return
     allocate (x, source=model%mesh%coordinates + fields%u)
     n = 0
     do s = 1, size(fields%slaves)
       if (fields%slaves(s)%status == STATUS_OPEN) cycle
       n = n + 1
-      links(n)%slave = s
-      links(n)%node = fields%slaves(s)%node
-      links(n)%level = contact%overlaps%level(s)
-      links(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
+      tangents(n)%slave = s
+      tangents(n)%node = fields%slaves(s)%node
+      tangents(n)%level = contact%shared_slaves%level(s)
+      tangents(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
       if (is_compliant(contact%laws(fields%slaves(s)%pair))) then
-        call link_spring(contact, model, x, old%slaves(s), fields, rates, links(n))
+        call linearize_compliant(contact, model, x, old%slaves(s), fields, rates, tangents(n))
       else if (fields%slaves(s)%status == STATUS_STICK) then
-        call link_stick(contact, fields%slaves(s), s, links(n))
+        call linearize_stick(contact, fields%slaves(s), s, tangents(n))
       else
-        call link_slip(contact, model, x, fields, rates, links(n))
+        call linearize_slip(contact, model, x, fields, rates, tangents(n))
       end if
     end do
-  end subroutine linearise_contact
+  end subroutine linearize_contact
 
 
   !> Stick: lambda = -Rhat_s, the weights are those of the origin and do not change.
-  subroutine link_stick(contact, slave, s, link)
+  subroutine linearize_stick(contact, slave, s, tangent)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     integer, intent(in) :: s
-    type(link_type), intent(inout) :: link
+    type(contact_tangent_type), intent(inout) :: tangent
     type(contact_row_type) :: row
     real(DP) :: n_f(3), share
     call origin_row(contact, slave, row)
-    call fill_weights(row, link)
-    allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
-    allocate (link%gap_nodes(3, link%n_weights), source=0.0_DP)
-    link%force_imbalance = -contact%free(:, :, s)
-    if (.not. is_cornered(contact, s)) return
+    call copy_row(row, tangent)
+    allocate (tangent%force_nodes(3, 3, tangent%n_weights), tangent%xi_nodes(2, 3, tangent%n_weights), source=0.0_DP)
+    allocate (tangent%gap_nodes(3, tangent%n_weights), source=0.0_DP)
+    tangent%force_imbalance = -contact%free(:, :, s)
+    if (.not. has_other_constraints(contact, s)) return
     n_f = matmul(contact%free(:, :, s), slave%normal)   ! lambda = N n/|n_f| and what is left in the free directions
     share = norm2(n_f)
     n_f = n_f / share
-    link%force_imbalance = link%force_imbalance + outer(n_f - slave%normal / share, n_f)
-  end subroutine link_stick
+    tangent%force_imbalance = tangent%force_imbalance + outer_product(n_f - slave%normal / share, n_f)
+  end subroutine linearize_stick
 
 
   !> Nodes and weights of a row that does not change.
-  subroutine fill_weights(row, link)
+  subroutine copy_row(row, tangent)
     type(contact_row_type), intent(in) :: row
-    type(link_type), intent(inout) :: link
-    link%n_weights = size(row%nodes)
-    link%nodes = row%nodes
-    link%weights = row%weights
-    link%own = row%own
-    link%shares = row%shares
-    allocate (link%d_weights(2, link%n_weights), source=0.0_DP)
-  end subroutine fill_weights
+    type(contact_tangent_type), intent(inout) :: tangent
+    tangent%n_weights = size(row%nodes)
+    tangent%nodes = row%nodes
+    tangent%weights = row%weights
+    tangent%imbalance_nodes = row%imbalance_nodes
+    tangent%imbalance_weights = row%imbalance_weights
+    allocate (tangent%d_weights(2, tangent%n_weights), source=0.0_DP)
+  end subroutine copy_row
 
 
   !> Slip: lambda = N (n/|n_f| + mu_f q), n_f the free part of n, mu_f = mu/|n_f|, q = tau/|tau| the direction of friction.
-  subroutine link_slip(contact, model, x, fields, rates, link)
+  subroutine linearize_slip(contact, model, x, fields, rates, tangent)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     type(fields_type), intent(in) :: fields
-    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
-    type(link_type), intent(inout) :: link
+    type(pair_derivatives_type), intent(inout) :: rates(:)   !< (n_pairs)
+    type(contact_tangent_type), intent(inout) :: tangent
     real(DP) :: force_normal(3, 3), force_slip(3, 3)
-    call differentiate_force(contact, model, contact%Rhat(:, link%slave), fields, link, force_normal, force_slip)
-    force_normal = force_normal - matmul(force_slip, origin_offset_rate(contact, fields%slaves(link%slave)))
-    call link_weights(contact, x, fields%slaves(link%slave), force_normal, rates, link)
-    call link_origin(contact, fields%slaves(link%slave), force_slip, link)
-  end subroutine link_slip
+    call differentiate_force(contact, model, contact%Rhat(:, tangent%slave), fields, tangent, force_normal, force_slip)
+    force_normal = force_normal - matmul(force_slip, origin_offset_derivative(contact, fields%slaves(tangent%slave)))
+    call linearize_weights(contact, x, fields%slaves(tangent%slave), force_normal, rates, tangent)
+    call add_origin_terms(contact, fields%slaves(tangent%slave), force_slip, tangent)
+  end subroutine linearize_slip
 
 
   !> Nodes, weights, gap and normal of a link, as they are kept or move.
-  subroutine link_weights(contact, x, slave, force_normal, rates, link)
+  subroutine linearize_weights(contact, x, slave, force_normal, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
-    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
-    type(link_type), intent(inout) :: link
-    type(gap_derivative_type) :: derivative
+    type(pair_derivatives_type), intent(inout) :: rates(:)   !< (n_pairs)
+    type(contact_tangent_type), intent(inout) :: tangent
+    type(gap_derivatives_type) :: derivative
     type(contact_row_type) :: row
-    if (contact%is_small(slave%pair) .or. slave%row > 0) then
-      call touching_row(contact, slave, row)
-      call fill_weights(row, link)
-      call link_kept_weights(slave, link)
-      if (contact%is_small(slave%pair)) return
-      if (slave%side == 0 .and. .not. contact%mortar(slave%pair)%places(slave%row)%is_shared) call link_cuts(contact, x, slave, &
-        rates(slave%pair), link)
-      call link_vertex(contact, x, slave, force_normal, link)
+    if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then
+      call current_row(contact, slave, row)
+      call copy_row(row, tangent)
+      call set_fixed_weights(slave, tangent)
+      if (contact%has_fixed_geometry(slave%pair)) return
+      if (slave%slave_facet == 0 &
+        .and. .not. contact%mortar(slave%pair)%places(slave%row)%is_shared) call linearize_mortar_weights(contact, x, slave, &
+        rates(slave%pair), tangent)
+      call linearize_vertex_normal(contact, x, slave, force_normal, tangent)
     else
-      call gap_derivative(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
-      call link_moving_weights(derivative, force_normal, link)
+      call evaluate_gap_derivatives(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
+      call set_moving_weights(derivative, force_normal, tangent)
     end if
-  end subroutine link_weights
+  end subroutine linearize_weights
 
 
   !> Finite sliding of a mortar pair: the weights and the area change with the cuts. (Of nodes that two pairs share this is left
   !! out.)
-  subroutine link_cuts(contact, x, slave, rates, link)
+  subroutine linearize_mortar_weights(contact, x, slave, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    type(slave_type), intent(in) :: slave
-    type(pair_rates_type), intent(inout) :: rates
-    type(link_type), intent(inout) :: link
-    type(row_rates_type) :: row
-    real(DP) :: height(link%n_weights)
+    type(slave_state_type), intent(in) :: slave
+    type(pair_derivatives_type), intent(inout) :: rates
+    type(contact_tangent_type), intent(inout) :: tangent
+    type(row_derivatives_type) :: row
+    real(DP) :: height(tangent%n_weights)
     integer :: j, n
     associate (mortar => contact%mortar(slave%pair))
       if (.not. allocated(rates%facets)) allocate (rates%facets(mortar%slave%n))
-      call differentiate_row(mortar, contact%facets(slave%pair), x, slave%row, rates%facets, row)
+      call differentiate_mortar_row(mortar, contact%facets(slave%pair), x, slave%row, rates%facets, row)
     end associate
-    n = link%n_weights
-    call append_nodes(row%nodes(n + 1:), link)
-    deallocate (link%d_weights)
-    call move_alloc(row%d_weights, link%xi_nodes)
-    height = matmul(slave%normal, x(:, link%nodes(:n)) - spread(x(:, link%node), 2, n))
-    do j = 1, size(link%nodes)
-      if (link%is_spring) then
-        link%force_nodes(:, :, j) = outer(link%force / slave%area, row%d_area(:, j))
-        link%gap_nodes(:, j) = link%gap_nodes(:, j) + matmul(height, link%xi_nodes(:, :, j))
+    n = tangent%n_weights
+    call append_nodes(row%nodes(n + 1:), tangent)
+    deallocate (tangent%d_weights)
+    call move_alloc(row%d_weights, tangent%xi_nodes)
+    height = matmul(slave%normal, x(:, tangent%nodes(:n)) - spread(x(:, tangent%node), 2, n))
+    do j = 1, size(tangent%nodes)
+      if (tangent%is_compliant_node) then
+        tangent%force_nodes(:, :, j) = outer_product(tangent%force / slave%area, row%d_area(:, j))
+        tangent%gap_nodes(:, j) = tangent%gap_nodes(:, j) + matmul(height, tangent%xi_nodes(:, :, j))
       else
-        link%force_nodes(:, :, j) = outer(matmul(link%force_imbalance, contact%Rhat(:, link%slave)), row%d_factor(:, j))
+        tangent%force_nodes(:, :, j) = outer_product(matmul(tangent%force_imbalance, contact%Rhat(:, tangent%slave)), &
+          row%d_factor(:, j))
       end if
     end do
-  end subroutine link_cuts
+  end subroutine linearize_mortar_weights
 
 
   !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex.
-  subroutine link_vertex(contact, x, slave, force_normal, link)
+  subroutine linearize_vertex_normal(contact, x, slave, force_normal, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
-    type(link_type), intent(inout) :: link
+    type(contact_tangent_type), intent(inout) :: tangent
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: d_n(:, :, :)
     real(DP) :: d(3)
     integer :: at, j
     associate (mortar => contact%mortar(slave%pair))
-      call vertex_derivative(mortar%slave, x, mortar%places(slave%row)%vertex, nodes, d_n)
-      d = relative_position(mortar%rows(slave%row), x)
+      call evaluate_vertex_derivative(mortar%slave, x, mortar%places(slave%row)%vertex, nodes, d_n)
+      d = evaluate_relative_position(mortar%rows(slave%row), x)
     end associate
-    call append_nodes(pack(nodes, [(all(link%nodes /= nodes(j)), j=1, size(nodes))]), link)
+    call append_nodes(pack(nodes, [(all(tangent%nodes /= nodes(j)), j=1, size(nodes))]), tangent)
     do j = 1, size(nodes)                          ! the normal is that of the vertex turned round
-      at = findloc(link%nodes, nodes(j), dim=1)
-      link%force_nodes(:, :, at) = link%force_nodes(:, :, at) - matmul(force_normal, d_n(:, :, j))
-      if (at > link%n_weights .or. link%is_spring) link%gap_nodes(:, at) = link%gap_nodes(:, at) - matmul(d, d_n(:, :, j))
+      at = findloc(tangent%nodes, nodes(j), dim=1)
+      tangent%force_nodes(:, :, at) = tangent%force_nodes(:, :, at) - matmul(force_normal, d_n(:, :, j))
+      if (at > tangent%n_weights .or. tangent%is_compliant_node) tangent%gap_nodes(:, at) = tangent%gap_nodes(:, at) - matmul(d, &
+        d_n(:, :, j))
     end do
-  end subroutine link_vertex
+  end subroutine linearize_vertex_normal
 
 
   !> More nodes on which lambda depends, with derivatives that are zero yet.
-  pure subroutine append_nodes(nodes, link)
+  pure subroutine append_nodes(nodes, tangent)
     integer, intent(in) :: nodes(:)
-    type(link_type), intent(inout) :: link
+    type(contact_tangent_type), intent(inout) :: tangent
     integer :: n
     if (size(nodes) == 0) return
-    n = size(link%nodes) + size(nodes)
-    link%nodes = [link%nodes, nodes]
-    link%force_nodes = reshape(link%force_nodes, [3, 3, n], pad=[0.0_DP])
-    link%xi_nodes = reshape(link%xi_nodes, [size(link%xi_nodes, 1), 3, n], pad=[0.0_DP])
-    link%gap_nodes = reshape(link%gap_nodes, [3, n], pad=[0.0_DP])
+    n = size(tangent%nodes) + size(nodes)
+    tangent%nodes = [tangent%nodes, nodes]
+    tangent%force_nodes = reshape(tangent%force_nodes, [3, 3, n], pad=[0.0_DP])
+    tangent%xi_nodes = reshape(tangent%xi_nodes, [size(tangent%xi_nodes, 1), 3, n], pad=[0.0_DP])
+    tangent%gap_nodes = reshape(tangent%gap_nodes, [3, n], pad=[0.0_DP])
   end subroutine append_nodes
 
 
   !> The slip vector also depends on the nodes of the origin's row: they are appended to the nodes of the link.
-  subroutine link_origin(contact, slave, force_slip, link)
+  subroutine add_origin_terms(contact, slave, force_slip, tangent)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: force_slip(3, 3)       !< d lambda / d d [force/length]
-    type(link_type), intent(inout) :: link
+    type(contact_tangent_type), intent(inout) :: tangent
     type(contact_row_type) :: row
     integer :: j, at
     call origin_row(contact, slave, row)
-    call append_nodes(pack(row%nodes, [(all(link%nodes /= row%nodes(j)), j=1, size(row%nodes))]), link)
+    call append_nodes(pack(row%nodes, [(all(tangent%nodes /= row%nodes(j)), j=1, size(row%nodes))]), tangent)
     do j = 1, size(row%nodes)
-      at = findloc(link%nodes, row%nodes(j), 1)
-      link%force_nodes(:, :, at) = link%force_nodes(:, :, at) + row%weights(j) * force_slip
+      at = findloc(tangent%nodes, row%nodes(j), 1)
+      tangent%force_nodes(:, :, at) = tangent%force_nodes(:, :, at) + row%weights(j) * force_slip
     end do
-  end subroutine link_origin
+  end subroutine add_origin_terms
 
 
   !> A compliant law: lambda = A p n + S, a function of gap, normal and slip alone.
   !!
   !! S = -k e where it sticks, L e/|e| times -1 where it slips, with e = P (e_old + d), L = min(mu A p, A taumax).
-  subroutine link_spring(contact, model, x, old, fields, rates, link)
+  subroutine linearize_compliant(contact, model, x, old, fields, rates, tangent)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    type(slave_type), intent(in) :: old            !< committed
+    type(slave_state_type), intent(in) :: old            !< committed
     type(fields_type), intent(in) :: fields
-    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
-    type(link_type), intent(inout) :: link
+    type(pair_derivatives_type), intent(inout) :: rates(:)   !< (n_pairs)
+    type(contact_tangent_type), intent(inout) :: tangent
     real(DP) :: w(3), n(3), b(3, 3), force_gap(3), force_normal(3, 3), force_slip(3, 3)
     integer :: j
-    associate (slave => fields%slaves(link%slave), law => contact%laws(fields%slaves(link%slave)%pair), &
-      met => contact%met(link%slave))
+    associate (slave => fields%slaves(tangent%slave), law => contact%laws(fields%slaves(tangent%slave)%pair), &
+      local => contact%local_equilibrium(tangent%slave))
       n = slave%normal
-      link%is_spring = .true.
+      tangent%is_compliant_node = .true.
       if (law%behavior == BEHAVIOR_USER) then
-        call link_user(contact, x, old, model, fields, rates, link)
+        call linearize_user_law(contact, x, old, model, fields, rates, tangent)
         return
       end if
       w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
-      force_gap = -met%slope * slave%area * n
-      if (law%is_user_friction .and. .not. contact%answers(link%slave)%is_stuck) then
-        b = contact%answers(link%slave)%by_slip
-        force_gap = force_gap - met%slope * contact%answers(link%slave)%by_pressure
+      force_gap = -local%slope * slave%area * n
+      if (law%is_user_friction .and. .not. contact%user_responses(tangent%slave)%is_stuck) then
+        b = contact%user_responses(tangent%slave)%d_force_d_slip
+        force_gap = force_gap - local%slope * contact%user_responses(tangent%slave)%by_pressure
       else
-        b = met%by_slip
-        force_gap = force_gap + met%by_gap
+        b = local%d_force_d_slip
+        force_gap = force_gap + local%d_force_d_gap
       end if
-      force_slip = matmul(b, IDENTITY - outer(n, n))
-      force_normal = slave%area * met%pressure * IDENTITY - matmul(b, dot_product(n, w) * IDENTITY + outer(n, w)) &
-        - matmul(force_slip, origin_offset_rate(contact, slave))
-      call link_weights(contact, x, slave, force_normal, rates, link)
-      do j = 1, size(link%nodes)
-        link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(force_gap, link%gap_nodes(:, j))
+      force_slip = matmul(b, IDENTITY - outer_product(n, n))
+      force_normal = slave%area * local%pressure * IDENTITY - matmul(b, dot_product(n, w) * IDENTITY + outer_product(n, w)) &
+        - matmul(force_slip, origin_offset_derivative(contact, slave))
+      call linearize_weights(contact, x, slave, force_normal, rates, tangent)
+      do j = 1, size(tangent%nodes)
+        tangent%force_nodes(:, :, j) = tangent%force_nodes(:, :, j) + outer_product(force_gap, tangent%gap_nodes(:, j))
       end do
-      call link_origin(contact, slave, force_slip, link)
-      link%spring = met%slope * slave%area * outer(n, n) - matmul(IDENTITY - outer(n, n), force_slip)
+      call add_origin_terms(contact, slave, force_slip, tangent)
+      tangent%spring = local%slope * slave%area * outer_product(n, n) - matmul(IDENTITY - outer_product(n, n), force_slip)
     end associate
-  end subroutine link_spring
+  end subroutine linearize_compliant
 
 
   !> A law by UINTER: lambda = A (s_1 n - s_2 t_1 - s_3 t_2), and S its part along the surface, which turns with n.
-  subroutine link_user(contact, x, old, model, fields, rates, link)
+  subroutine linearize_user_law(contact, x, old, model, fields, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    type(slave_type), intent(in) :: old            !< committed
+    type(slave_state_type), intent(in) :: old            !< committed
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    type(pair_rates_type), intent(inout) :: rates(:)   !< (n_pairs)
-    type(link_type), intent(inout) :: link
+    type(pair_derivatives_type), intent(inout) :: rates(:)   !< (n_pairs)
+    type(contact_tangent_type), intent(inout) :: tangent
     real(DP) :: w(3), n(3), force_normal(3, 3)
     integer :: j
-    associate (slave => fields%slaves(link%slave), answer => contact%answers(link%slave))
+    associate (slave => fields%slaves(tangent%slave), response => contact%user_responses(tangent%slave))
       n = slave%normal
       w = old%elastic + contact_slip_vector(contact, model, fields%u, slave)
-      force_normal = dot_product(n, slave%force) * IDENTITY - outer(n, slave%shear) - dot_product(n, w) * answer%by_slip &
-        - matmul(answer%by_slip, origin_offset_rate(contact, slave))
-      call link_weights(contact, x, slave, force_normal, rates, link)
-      do j = 1, size(link%nodes)
-        link%force_nodes(:, :, j) = link%force_nodes(:, :, j) + outer(answer%by_gap, link%gap_nodes(:, j))
+      force_normal = dot_product(n, slave%force) * IDENTITY - outer_product(n, slave%shear) - dot_product(n, &
+        w) * response%d_force_d_slip &
+        - matmul(response%d_force_d_slip, origin_offset_derivative(contact, slave))
+      call linearize_weights(contact, x, slave, force_normal, rates, tangent)
+      do j = 1, size(tangent%nodes)
+        tangent%force_nodes(:, :, j) = tangent%force_nodes(:, :, j) + outer_product(response%d_force_d_gap, tangent%gap_nodes(:, j))
       end do
-      call link_origin(contact, slave, answer%by_slip, link)
-      link%spring = max(-dot_product(n, answer%by_gap), 0.0_DP) * outer(n, n)
+      call add_origin_terms(contact, slave, response%d_force_d_slip, tangent)
+      tangent%spring = max(-dot_product(n, response%d_force_d_gap), 0.0_DP) * outer_product(n, n)
     end associate
-  end subroutine link_user
+  end subroutine linearize_user_law
 
 
   !> Small sliding: normal and weights are constants.
-  subroutine link_kept_weights(slave, link)
-    type(slave_type), intent(in) :: slave
-    type(link_type), intent(inout) :: link
+  subroutine set_fixed_weights(slave, tangent)
+    type(slave_state_type), intent(in) :: slave
+    type(contact_tangent_type), intent(inout) :: tangent
     integer :: j
-    allocate (link%force_nodes(3, 3, link%n_weights), link%xi_nodes(2, 3, link%n_weights), source=0.0_DP)
-    allocate (link%gap_nodes(3, link%n_weights))
-    do j = 1, link%n_weights
-      link%gap_nodes(:, j) = link%weights(j) * slave%normal
+    allocate (tangent%force_nodes(3, 3, tangent%n_weights), tangent%xi_nodes(2, 3, tangent%n_weights), source=0.0_DP)
+    allocate (tangent%gap_nodes(3, tangent%n_weights))
+    do j = 1, tangent%n_weights
+      tangent%gap_nodes(:, j) = tangent%weights(j) * slave%normal
     end do
-  end subroutine link_kept_weights
+  end subroutine set_fixed_weights
 
 
   !> Finite sliding: normal and weights move with the slave, the facet and its neighbours.
-  subroutine link_moving_weights(derivative, force_normal, link)
-    type(gap_derivative_type), intent(in) :: derivative
+  subroutine set_moving_weights(derivative, force_normal, tangent)
+    type(gap_derivatives_type), intent(in) :: derivative
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
-    type(link_type), intent(inout) :: link
+    type(contact_tangent_type), intent(inout) :: tangent
     integer :: j, n
     n = derivative%n_nodes + 1
-    link%n_weights = derivative%n_weights + 1
-    link%weights = [1.0_DP, -derivative%weights]
-    link%own = [link%node]
-    link%shares = [1.0_DP]
-    link%nodes = [link%node, derivative%nodes(:n - 1)]
-    allocate (link%d_weights(2, link%n_weights), link%force_nodes(3, 3, n), link%xi_nodes(2, 3, n), link%gap_nodes(3, n))
-    link%d_weights(:, 1) = 0.0_DP
-    link%d_weights(:, 2:) = -derivative%d_weights(:, :derivative%n_weights)
-    link%xi_nodes(:, :, 1) = derivative%d_xi_slave
-    link%xi_nodes(:, :, 2:) = derivative%d_xi(:, :, :n - 1)
-    link%gap_nodes(:, 1) = derivative%d_gap_slave
-    link%gap_nodes(:, 2:) = derivative%d_gap(:, :n - 1)
-    link%force_nodes(:, :, 1) = matmul(force_normal, derivative%d_n_slave)
+    tangent%n_weights = derivative%n_weights + 1
+    tangent%weights = [1.0_DP, -derivative%weights]
+    tangent%imbalance_nodes = [tangent%node]
+    tangent%imbalance_weights = [1.0_DP]
+    tangent%nodes = [tangent%node, derivative%nodes(:n - 1)]
+    allocate (tangent%d_weights(2, tangent%n_weights), tangent%force_nodes(3, 3, n), tangent%xi_nodes(2, 3, n), &
+      tangent%gap_nodes(3, n))
+    tangent%d_weights(:, 1) = 0.0_DP
+    tangent%d_weights(:, 2:) = -derivative%d_weights(:, :derivative%n_weights)
+    tangent%xi_nodes(:, :, 1) = derivative%d_xi_slave
+    tangent%xi_nodes(:, :, 2:) = derivative%d_xi(:, :, :n - 1)
+    tangent%gap_nodes(:, 1) = derivative%d_gap_slave
+    tangent%gap_nodes(:, 2:) = derivative%d_gap(:, :n - 1)
+    tangent%force_nodes(:, :, 1) = matmul(force_normal, derivative%d_n_slave)
     do j = 2, n
-      link%force_nodes(:, :, j) = matmul(force_normal, derivative%d_n(:, :, j - 1))
+      tangent%force_nodes(:, :, j) = matmul(force_normal, derivative%d_n(:, :, j - 1))
     end do
-  end subroutine link_moving_weights
+  end subroutine set_moving_weights
 
 
   !> Drops what makes the tangent unsymmetric: friction follows the pressure, weights and normals move. Rows and springs stay.
-  pure subroutine keep_symmetric(links)
-    type(link_type), intent(inout) :: links(:)
+  pure subroutine drop_unsymmetric_terms(tangents)
+    type(contact_tangent_type), intent(inout) :: tangents(:)
     integer :: i, k
-    do i = 1, size(links)
-      associate (link => links(i))
-        link%force_imbalance = 0.0_DP
-        link%force_nodes = 0.0_DP
-        link%xi_nodes = 0.0_DP
-        if (.not. link%is_spring) cycle
-        link%spring = 0.5_DP * (link%spring + transpose(link%spring))
-        do k = 1, link%n_weights
-          link%force_nodes(:, :, k) = -link%weights(k) * link%spring
+    do i = 1, size(tangents)
+      associate (tangent => tangents(i))
+        tangent%force_imbalance = 0.0_DP
+        tangent%force_nodes = 0.0_DP
+        tangent%xi_nodes = 0.0_DP
+        if (.not. tangent%is_compliant_node) cycle
+        tangent%spring = 0.5_DP * (tangent%spring + transpose(tangent%spring))
+        do k = 1, tangent%n_weights
+          tangent%force_nodes(:, :, k) = -tangent%weights(k) * tangent%spring
         end do
       end associate
     end do
-  end subroutine keep_symmetric
+  end subroutine drop_unsymmetric_terms
 
 
   !> The derivatives of lambda = N (n/|n_f| + mu_f q) with respect to Rhat_s, the normal n and the slip vector d.
-  subroutine differentiate_force(contact, model, imbalance, fields, link, force_normal, force_slip)
+  subroutine differentiate_force(contact, model, imbalance, fields, tangent, force_normal, force_slip)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: imbalance(3)           !< Rhat_s [force]
     type(fields_type), intent(in) :: fields
-    type(link_type), intent(inout) :: link         !< force_imbalance is set
+    type(contact_tangent_type), intent(inout) :: tangent         !< force_imbalance is set
     real(DP), intent(out) :: force_normal(3, 3)    !< d lambda / d n [force]
     real(DP), intent(out) :: force_slip(3, 3)      !< d lambda / d d [force/length]
-    real(DP) :: m(3, 3), n_f(3), share, mu, N, w(3), tau(3), q(3), unit(3, 3), p(3, 3), h(3, 3), turn(3, 3), a(3)
-    real(DP) :: length, most, limit, d_limit
+    real(DP) :: m(3, 3), n_f(3), share, mu, N, w(3), tau(3), q(3), unit(3, 3), p(3, 3), h(3, 3), direction_derivative(3, 3), a(3)
+    real(DP) :: length, shear_limit_force, limit, d_limit
     logical :: is_capped
     unit = IDENTITY
-    m = contact%free(:, :, link%slave)
-    associate (slave => fields%slaves(link%slave))
+    m = contact%free(:, :, tangent%slave)
+    associate (slave => fields%slaves(tangent%slave))
       n_f = matmul(m, slave%normal)
       share = norm2(n_f)
       n_f = n_f / share
       N = -dot_product(n_f, imbalance)
-      mu = contact%friction(link%slave)
+      mu = contact%friction(tangent%slave)
       if (contact%laws(slave%pair)%is_user_friction) mu = 0.0_DP
-      most = contact%laws(slave%pair)%shear_limit * slave%area
-      is_capped = is_friction_capped(mu / share, N, most)
+      shear_limit_force = contact%laws(slave%pair)%shear_limit * slave%area
+      is_capped = is_friction_capped(mu / share, N, shear_limit_force)
       w = -matmul(m, imbalance) - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
-      p = unit - outer(n_f, n_f)
+      p = unit - outer_product(n_f, n_f)
       h = matmul(p, m) / share                     ! d n_f = h d n
       tau = matmul(p, w)
       length = norm2(tau)
       q = 0.0_DP
-      turn = 0.0_DP                                ! d q = turn d tau
+      direction_derivative = 0.0_DP                                ! d q = turn d tau
       if (mu > 0.0_DP .and. length > 0.0_DP) then
         q = tau / length
-        turn = (unit - outer(q, q)) / length
+        direction_derivative = (unit - outer_product(q, q)) / length
       end if
       d_limit = merge(0.0_DP, mu, is_capped)       ! friction is limit q, d limit = d_limit/|n_f| (dN - N d|n_f|/|n_f|)
-      limit = friction_limit(mu / share, N, most)
+      limit = friction_limit(mu / share, N, shear_limit_force)
       a = (slave%normal + d_limit * q) / share
-      link%force_imbalance = -outer(a, n_f) - limit * matmul(turn, p)
-      force_slip = -limit * slave%stiffness * matmul(matmul(turn, p), m)
-      force_normal = -outer(a, matmul(imbalance, h)) + N / share * (unit - outer(a, matmul(n_f, m))) &
-        - limit * matmul(turn, dot_product(n_f, w) * h + outer(n_f, matmul(w, h)))
+      tangent%force_imbalance = -outer_product(a, n_f) - limit * matmul(direction_derivative, p)
+      force_slip = -limit * slave%stiffness * matmul(matmul(direction_derivative, p), m)
+      force_normal = -outer_product(a, matmul(imbalance, h)) + N / share * (unit - outer_product(a, matmul(n_f, m))) &
+        - limit * matmul(direction_derivative, dot_product(n_f, w) * h + outer_product(n_f, matmul(w, h)))
     end associate
-    if (contact%laws(fields%slaves(link%slave)%pair)%is_user_friction) then   ! the shear is FRIC's, of pressure and slip
-      associate (answer => contact%answers(link%slave), slave => fields%slaves(link%slave))
-        link%force_imbalance = link%force_imbalance - outer(answer%by_pressure, n_f) / slave%area
-        force_slip = matmul(answer%by_slip, m)
-        force_normal = force_normal - outer(slave%normal, slave%shear)
+    if (contact%laws(fields%slaves(tangent%slave)%pair)%is_user_friction) then   ! the shear is FRIC's, of pressure and slip
+      associate (response => contact%user_responses(tangent%slave), slave => fields%slaves(tangent%slave))
+        tangent%force_imbalance = tangent%force_imbalance - outer_product(response%by_pressure, n_f) / slave%area
+        force_slip = matmul(response%d_force_d_slip, m)
+        force_normal = force_normal - outer_product(slave%normal, slave%shear)
       end associate
     end if
-    link%force_imbalance = matmul(link%force_imbalance, m)
+    tangent%force_imbalance = matmul(tangent%force_imbalance, m)
   end subroutine differentiate_force
 
 
@@ -428,33 +433,33 @@ contains
   !!
   !! The gap's dependence on the turning of the normals is left out of the rows: it is multiplied by the gap, which the
   !! row brings to zero.
-  subroutine add_contact_rows(contact, model, fields, links, constraints, n_conflicts)
+  subroutine add_contact_rows(contact, model, fields, tangents, constraints, n_conflicts)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    type(link_type), intent(in) :: links(:)
+    type(contact_tangent_type), intent(in) :: tangents(:)
     type(constraints_type), intent(inout) :: constraints
     integer, intent(out) :: n_conflicts            !< rows dropped for stronger constraints
-    type(row_type) :: row
+    type(constraint_row_type) :: row
     real(DP) :: d(3), tolerance, direction(3, 3)
     integer :: i, k, n, verdict
     n_conflicts = 0
-    do i = 1, size(links)
-      associate (link => links(i), slave => fields%slaves(links(i)%slave))
+    do i = 1, size(tangents)
+      associate (tangent => tangents(i), slave => fields%slaves(tangents(i)%slave))
         tolerance = 1.0e-6_DP * contact%edge(slave%pair)
-        if (link%is_spring) cycle
+        if (tangent%is_compliant_node) cycle
         if (slave%status == STATUS_SLIP) then
-          call gap_row(link, slave%gap, row)
-          call add_row(constraints, row, 3, tolerance, verdict)
+          call gap_row(tangent, slave%gap, row)
+          call add_constraint_row(constraints, row, 3, tolerance, verdict)
           if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
           cycle
         end if
         d = contact_slip_vector(contact, model, fields%u, slave)
-        call stick_directions(contact, slave, link%slave, n, direction)
+        call stick_directions(contact, slave, tangent%slave, n, direction)
         do k = 1, n
-          call tie_row(link, direction(:, k), d, row)
-          if (k == 1 .and. is_cornered(contact, link%slave)) row%rhs = -slave%gap   ! it goes along its master
-          call add_row(constraints, row, count(abs(direction(:, k)) > 0.0_DP), tolerance, verdict)
+          call tie_row(tangent, direction(:, k), d, row)
+          if (k == 1 .and. has_other_constraints(contact, tangent%slave)) row%rhs = -slave%gap   ! it goes along its master
+          call add_constraint_row(constraints, row, count(abs(direction(:, k)) > 0.0_DP), tolerance, verdict)
           if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
         end do
       end associate
@@ -466,7 +471,7 @@ contains
   !! too, or its master slides along supports, the normal and what is left beside it.
   pure subroutine stick_directions(contact, slave, s, n, direction)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     integer, intent(in) :: s
     integer, intent(out) :: n                      !< directions
     real(DP), intent(out) :: direction(3, 3)       !< in columns
@@ -474,9 +479,9 @@ contains
     integer :: k
     n = 0
     direction = 0.0_DP
-    if (.not. is_cornered(contact, s)) then
+    if (.not. has_other_constraints(contact, s)) then
       do k = 1, 3
-        if (contact%mask(k, s) == 0.0_DP) cycle
+        if (contact%free_mask(k, s) == 0.0_DP) cycle
         n = n + 1
         direction(:, n) = contact%axes(:, k, s)
       end do
@@ -485,7 +490,7 @@ contains
     n = 1
     direction(:, 1) = slave%normal
     n_f = matmul(contact%free(:, :, s), slave%normal)
-    rest = contact%free(:, :, s) - outer(n_f, n_f) / dot_product(n_f, n_f)
+    rest = contact%free(:, :, s) - outer_product(n_f, n_f) / dot_product(n_f, n_f)
     k = maxloc(norm2(rest, dim=1), dim=1)          ! one direction at most: the other pair takes one, the normal another
     if (norm2(rest(:, k)) < 0.1_DP) return
     n = 2
@@ -494,28 +499,28 @@ contains
 
 
   !> d g = -g over the nodes of the row, the slave first.
-  pure subroutine gap_row(link, gap, row)
-    type(link_type), intent(in) :: link
+  pure subroutine gap_row(tangent, gap, row)
+    type(contact_tangent_type), intent(in) :: tangent
     real(DP), intent(in) :: gap
-    type(row_type), intent(out) :: row
+    type(constraint_row_type), intent(out) :: row
     integer :: j, k
-    row%unknown = [((3 * (link%nodes(j) - 1) + k, k=1, 3), j=1, link%n_weights)]
-    row%coefficient = reshape(link%gap_nodes(:, :link%n_weights), [3 * link%n_weights])
+    row%unknown = [((3 * (tangent%nodes(j) - 1) + k, k=1, 3), j=1, tangent%n_weights)]
+    row%coefficient = reshape(tangent%gap_nodes(:, :tangent%n_weights), [3 * tangent%n_weights])
     row%rhs = -gap
   end subroutine gap_row
 
 
   !> Component along a direction of sum w_i du_i = -d.
-  pure subroutine tie_row(link, direction, distance, row)
-    type(link_type), intent(in) :: link
+  pure subroutine tie_row(tangent, direction, distance, row)
+    type(contact_tangent_type), intent(in) :: tangent
     real(DP), intent(in) :: direction(3)
     real(DP), intent(in) :: distance(3)            !< d [length]
-    type(row_type), intent(out) :: row
+    type(constraint_row_type), intent(out) :: row
     integer, allocatable :: axes(:)
     integer :: j, k
     axes = pack([1, 2, 3], abs(direction) > 0.0_DP)
-    row%unknown = [((3 * (link%nodes(j) - 1) + axes(k), k=1, size(axes)), j=1, link%n_weights)]
-    row%coefficient = [((link%weights(j) * direction(axes(k)), k=1, size(axes)), j=1, link%n_weights)]
+    row%unknown = [((3 * (tangent%nodes(j) - 1) + axes(k), k=1, size(axes)), j=1, tangent%n_weights)]
+    row%coefficient = [((tangent%weights(j) * direction(axes(k)), k=1, size(axes)), j=1, tangent%n_weights)]
     row%rhs = -dot_product(direction, distance)
   end subroutine tie_row
 

@@ -7,12 +7,12 @@ module amontons_contact_operators
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_tensor, only: IDENTITY
-  use amontons_sparse, only: sparse_type, from_triplets, multiply, product_of, sum_of, transpose_of
-  use amontons_woodbury_interface, only: springs_type
-  use amontons_contact_linearization, only: link_type
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_product, sparse_sum, sparse_transpose
+  use amontons_woodbury_interface, only: contact_springs_type
+  use amontons_contact_linearization, only: contact_tangent_type
   implicit none
   private
-  public :: apply_contact_tangent, contact_matrices, contact_springs, spring_factors
+  public :: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
 
   !> Entries of a matrix as they come.
   type :: triplets_type
@@ -24,98 +24,101 @@ module amontons_contact_operators
 contains
 
   !> Change of the contact forces for a change of displacement and of the imbalance that comes with it.
-  subroutine apply_contact_tangent(links, passing, du, d_imbalance, d_force)
-    type(link_type), intent(in) :: links(:)
-    type(sparse_type), intent(in) :: passing       !< E of `contact`; looked at only if there are levels
+  subroutine apply_contact_tangent(tangents, force_condensation, du, d_imbalance, d_force)
+    type(contact_tangent_type), intent(in) :: tangents(:)
+    type(sparse_type), intent(in) :: force_condensation       !< E of `contact`; looked at only if there are levels
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) change of Rhat, condensed [force]
     real(DP), intent(out) :: d_force(:, :)         !< (3, n_nodes) [force]
-    real(DP), allocatable :: total(:, :), passed(:)
+    real(DP), allocatable :: total(:, :), condensed_force(:)
     integer :: i, level, n_levels
     d_force = 0.0_DP
-    n_levels = maxval([1, links%level])
+    n_levels = maxval([1, tangents%level])
     allocate (total, source=d_imbalance)
     do level = 1, n_levels
-      do i = 1, size(links)
-        if (links(i)%level == level) call add_change(links(i), du, total, d_force)
+      do i = 1, size(tangents)
+        if (tangents(i)%level == level) call add_node_tangent(tangents(i), du, total, d_force)
       end do
       if (level == n_levels) exit
-      if (.not. allocated(passed)) allocate (passed(size(total)))
-      call multiply(passing, reshape(d_force, shape(passed)), passed)
-      total = d_imbalance + reshape(passed, shape(total))
+      if (.not. allocated(condensed_force)) allocate (condensed_force(size(total)))
+      call multiply(force_condensation, reshape(d_force, shape(condensed_force)), condensed_force)
+      total = d_imbalance + reshape(condensed_force, shape(total))
     end do
   end subroutine apply_contact_tangent
 
 
   !> The change of one link's force, added at the nodes of its row.
-  pure subroutine add_change(link, du, d_imbalance, d_force)
-    type(link_type), intent(in) :: link
+  pure subroutine add_node_tangent(tangent, du, d_imbalance, d_force)
+    type(contact_tangent_type), intent(in) :: tangent
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) [force]
     real(DP), intent(inout) :: d_force(:, :)       !< (3, n_nodes) [force]
-    real(DP) :: d_lambda(3), d_xi(size(link%xi_nodes, 1)), d_weight
+    real(DP) :: d_lambda(3), d_xi(size(tangent%xi_nodes, 1)), d_weight
     integer :: j
     d_lambda = 0.0_DP
-    do j = 1, size(link%own)
-      d_lambda = d_lambda + link%shares(j) * matmul(link%force_imbalance, d_imbalance(:, link%own(j)))
+    do j = 1, size(tangent%imbalance_nodes)
+      d_lambda = d_lambda + tangent%imbalance_weights(j) * matmul(tangent%force_imbalance, d_imbalance(:, &
+        tangent%imbalance_nodes(j)))
     end do
     d_xi = 0.0_DP
-    do j = 1, size(link%nodes)
-      d_lambda = d_lambda + matmul(link%force_nodes(:, :, j), du(:, link%nodes(j)))
-      d_xi = d_xi + matmul(link%xi_nodes(:, :, j), du(:, link%nodes(j)))
+    do j = 1, size(tangent%nodes)
+      d_lambda = d_lambda + matmul(tangent%force_nodes(:, :, j), du(:, tangent%nodes(j)))
+      d_xi = d_xi + matmul(tangent%xi_nodes(:, :, j), du(:, tangent%nodes(j)))
     end do
-    do j = 1, link%n_weights
-      if (allocated(link%d_weights)) d_weight = dot_product(link%d_weights(:, j), d_xi)
-      if (.not. allocated(link%d_weights)) d_weight = d_xi(j)
-      d_force(:, link%nodes(j)) = d_force(:, link%nodes(j)) + link%weights(j) * d_lambda + d_weight * link%force
+    do j = 1, tangent%n_weights
+      if (allocated(tangent%d_weights)) d_weight = dot_product(tangent%d_weights(:, j), d_xi)
+      if (.not. allocated(tangent%d_weights)) d_weight = d_xi(j)
+      d_force(:, tangent%nodes(j)) = d_force(:, tangent%nodes(j)) + tangent%weights(j) * d_lambda + d_weight * tangent%force
     end do
-  end subroutine add_change
+  end subroutine add_node_tangent
 
 
   !> The same change as two matrices over all unknowns: dF_c = D_R dRhat + D_u du. For solvers that need the tangent whole.
   !!
   !! Each level adds A (dRhat + E dF_c) + B du, with dF_c of the levels below it.
-  subroutine contact_matrices(links, passing, n_unknowns, by_imbalance, by_displacement)
-    type(link_type), intent(in) :: links(:)
-    type(sparse_type), intent(in) :: passing       !< E of `contact`; looked at only if there are levels
+  subroutine assemble_contact_tangents(tangents, force_condensation, n_unknowns, imbalance_tangent, displacement_tangent)
+    type(contact_tangent_type), intent(in) :: tangents(:)
+    type(sparse_type), intent(in) :: force_condensation       !< E of `contact`; looked at only if there are levels
     integer, intent(in) :: n_unknowns
-    type(sparse_type), intent(out) :: by_imbalance       !< D_R [-]
-    type(sparse_type), intent(out) :: by_displacement    !< D_u [force/length]
+    type(sparse_type), intent(out) :: imbalance_tangent       !< D_R [-]
+    type(sparse_type), intent(out) :: displacement_tangent    !< D_u [force/length]
     type(sparse_type) :: a, b
     integer :: level
-    call level_matrices(links, 1, n_unknowns, by_imbalance, by_displacement)
-    do level = 2, maxval([1, links%level])
-      call level_matrices(links, level, n_unknowns, a, b)
-      by_displacement = sum_of(sum_of(by_displacement, 1.0_DP, b), 1.0_DP, product_of(a, product_of(passing, by_displacement)))
-      by_imbalance = sum_of(sum_of(by_imbalance, 1.0_DP, a), 1.0_DP, product_of(a, product_of(passing, by_imbalance)))
+    call level_matrices(tangents, 1, n_unknowns, imbalance_tangent, displacement_tangent)
+    do level = 2, maxval([1, tangents%level])
+      call level_matrices(tangents, level, n_unknowns, a, b)
+      displacement_tangent = sparse_sum(sparse_sum(displacement_tangent, 1.0_DP, b), 1.0_DP, sparse_product(a, &
+        sparse_product(force_condensation, displacement_tangent)))
+      imbalance_tangent = sparse_sum(sparse_sum(imbalance_tangent, 1.0_DP, a), 1.0_DP, sparse_product(a, &
+        sparse_product(force_condensation, imbalance_tangent)))
     end do
-  end subroutine contact_matrices
+  end subroutine assemble_contact_tangents
 
 
   !> The matrices of the links of one level, which carry nothing of each other.
-  subroutine level_matrices(links, level, n_unknowns, by_imbalance, by_displacement)
-    type(link_type), intent(in) :: links(:)
+  subroutine level_matrices(tangents, level, n_unknowns, imbalance_tangent, displacement_tangent)
+    type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: level, n_unknowns
-    type(sparse_type), intent(out) :: by_imbalance, by_displacement
+    type(sparse_type), intent(out) :: imbalance_tangent, displacement_tangent
     integer, allocatable :: first(:), members(:)
-    call rows_of_links(links, level, n_unknowns / 3, first, members)
-    call sum_blocks(links, first, members, .true., by_imbalance)
-    call sum_blocks(links, first, members, .false., by_displacement)
+    call group_by_node(tangents, level, n_unknowns / 3, first, members)
+    call sum_blocks(tangents, first, members, .true., imbalance_tangent)
+    call sum_blocks(tangents, first, members, .false., displacement_tangent)
   end subroutine level_matrices
 
 
   !> The links of a level that give a force to each node, in their order.
-  pure subroutine rows_of_links(links, level, n_nodes, first, members)
-    type(link_type), intent(in) :: links(:)
+  pure subroutine group_by_node(tangents, level, n_nodes, first, members)
+    type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: level, n_nodes
     integer, allocatable, intent(out) :: first(:)  !< (n_nodes + 1) start of each node in members
     integer, allocatable, intent(out) :: members(:)
     integer :: next(n_nodes), i, k, n
     next = 0
-    do i = 1, size(links)
-      if (links(i)%level /= level) cycle
-      do k = 1, links(i)%n_weights
-        next(links(i)%nodes(k)) = next(links(i)%nodes(k)) + 1
+    do i = 1, size(tangents)
+      if (tangents(i)%level /= level) cycle
+      do k = 1, tangents(i)%n_weights
+        next(tangents(i)%nodes(k)) = next(tangents(i)%nodes(k)) + 1
       end do
     end do
     allocate (first(n_nodes + 1), members(sum(next)))
@@ -124,26 +127,26 @@ contains
       first(n + 1) = first(n) + next(n)
     end do
     next = first(:n_nodes)
-    do i = 1, size(links)
-      if (links(i)%level /= level) cycle
-      do k = 1, links(i)%n_weights
-        n = links(i)%nodes(k)
+    do i = 1, size(tangents)
+      if (tangents(i)%level /= level) cycle
+      do k = 1, tangents(i)%n_weights
+        n = tangents(i)%nodes(k)
         members(next(n)) = i
         next(n) = next(n) + 1
       end do
     end do
-  end subroutine rows_of_links
+  end subroutine group_by_node
 
 
   !> D_R or D_u: for each node the blocks of its links are summed in the links' order. (Integration points of
   !! surface-to-surface contact
   !! are many, and most of their blocks fall together: sorting triplets took ten times as long, and as much memory.)
-  subroutine sum_blocks(links, first, members, is_imbalance, matrix)
-    type(link_type), intent(in) :: links(:)
+  subroutine sum_blocks(tangents, first, members, is_imbalance, matrix)
+    type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: first(:), members(:)    !< links of each node
     logical, intent(in) :: is_imbalance            !< D_R; else D_u
     type(sparse_type), intent(out) :: matrix
-    integer :: seen(size(first) - 1), place(size(first) - 1), r, m, q, j, n_nodes, next
+    integer :: seen(size(first) - 1), column_index(size(first) - 1), r, m, q, j, n_nodes, next
     integer, allocatable :: columns(:)
     n_nodes = size(first) - 1
     matrix%n_rows = 3 * n_nodes
@@ -168,12 +171,12 @@ contains
       end do
       do q = first(r), first(r + 1) - 1
         if (q > first(r)) then
-          if (members(q) == members(q - 1)) cycle  ! add_link takes all weights of a link at the node
+          if (members(q) == members(q - 1)) cycle  ! add_node_blocks takes all weights of a link at the node
         end if
-        call add_link(links(members(q)), r, is_imbalance, place, matrix)
+        call add_node_blocks(tangents(members(q)), r, is_imbalance, column_index, matrix)
       end do
     end do
-    matrix = transpose_of(transpose_of(matrix))    ! columns in their order
+    matrix = sparse_transpose(sparse_transpose(matrix))    ! columns in their order
 
   contains
 
@@ -183,8 +186,8 @@ contains
       integer :: p
       m = 0
       do p = first(row), first(row + 1) - 1
-        if (is_imbalance) call append(links(members(p))%own, row)
-        if (.not. is_imbalance) call append(links(members(p))%nodes, row)
+        if (is_imbalance) call append(tangents(members(p))%imbalance_nodes, row)
+        if (.not. is_imbalance) call append(tangents(members(p))%nodes, row)
       end do
     end subroutine gather_columns
 
@@ -198,7 +201,7 @@ contains
         seen(nodes(k)) = row
         m = m + 1
         columns(m) = nodes(k)
-        place(nodes(k)) = m
+        column_index(nodes(k)) = m
       end do
     end subroutine append
 
@@ -206,110 +209,114 @@ contains
 
 
   !> What a link gives to the three rows of a node.
-  pure subroutine add_link(link, row, is_imbalance, place, matrix)
-    type(link_type), intent(in) :: link
+  pure subroutine add_node_blocks(tangent, row, is_imbalance, column_index, matrix)
+    type(contact_tangent_type), intent(in) :: tangent
     integer, intent(in) :: row                     !< node
     logical, intent(in) :: is_imbalance
-    integer, intent(in) :: place(:)                !< (n_nodes) of the columns
+    integer, intent(in) :: column_index(:)                !< (n_nodes) of the columns
     type(sparse_type), intent(inout) :: matrix
-    real(DP) :: turn(3)                            ! lambda (dw/dxi . dxi/du_j), but for lambda
+    real(DP) :: weight_term(3)                            ! lambda (dw/dxi . dxi/du_j), but for lambda
     integer :: i, j, p, a, at
-    do i = 1, link%n_weights
-      if (link%nodes(i) /= row) cycle
-      do j = 1, merge(size(link%own), size(link%nodes), is_imbalance)
+    do i = 1, tangent%n_weights
+      if (tangent%nodes(i) /= row) cycle
+      do j = 1, merge(size(tangent%imbalance_nodes), size(tangent%nodes), is_imbalance)
         if (is_imbalance) then
-          p = place(link%own(j))
+          p = column_index(tangent%imbalance_nodes(j))
         else
-          p = place(link%nodes(j))
-          if (allocated(link%d_weights)) turn = matmul(link%d_weights(:, i), link%xi_nodes(:, :, j))
-          if (.not. allocated(link%d_weights)) turn = link%xi_nodes(i, :, j)
+          p = column_index(tangent%nodes(j))
+          if (allocated(tangent%d_weights)) weight_term = matmul(tangent%d_weights(:, i), tangent%xi_nodes(:, :, j))
+          if (.not. allocated(tangent%d_weights)) weight_term = tangent%xi_nodes(i, :, j)
         end if
         do a = 1, 3
           at = matrix%first(3 * row - 3 + a) + 3 * (p - 1)
           if (is_imbalance) then
-            matrix%value(at:at + 2) = matrix%value(at:at + 2) + link%weights(i) * link%shares(j) * link%force_imbalance(a, :)
+            matrix%value(at:at + 2) = matrix%value(at:at + 2) + tangent%weights(i) * tangent%imbalance_weights(j) &
+              * tangent%force_imbalance(a, :)
           else
-            matrix%value(at:at + 2) = matrix%value(at:at + 2) + link%weights(i) * link%force_nodes(a, :, j) + link%force(a) * turn
+            matrix%value(at:at + 2) = matrix%value(at:at + 2) + tangent%weights(i) * tangent%force_nodes(a, :, &
+              j) + tangent%force(a) * weight_term
           end if
         end do
       end do
     end do
-  end subroutine add_link
+  end subroutine add_node_blocks
 
 
   !> The change of the forces of springs as products, dF_c = (B A + M X) du: B spreads a change of lambda over the nodes of its row,
   !! A du is that change; M is how lambda moves over them with xi, X du the change of xi.
-  subroutine spring_factors(links, n_unknowns, springs, error)
-    type(link_type), intent(in) :: links(:)
+  subroutine factorise_spring_tangents(tangents, n_unknowns, springs, error)
+    type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: n_unknowns
-    type(springs_type), intent(out) :: springs
+    type(contact_springs_type), intent(out) :: springs
     type(error_type), allocatable, intent(out) :: error
     type(triplets_type) :: b, a, m, x
     logical :: is_moving
     integer :: i, j, n_spread, n_follow, moving
-    n_spread = sum([(links(i)%n_weights, i=1, size(links))])
-    n_follow = sum([(size(links(i)%nodes), i=1, size(links))])
-    call reserve(b, 9 * n_spread)
-    call reserve(a, 9 * n_follow)
-    call reserve(m, 3 * sum([(links(i)%n_weights * merge(2, 1, allocated(links(i)%d_weights)), i=1, size(links))]))
-    call reserve(x, sum([(size(links(i)%xi_nodes), i=1, size(links))]))
+    n_spread = sum([(tangents(i)%n_weights, i=1, size(tangents))])
+    n_follow = sum([(size(tangents(i)%nodes), i=1, size(tangents))])
+    call allocate_triplets(b, 9 * n_spread)
+    call allocate_triplets(a, 9 * n_follow)
+    call allocate_triplets(m, 3 * sum([(tangents(i)%n_weights * merge(2, 1, allocated(tangents(i)%d_weights)), i=1, &
+      size(tangents))]))
+    call allocate_triplets(x, sum([(size(tangents(i)%xi_nodes), i=1, size(tangents))]))
     moving = 0                                     ! columns of M before those of a link
-    do i = 1, size(links)
-      associate (link => links(i), n_xi => size(links(i)%xi_nodes, 1))
-        is_moving = .not. allocated(link%d_weights)
-        if (.not. is_moving) is_moving = any(abs(link%d_weights) > 0.0_DP)
-        do j = 1, link%n_weights
-          call put_block(3 * (link%nodes(j) - 1), 3 * (i - 1), link%weights(j) * IDENTITY, b)
+    do i = 1, size(tangents)
+      associate (tangent => tangents(i), n_xi => size(tangents(i)%xi_nodes, 1))
+        is_moving = .not. allocated(tangent%d_weights)
+        if (.not. is_moving) is_moving = any(abs(tangent%d_weights) > 0.0_DP)
+        do j = 1, tangent%n_weights
+          call put_block(3 * (tangent%nodes(j) - 1), 3 * (i - 1), tangent%weights(j) * IDENTITY, b)
           if (.not. is_moving) cycle
-          if (allocated(link%d_weights)) then
-            call put_block(3 * (link%nodes(j) - 1), moving, &
-              reshape([link%d_weights(1, j) * link%force, link%d_weights(2, j) * link%force], [3, 2]), m)
+          if (allocated(tangent%d_weights)) then
+            call put_block(3 * (tangent%nodes(j) - 1), moving, &
+              reshape([tangent%d_weights(1, j) * tangent%force, tangent%d_weights(2, j) * tangent%force], [3, 2]), m)
           else
-            call put_block(3 * (link%nodes(j) - 1), moving + j - 1, reshape(link%force, [3, 1]), m)
+            call put_block(3 * (tangent%nodes(j) - 1), moving + j - 1, reshape(tangent%force, [3, 1]), m)
           end if
         end do
-        do j = 1, size(link%nodes)
-          call put_block(3 * (i - 1), 3 * (link%nodes(j) - 1), link%force_nodes(:, :, j), a)
-          if (is_moving) call put_block(moving, 3 * (link%nodes(j) - 1), link%xi_nodes(:, :, j), x)
+        do j = 1, size(tangent%nodes)
+          call put_block(3 * (i - 1), 3 * (tangent%nodes(j) - 1), tangent%force_nodes(:, :, j), a)
+          if (is_moving) call put_block(moving, 3 * (tangent%nodes(j) - 1), tangent%xi_nodes(:, :, j), x)
         end do
         moving = moving + n_xi
       end associate
     end do
-    call matrix_of(b, n_unknowns, 3 * size(links), springs%spread, error)
-    if (.not. allocated(error)) call matrix_of(a, 3 * size(links), n_unknowns, springs%follow, error)
-    if (.not. allocated(error)) call matrix_of(m, n_unknowns, moving, springs%moved, error)
-    if (.not. allocated(error)) call matrix_of(x, moving, n_unknowns, springs%moving, error)
-  end subroutine spring_factors
+    call build_matrix(b, n_unknowns, 3 * size(tangents), springs%force_distribution, error)
+    if (.not. allocated(error)) call build_matrix(a, 3 * size(tangents), n_unknowns, springs%spring_tangent, error)
+    if (.not. allocated(error)) call build_matrix(m, n_unknowns, moving, springs%distribution_change, error)
+    if (.not. allocated(error)) call build_matrix(x, moving, n_unknowns, springs%projection_gradient, error)
+  end subroutine factorise_spring_tangents
 
 
   !> Triplets as a matrix.
-  subroutine matrix_of(triplets, n_rows, n_columns, matrix, error)
+  subroutine build_matrix(triplets, n_rows, n_columns, matrix, error)
     type(triplets_type), intent(in) :: triplets
     integer, intent(in) :: n_rows, n_columns
     type(sparse_type), intent(out) :: matrix
     type(error_type), allocatable, intent(out) :: error
     associate (t => triplets)
-      call from_triplets(n_rows, n_columns, t%row(:t%n), t%column(:t%n), t%value(:t%n), matrix, error)
+      call sparse_from_triplets(n_rows, n_columns, t%row(:t%n), t%column(:t%n), t%value(:t%n), matrix, error)
     end associate
-  end subroutine matrix_of
+  end subroutine build_matrix
 
 
   !> The upper triangle of the springs of the compliant laws, for the preconditioner: symmetric and positive.
-  subroutine contact_springs(links, n_unknowns, springs, error)
-    type(link_type), intent(in) :: links(:)
+  subroutine assemble_spring_matrix(tangents, n_unknowns, springs, error)
+    type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: springs      !< [force/length]
     type(error_type), allocatable, intent(out) :: error
     type(triplets_type) :: triplets
     integer :: i, j, k
     logical, allocatable :: is_upper(:)
-    call reserve(triplets, 9 * sum([(links(i)%n_weights**2, i=1, size(links))]))
-    do i = 1, size(links)
-      if (.not. links(i)%is_spring) cycle
-      associate (link => links(i))
-        do j = 1, link%n_weights
-          do k = 1, link%n_weights
-            call put_block(3 * (link%nodes(j) - 1), 3 * (link%nodes(k) - 1), link%weights(j) * link%weights(k) * link%spring, &
+    call allocate_triplets(triplets, 9 * sum([(tangents(i)%n_weights**2, i=1, size(tangents))]))
+    do i = 1, size(tangents)
+      if (.not. tangents(i)%is_compliant_node) cycle
+      associate (tangent => tangents(i))
+        do j = 1, tangent%n_weights
+          do k = 1, tangent%n_weights
+            call put_block(3 * (tangent%nodes(j) - 1), 3 * (tangent%nodes(k) - 1), &
+              tangent%weights(j) * tangent%weights(k) * tangent%spring, &
               triplets)
           end do
         end do
@@ -317,10 +324,10 @@ contains
     end do
     associate (t => triplets)
       is_upper = t%column(:t%n) >= t%row(:t%n)
-      call from_triplets(n_unknowns, n_unknowns, pack(t%row(:t%n), is_upper), pack(t%column(:t%n), is_upper), &
+      call sparse_from_triplets(n_unknowns, n_unknowns, pack(t%row(:t%n), is_upper), pack(t%column(:t%n), is_upper), &
         pack(t%value(:t%n), is_upper), springs, error)
     end associate
-  end subroutine contact_springs
+  end subroutine assemble_spring_matrix
 
 
   !> A block as triplets.
@@ -341,10 +348,10 @@ contains
 
 
   !> Room for so many entries.
-  pure subroutine reserve(triplets, n)
+  pure subroutine allocate_triplets(triplets, n)
     type(triplets_type), intent(inout) :: triplets
     integer, intent(in) :: n
     allocate (triplets%row(n), triplets%column(n), triplets%value(n))
-  end subroutine reserve
+  end subroutine allocate_triplets
 
 end module amontons_contact_operators

@@ -7,75 +7,86 @@ module amontons_contact_pairs
   use amontons_tensor, only: IDENTITY
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: N_SOLID_KINDS
-  use amontons_model, only: model_type, direction_of, DIALECT_CALCULIX
-  use amontons_surfaces, only: interaction_type, is_compliant, pair_laws
-  use amontons_slave_nodes, only: lose_master
-  use amontons_slip_scenarios, only: slip_point_type
+  use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
+  use amontons_surfaces, only: interaction_type, is_compliant, pair_interactions
+  use amontons_slave_nodes, only: detach_slave
+  use amontons_slip_scenarios, only: slip_state_type
   use amontons_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
-  use amontons_user_contact, only: user_answer_type
-  use amontons_local_equilibrium, only: meeting_type
+  use amontons_user_contact, only: user_response_type
+  use amontons_local_equilibrium, only: local_solution_type
   use amontons_steps, only: step_type
-  use amontons_state, only: slave_type, amplitude_memory, STATUS_OPEN, STATUS_STICK
-  use amontons_constraints, only: constraints_type, condensation
-  use amontons_contact_constraint_rows, only: contact_row_type, facet_row, relative_position
-  use amontons_tributary_areas, only: faces_type, add_face_areas, cover_slave, mean_edge
-  use amontons_analytic_profiles, only: extent_of, PROFILE_FLAT
+  use amontons_state, only: slave_state_type, n_amplitude_memory, STATUS_OPEN, STATUS_STICK
+  use amontons_constraints, only: constraints_type, build_condensation_matrix
+  use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
+  use amontons_tributary_areas, only: element_faces_type, add_nodal_face_areas, find_slave_faces, find_mean_edge_length
+  use amontons_analytic_profiles, only: profile_length, PROFILE_PLANAR
   use amontons_sparse, only: sparse_type
-  use amontons_shared_slave_nodes, only: overlaps_type, find_overlaps, global_axes, fit_overlaps, PARALLEL
+  use amontons_shared_slave_nodes, only: shared_slaves_type, find_shared_slaves, global_axes, resize_shared_slaves, &
+    MIN_PARALLEL_COSINE
   use amontons_facets, only: facets_type, build_facets
   use amontons_analytic_master, only: build_profile_facets
-  use amontons_facet_search, only: search_type
-  use amontons_mortar, only: mortar_type, create_mortar, unite_shares, unite_twins, integrate_mortar, merge_rows, turned_with, &
-    turned_rate
-  use amontons_surface_projection, only: projection_type, project_point, find_projection, PROJECT_ON
+  use amontons_facet_search, only: facet_search_type
+  use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
+    merge_rows, rotate_with_normal, &
+    differentiate_rotation
+  use amontons_surface_projection, only: projection_type, track_projection, find_projection, PROJECTION_INSIDE
   implicit none
   private
-  public :: contact_type, create_contact, begin_contact_step, set_supports, fit_contact
-  public :: renew_rows, touching_row, origin_row, contact_slip_vector, origin_offset_rate, find_again, refresh_facet, &
-    renew_place, locate_slave, set_origin, close_slave, is_stuck, SEARCH_REACH
+  public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
+  public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
+    update_projection, &
+    update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, SEARCH_RADIUS_RATIO
 
-  real(DP), parameter :: FLUSH = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are two [-]
-  real(DP), parameter :: SEARCH_REACH = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
+  real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are
+                                                                 !! two [-]
+  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
 
   !> The pairs made ready: facets, search, and the free directions of the slave nodes.
   type :: contact_type
     type(facets_type), allocatable :: facets(:)   !< (n_pairs) the master's facets
-    type(search_type), allocatable :: search(:)   !< (n_pairs)
-    logical, allocatable :: is_small(:)           !< (n_pairs) weights and normals kept in this step
+    type(facet_search_type), allocatable :: search(:)   !< (n_pairs)
+    logical, allocatable :: has_fixed_geometry(:)           !< (n_pairs) weights and normals kept in this step
     type(interaction_type), allocatable :: laws(:)   !< (n_pairs) as they are in this step
     logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
-    logical, allocatable :: is_bound(:)           !< (n_slaves) a section binds it to a slave of its pair, pushed for both
+    logical, allocatable :: is_pretension_duplicate(:)           !< (n_slaves) a section binds it to a slave of its pair, pushed
+                                                                 !! for both
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
-    logical, allocatable :: is_shrink(:)          !< (n_pairs) what each node has of it at the start is allowed
+    logical, allocatable :: is_shrink_fit(:)          !< (n_pairs) what each node has of it at the start is allowed
     logical, allocatable :: is_ramped(:)          !< (n_pairs) overlaps at the start go as in CalculiX
     real(DP) :: period = 1                        !< of the step [time]
-    type(faces_type), allocatable :: cover(:)     !< (n_pairs) faces that give the slave nodes of compliant laws their areas
-    integer, allocatable :: follower(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
+    type(element_faces_type), allocatable :: slave_area_faces(:)     !< (n_pairs) faces that give the slave nodes of compliant laws
+                                                                     !! their areas
+    integer, allocatable :: midside_followers(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
     real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
     real(DP), allocatable :: axes(:, :, :)        !< (3, 3, n_slaves) in columns: the global axes, or those of the node's own frame
-    real(DP), allocatable :: mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
-    logical, allocatable :: is_flush(:)           !< (n_slaves) goes into the row of an earlier slave of its node that faces its way
-    type(overlaps_type) :: overlaps               !< pairs that share nodes
-    type(sparse_type) :: passing                 !< E: forces on all nodes to those on free ones; only where reactions are passed on
+    real(DP), allocatable :: free_mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
+    logical, allocatable :: is_coplanar(:)           !< (n_slaves) goes into the row of an earlier slave of its node that faces its
+                                                     !! way
+    type(shared_slaves_type) :: shared_slaves               !< pairs that share nodes
+    type(sparse_type) :: force_condensation                 !< E: forces on all nodes to those on free ones; only where reactions
+                                                            !! are passed on
     real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
-    logical, allocatable :: is_shifted(:)         !< (n_slaves) its master slides along directions in which supports hold it
+    logical, allocatable :: has_sliding_support(:)         !< (n_slaves) its master slides along directions in which supports hold
+                                                           !! it
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
     real(DP), allocatable :: Rhat(:, :)           !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
-    type(slip_point_type), allocatable :: view(:) !< (n_slaves) the decision on each slave node at the last evaluation
-    type(user_answer_type), allocatable :: answers(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
-    type(meeting_type), allocatable :: met(:)     !< (n_slaves) under compliant laws, at the last evaluation
-    real(DP), allocatable :: ahead(:, :)          !< (3, n_nodes) what laws give more where their slaves are [force]
-    logical, allocatable :: is_lone(:)            !< (n_slaves) under a compliant law, and no other slave gives its node a force
+    type(slip_state_type), allocatable :: slip_data(:) !< (n_slaves) the decision on each slave node at the last evaluation
+    type(user_response_type), allocatable :: user_responses(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
+    type(local_solution_type), allocatable :: local_equilibrium(:)     !< (n_slaves) under compliant laws, at the last evaluation
+    real(DP), allocatable :: law_linearization_force(:, :)          !< (3, n_nodes) what laws give more where their slaves are
+                                                                    !! [force]
+    logical, allocatable :: is_uncoupled(:)            !< (n_slaves) under a compliant law, and no other slave gives its node a
+                                                       !! force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
-    integer :: n_opened = 0                       !< changes found by the last evaluation
+    integer :: n_newly_opened = 0                       !< changes found by the last evaluation
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, opened and closed included
-    integer :: n_left = 0                         !< nodes that left their master
+    integer :: n_lost_master = 0                         !< nodes that left their master
     integer :: n_imposed = 0                      !< nodes that the line search set to stick against their trial traction
-    real(DP) :: worst_gap = 0                     !< of the closed nodes, over the edge of the master's facet [-]
+    real(DP) :: max_gap_error = 0                     !< of the closed nodes, over the edge of the master's facet [-]
     integer :: worst_slave = 0
   end type contact_type
 
@@ -85,22 +96,22 @@ contains
   subroutine create_contact(contact, model, slaves, error)
     type(contact_type), intent(out) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), allocatable, intent(out) :: slaves(:)   !< all slave nodes of all pairs, open
+    type(slave_state_type), allocatable, intent(out) :: slaves(:)   !< all slave nodes of all pairs, open
     type(error_type), allocatable, intent(out) :: error
     integer :: p, n
     allocate (contact%facets(size(model%pairs)), contact%search(size(model%pairs)))
-    allocate (contact%is_small(size(model%pairs)), source=.false.)
-    allocate (contact%edge(size(model%pairs)), contact%cover(size(model%pairs)))
-    allocate (contact%is_removed(size(model%pairs)), contact%is_shrink(size(model%pairs)), &
+    allocate (contact%has_fixed_geometry(size(model%pairs)), source=.false.)
+    allocate (contact%edge(size(model%pairs)), contact%slave_area_faces(size(model%pairs)))
+    allocate (contact%is_removed(size(model%pairs)), contact%is_shrink_fit(size(model%pairs)), &
       contact%is_ramped(size(model%pairs)), source=.false.)
     allocate (contact%interference(size(model%pairs)), source=0.0_DP)
-    contact%laws = pair_laws(model%pairs, model%interactions)
-    allocate (slaves(0), contact%follower(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
+    contact%laws = pair_interactions(model%pairs, model%interactions)
+    allocate (slaves(0), contact%midside_followers(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
         if (allocated(master%profile)) then
-          call build_profile_facets(master%profile, mean_edge(model%mesh, model%surfaces(model%pairs(p)%slave), &
-            extent_of(master%profile)), contact%facets(p))
+          call build_profile_facets(master%profile, find_mean_edge_length(model%mesh, model%surfaces(model%pairs(p)%slave), &
+            profile_length(master%profile)), contact%facets(p))
         else
           call build_facets(model%mesh, master%element, master%face, contact%facets(p), error, &
             is_faceted=is_faceted(model, contact%laws(p), p))
@@ -115,89 +126,92 @@ contains
         end associate
         if (allocated(error)) return
       else if (is_compliant(contact%laws(p))) then
-        call cover_slave(model%mesh, model%surfaces(model%pairs(p)%slave), model%dialect == DIALECT_CALCULIX, contact%cover(p))
+        call find_slave_faces(model%mesh, model%surfaces(model%pairs(p)%slave), model%dialect == DIALECT_CALCULIX, &
+          contact%slave_area_faces(p))
       end if
-      if (.not. model%pairs(p)%is_pointwise) call append_slaves(contact, model, p, slaves)
+      if (.not. model%pairs(p)%has_point_contact) call append_slaves(contact, model, p, slaves)
     end do
     n = size(slaves)
-    call unite_exact(contact, model)
-    allocate (contact%is_bound(n), contact%is_flush(n), contact%is_shifted(n), source=.false.)
-    if (allocated(model%twins)) call bind_twins(contact, model, slaves)
-    call find_overlaps(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%overlaps)
+    call unite_hard_mortar_pairs(contact, model)
+    allocate (contact%is_pretension_duplicate(n), contact%is_coplanar(n), contact%has_sliding_support(n), source=.false.)
+    if (allocated(model%twins)) call mark_pretension_duplicates(contact, model, slaves)
+    call find_shared_slaves(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%shared_slaves)
     do p = 1, size(model%pairs)
-      if (model%pairs(p)%is_mortar) contact%mortar(p)%is_alone = all(contact%overlaps%first(contact%mortar(p)%nodes + 1) &
-        - contact%overlaps%first(contact%mortar(p)%nodes) <= 1)
+      if (model%pairs(p)%is_mortar) contact%mortar(p)%has_unique_slaves = all(contact%shared_slaves%first(contact%mortar(p)%nodes &
+        + 1) &
+        - contact%shared_slaves%first(contact%mortar(p)%nodes) <= 1)
     end do
-    allocate (contact%mask(3, n), source=1.0_DP)
+    allocate (contact%free_mask(3, n), source=1.0_DP)
     allocate (contact%axes, source=global_axes(n))
     allocate (contact%free(3, 3, n), contact%friction(n), contact%Rhat(3, n), source=0.0_DP)
     allocate (contact%direction(3, n), source=0.0_DP)
-    allocate (contact%answers(n), contact%met(n))
-    allocate (contact%is_lone(n), source=.false.)
-    allocate (contact%ahead(3, model%mesh%n_nodes), source=0.0_DP)
-    allocate (contact%view(n))
+    allocate (contact%user_responses(n), contact%local_equilibrium(n))
+    allocate (contact%is_uncoupled(n), source=.false.)
+    allocate (contact%law_linearization_force(3, model%mesh%n_nodes), source=0.0_DP)
+    allocate (contact%slip_data(n))
   end subroutine create_contact
 
 
   !> The slaves of compliant laws whose imbalance is what the law has to answer: no other slave gives a force to the nodes of its
   !! row, no other node depends on them, and none of them has a support that the slave has not.
-  pure function lone_slaves(contact, model, slaves, base) result(is_lone)
+  pure function find_uncoupled_slaves(contact, model, slaves, base) result(is_uncoupled)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
-    logical :: is_lone(size(slaves)), is_taken(model%mesh%n_nodes), is_held(3)
+    logical :: is_uncoupled(size(slaves)), is_shared(model%mesh%n_nodes), is_held(3)
     integer :: n_slaves(model%mesh%n_nodes), p, s
     n_slaves = 0
     do s = 1, size(slaves)
-      if (slaves(s)%side == 0) n_slaves(slaves(s)%node) = n_slaves(slaves(s)%node) + 1
+      if (slaves(s)%slave_facet == 0) n_slaves(slaves(s)%node) = n_slaves(slaves(s)%node) + 1
     end do
-    is_taken = n_slaves > 1
+    is_shared = n_slaves > 1
     do p = 1, base%n_rows                          ! a node on which others depend has their imbalance too
-      if (size(base%rows(p)%unknown) > 0) is_taken((base%rows(p)%unknown + 2) / 3) = .true.
+      if (size(base%rows(p)%unknown) > 0) is_shared((base%rows(p)%unknown + 2) / 3) = .true.
     end do
     do p = 1, size(model%pairs)
-      is_taken(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
+      is_shared(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
     end do
     do s = 1, size(slaves)
-      is_lone(s) = is_compliant(contact%laws(slaves(s)%pair)) .and. slaves(s)%side == 0
-      if (.not. is_lone(s)) cycle
-      is_lone(s) = .not. is_taken(slaves(s)%node)
+      is_uncoupled(s) = is_compliant(contact%laws(slaves(s)%pair)) .and. slaves(s)%slave_facet == 0
+      if (.not. is_uncoupled(s)) cycle
+      is_uncoupled(s) = .not. is_shared(slaves(s)%node)
       if (slaves(s)%row == 0) cycle
       is_held = base%owner(3 * slaves(s)%node - 2:3 * slaves(s)%node) /= 0
-      associate (own => contact%mortar(slaves(s)%pair)%rows(slaves(s)%row)%own)
-        is_lone(s) = .not. any(is_taken(own))
+      associate (own => contact%mortar(slaves(s)%pair)%rows(slaves(s)%row)%imbalance_nodes)
+        is_uncoupled(s) = .not. any(is_shared(own))
         do p = 1, size(own)
-          is_lone(s) = is_lone(s) .and. .not. any(base%owner(3 * own(p) - 2:3 * own(p)) /= 0 .and. .not. is_held)
+          is_uncoupled(s) = is_uncoupled(s) .and. .not. any(base%owner(3 * own(p) - 2:3 * own(p)) /= 0 .and. .not. is_held)
         end do
       end associate
     end do
-  end function lone_slaves
+  end function find_uncoupled_slaves
 
 
   !> Slave nodes across pre-tension sections: of two that stand at one place only the first has unknowns of its own.
-  subroutine bind_twins(contact, model, slaves)
+  subroutine mark_pretension_duplicates(contact, model, slaves)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     logical :: is_pushed(model%mesh%n_nodes)
     integer :: p, i
     do p = 1, size(model%pairs)
       if (is_compliant(contact%laws(p))) cycle
-      if (model%pairs(p)%is_mortar) call unite_twins(contact%mortar(p), model%twins)
+      if (model%pairs(p)%is_mortar) call add_pretension_rows(contact%mortar(p), model%twins)
       is_pushed = .false.
       is_pushed(pack(slaves%node, slaves%pair == p)) = .true.
       associate (twins => model%twins)
         do i = 1, size(twins, 2)
-          if (is_pushed(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, i)) contact%is_bound = .true.
+          if (is_pushed(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, &
+            i)) contact%is_pretension_duplicate = .true.
         end do
       end associate
     end do
-  end subroutine bind_twins
+  end subroutine mark_pretension_duplicates
 
 
   !> The transformed bases of exact mortar pairs that share slave nodes are made one.
-  subroutine unite_exact(contact, model)
+  subroutine unite_hard_mortar_pairs(contact, model)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(mortar_type), allocatable :: exact(:)
@@ -206,40 +220,42 @@ contains
     list = pack([(p, p=1, size(model%pairs))], model%pairs%is_mortar .and. .not. is_compliant(contact%laws))
     if (size(list) < 2) return
     exact = contact%mortar(list)
-    call unite_shares(exact, model%mesh%n_nodes)
+    call unify_imbalance_weights(exact, model%mesh%n_nodes)
     contact%mortar(list) = exact
-  end subroutine unite_exact
+  end subroutine unite_hard_mortar_pairs
 
 
   !> Room for slaves whose number has changed: those of pairs with points are the last.
-  subroutine fit_contact(contact, slaves)
+  subroutine resize_contact(contact, slaves)
     type(contact_type), intent(inout) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     real(DP), allocatable :: normal(:, :)
     integer :: n, s
     n = size(slaves)
-    if (n == size(contact%friction) .and. .not. any(slaves%side > 0)) return
+    if (n == size(contact%friction) .and. .not. any(slaves%slave_facet > 0)) return
     allocate (normal(3, n), source=0.0_DP)
     do s = 1, n
-      if (slaves(s)%side == 0) normal(:, s) = contact%slave_normal(:, s)
-      if (slaves(s)%side > 0) normal(:, s) = -contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%normal
+      if (slaves(s)%slave_facet == 0) normal(:, s) = contact%slave_normal(:, s)
+      if (slaves(s)%slave_facet > 0) normal(:, s) = -contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%normal
     end do
     call move_alloc(normal, contact%slave_normal)
     if (n == size(contact%friction)) return
-    contact%mask = reshape(contact%mask(:, :min(n, size(contact%friction))), [3, n], pad=[1.0_DP])
+    contact%free_mask = reshape(contact%free_mask(:, :min(n, size(contact%friction))), [3, n], pad=[1.0_DP])
     contact%axes = reshape(contact%axes(:, :, :min(n, size(contact%friction))), [3, 3, n], pad=global_axes(1))
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
-    contact%is_shifted = spread(.false., 1, n)
+    contact%has_sliding_support = spread(.false., 1, n)
     contact%friction = spread(0.0_DP, 1, n)
-    contact%is_bound = [contact%is_bound(:min(n, size(contact%is_bound))), spread(.false., 1, n - min(n, size(contact%is_bound)))]
-    deallocate (contact%answers, contact%met)
-    allocate (contact%answers(n), contact%met(n))
-    contact%is_lone = [contact%is_lone(:min(n, size(contact%is_lone))), spread(.false., 1, n - min(n, size(contact%is_lone)))]
+    contact%is_pretension_duplicate = [contact%is_pretension_duplicate(:min(n, size(contact%is_pretension_duplicate))), &
+      spread(.false., 1, n - min(n, size(contact%is_pretension_duplicate)))]
+    deallocate (contact%user_responses, contact%local_equilibrium)
+    allocate (contact%user_responses(n), contact%local_equilibrium(n))
+    contact%is_uncoupled = [contact%is_uncoupled(:min(n, size(contact%is_uncoupled))), spread(.false., 1, n - min(n, &
+      size(contact%is_uncoupled)))]
     contact%Rhat = reshape([0.0_DP], [3, n], pad=[0.0_DP])
     contact%direction = contact%Rhat
-    contact%view = spread(slip_point_type(), 1, n)
-    call fit_overlaps(contact%overlaps, n)
-  end subroutine fit_contact
+    contact%slip_data = spread(slip_state_type(), 1, n)
+    call resize_shared_slaves(contact%shared_slaves, n)
+  end subroutine resize_contact
 
 
   !> Whether the normals of a master are those of its faces, as in CalculiX, or continuous over them.
@@ -260,7 +276,7 @@ contains
     associate (slave => model%surfaces(model%pairs(pair)%slave), master => model%surfaces(model%pairs(pair)%master), &
       kind => model%mesh%kind)
       is_solid = kind(master%element) <= N_SOLID_KINDS
-      if (allocated(master%profile)) is_solid = [master%profile%kind /= PROFILE_FLAT]
+      if (allocated(master%profile)) is_solid = [master%profile%kind /= PROFILE_PLANAR]
       if (.not. slave%is_node_based) is_solid = [is_solid, kind(slave%element) <= N_SOLID_KINDS]
       if (all(is_solid) .or. .not. any(is_solid)) return
       call set_error(error, EXIT_SETUP, 'The contact pair ' // slave%name // ' / ' // master%name // ' has faces of ' // &
@@ -275,41 +291,43 @@ contains
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     integer, intent(in) :: pair
-    type(slave_type), allocatable, intent(inout) :: slaves(:)
+    type(slave_state_type), allocatable, intent(inout) :: slaves(:)
     real(DP), allocatable :: area_vector(:, :), area(:)
     integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
     logical, allocatable :: follows(:)             ! (n_nodes) it is a follower of another pair
     integer, allocatable :: followers(:)           ! of this pair
-    type(slave_type), allocatable :: added(:)
+    type(slave_state_type), allocatable :: added(:)
     integer :: i, f, n, node, memory
-    logical :: is_soft
-    is_soft = is_compliant(contact%laws(pair)) .or. model%pairs(pair)%is_mortar
+    logical :: has_nodal_areas
+    has_nodal_areas = is_compliant(contact%laws(pair)) .or. model%pairs(pair)%is_mortar
     associate (mesh => model%mesh, surface => model%surfaces(model%pairs(pair)%slave))
       allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
       allocate (corners(2, mesh%n_nodes), source=0)
       allocate (follows(mesh%n_nodes), source=.false.)
-      follows(contact%follower(1, :)) = .true.
+      follows(contact%midside_followers(1, :)) = .true.
       allocate (followers(0), added(size(surface%nodes)))
       if (.not. surface%is_node_based) then
         do f = 1, size(surface%element)
-          call add_face_areas(mesh, surface%element(f), surface%face(f), is_soft, area_vector, area, corners)
+          call add_nodal_face_areas(mesh, surface%element(f), surface%face(f), has_nodal_areas, area_vector, area, corners)
         end do
       end if
-      memory = amplitude_memory(model)
+      memory = n_amplitude_memory(model)
       if (size(slaves) > 0) memory = slaves(size(slaves))%memory + contact%laws(slaves(size(slaves))%pair)%n_statev
       n = 0
       do i = 1, size(surface%nodes)
         node = surface%nodes(i)
-        if (is_soft .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP .and. .not. model%pairs(pair)%is_mortar) cycle
+        if (has_nodal_areas .and. .not. surface%is_node_based .and. area(node) <= 0.0_DP &
+          .and. .not. model%pairs(pair)%is_mortar) cycle
         if (corners(1, node) > 0) cycle
         n = n + 1
-        added(n) = slave_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based), memory=memory)
+        added(n) = slave_state_type(pair=pair, node=node, area=merge(1.0_DP, area(node), surface%is_node_based), memory=memory)
         if (model%pairs(pair)%is_mortar) added(n)%row = i
         memory = memory + contact%laws(pair)%n_statev
       end do
       followers = pack(surface%nodes, corners(1, surface%nodes) > 0 .and. .not. follows(surface%nodes))
-      contact%follower = reshape([contact%follower, [(followers(i), corners(:, followers(i)), i=1, size(followers))]], &
-        [3, size(contact%follower, 2) + size(followers)])
+      contact%midside_followers = reshape([contact%midside_followers, [(followers(i), corners(:, followers(i)), i=1, &
+        size(followers))]], &
+        [3, size(contact%midside_followers, 2) + size(followers)])
       slaves = [slaves, added(:n)]
       contact%slave_normal = reshape([contact%slave_normal, (area_vector(:, added(i)%node) &
         / max(norm2(area_vector(:, added(i)%node)), tiny(1.0_DP)), i=1, n)], [3, size(slaves)])
@@ -318,30 +336,30 @@ contains
 
 
   !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
-  subroutine set_supports(contact, model, slaves, base, is_held, error)
+  subroutine set_free_directions(contact, model, slaves, base, is_held, error)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
     logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, along the axes of the node's own frame
     type(error_type), allocatable, intent(out) :: error
-    logical :: is_held_here(3)
+    logical :: is_component_held(3)
     integer :: s, k
     do s = 1, size(slaves)
-      if (slaves(s)%side > 0) cycle                ! a point of a face is no node; points come and go, and are the last
+      if (slaves(s)%slave_facet > 0) cycle                ! a point of a face is no node; points come and go, and are the last
       associate (node => slaves(s)%node)
-        is_held_here = base%owner(3 * node - 2:3 * node) /= 0
+        is_component_held = base%owner(3 * node - 2:3 * node) /= 0
         contact%axes(:, :, s:s) = global_axes(1)
-        if (count(is_held(:, node)) == count(is_held_here)) then   ! supports alone, no equation
-          is_held_here = is_held(:, node)
-          contact%axes(:, :, s) = reshape([(direction_of(model, node, k), k=1, 3)], [3, 3])
+        if (count(is_held(:, node)) == count(is_component_held)) then   ! supports alone, no equation
+          is_component_held = is_held(:, node)
+          contact%axes(:, :, s) = reshape([(dof_direction(model, node, k), k=1, 3)], [3, 3])
         end if
-        contact%mask(:, s) = merge(0.0_DP, 1.0_DP, is_held_here)
+        contact%free_mask(:, s) = merge(0.0_DP, 1.0_DP, is_component_held)
       end associate
     end do
-    contact%is_lone = lone_slaves(contact, model, slaves, base)
-    if (contact%overlaps%has_chains) call condensation(base, contact%passing, error)
-  end subroutine set_supports
+    contact%is_uncoupled = find_uncoupled_slaves(contact, model, slaves, base)
+    if (contact%shared_slaves%has_reaction_chains) call build_condensation_matrix(base, contact%force_condensation, error)
+  end subroutine set_free_directions
 
 
   !> A step begins: the laws in force, and the pairs taken out or put back.
@@ -349,46 +367,46 @@ contains
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    contact%laws = pair_laws(model%pairs, model%interactions)
-    if (allocated(step%interactions)) contact%laws = pair_laws(model%pairs, step%interactions)
+    contact%laws = pair_interactions(model%pairs, model%interactions)
+    if (allocated(step%interactions)) contact%laws = pair_interactions(model%pairs, step%interactions)
     contact%is_removed = .false.
     if (allocated(step%is_removed)) contact%is_removed = step%is_removed
     contact%period = step%period
     contact%interference = 0.0_DP
-    contact%is_shrink = .false.
+    contact%is_shrink_fit = .false.
     if (allocated(step%interference)) contact%interference = step%interference
-    if (allocated(step%is_shrink)) contact%is_shrink = step%is_shrink
+    if (allocated(step%is_shrink_fit)) contact%is_shrink_fit = step%is_shrink_fit
     contact%is_ramped = model%dialect == DIALECT_CALCULIX .and. (model%pairs%is_mortar .or. is_compliant(contact%laws))
   end subroutine begin_contact_step
 
 
   !> The rows of mortar pairs with the bodies as they are at x. A node that is slave in several of them with the same normal gets
   !! one row of all, in the pair that comes first, if their masters are flush where an increment begins.
-  subroutine renew_rows(contact, slaves, is_wanted, is_start, x)
+  subroutine update_mortar_rows(contact, slaves, is_wanted, is_start, x)
     type(contact_type), intent(inout) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_wanted(:)            !< (n_pairs)
     logical, intent(in) :: is_start                !< an increment begins
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer :: p, n, i, j, s
     do s = 1, size(slaves)
-      if (slaves(s)%row > 0 .and. slaves(s)%side == 0) contact%mortar(slaves(s)%pair)%has_touched(slaves(s)%row) = &
-        slaves(s)%status /= STATUS_OPEN .and. .not. contact%is_small(slaves(s)%pair)
+      if (slaves(s)%row > 0 .and. slaves(s)%slave_facet == 0) contact%mortar(slaves(s)%pair)%was_closed(slaves(s)%row) = &
+        slaves(s)%status /= STATUS_OPEN .and. .not. contact%has_fixed_geometry(slaves(s)%pair)
     end do
-    contact%mortar%is_soft = is_compliant(contact%laws)
+    contact%mortar%is_compliant = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
       if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, &
-        SEARCH_REACH * contact%edge(p))
+        SEARCH_RADIUS_RATIO * contact%edge(p))
     end do
-    if (.not. contact%overlaps%has_corners .or. count(is_wanted) < 2) return
-    associate (first => contact%overlaps%first, member => contact%overlaps%member)
+    if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
+    associate (first => contact%shared_slaves%first, member => contact%shared_slaves%member)
       do n = 1, size(first) - 1
         do i = first(n), first(n + 1) - 2
           do j = i + 1, first(n + 1) - 1
             if (.not. (is_wanted(slaves(member(i))%pair) .and. is_wanted(slaves(member(j))%pair))) cycle
-            if (is_start) contact%is_flush(member(j)) = (i == first(n) .or. contact%is_flush(member(j))) .and. &
-              are_flush(slaves(member(i)), slaves(member(j)))
-            if (contact%is_flush(member(j))) call merge_slaves(slaves(member(i)), slaves(member(j)))
+            if (is_start) contact%is_coplanar(member(j)) = (i == first(n) .or. contact%is_coplanar(member(j))) .and. &
+              are_coplanar(slaves(member(i)), slaves(member(j)))
+            if (contact%is_coplanar(member(j))) call merge_slaves(slaves(member(i)), slaves(member(j)))
           end do
         end do
       end do
@@ -397,61 +415,61 @@ contains
   contains
 
     !> Whether the masters of two slaves at a node are one even surface there: its gaps are the same.
-    pure logical function are_flush(s, t)
-      type(slave_type), intent(in) :: s, t
+    pure logical function are_coplanar(s, t)
+      type(slave_state_type), intent(in) :: s, t
       associate (a => contact%mortar(s%pair), b => contact%mortar(t%pair))
-        are_flush = a%places(s%row)%vertex == 0 .or. b%places(t%row)%vertex == 0   ! one of them is not over its master yet
-        if (are_flush) return
-        are_flush = abs(s%offset + dot_product(a%places(s%row)%normal, relative_position(a%rows(s%row), x)) - t%offset &
-          - dot_product(b%places(t%row)%normal, relative_position(b%rows(t%row), x))) &
-          <= FLUSH * min(contact%edge(s%pair), contact%edge(t%pair))
+        are_coplanar = a%places(s%row)%vertex == 0 .or. b%places(t%row)%vertex == 0   ! one of them is not over its master yet
+        if (are_coplanar) return
+        are_coplanar = abs(s%offset + dot_product(a%places(s%row)%normal, evaluate_relative_position(a%rows(s%row), x)) - t%offset &
+          - dot_product(b%places(t%row)%normal, evaluate_relative_position(b%rows(t%row), x))) &
+          <= MAX_COPLANAR_OFFSET * min(contact%edge(s%pair), contact%edge(t%pair))
       end associate
-    end function are_flush
+    end function are_coplanar
 
     !> One row in place of those of two slaves at a node.
     subroutine merge_slaves(s, t)
-      type(slave_type), intent(in) :: s, t
+      type(slave_state_type), intent(in) :: s, t
       if (any(contact%is_removed([s%pair, t%pair]))) return
       associate (a => contact%mortar(s%pair)%places(s%row), b => contact%mortar(t%pair)%places(t%row))
         if (a%vertex == 0 .or. b%vertex == 0) return
-        if (dot_product(a%normal, b%normal) <= PARALLEL) return
+        if (dot_product(a%normal, b%normal) <= MIN_PARALLEL_COSINE) return
       end associate
       call merge_rows(contact%mortar(s%pair), s%row, contact%mortar(t%pair), t%row)
     end subroutine merge_slaves
 
-  end subroutine renew_rows
+  end subroutine update_mortar_rows
 
 
   !> A node that has no facet, because an earlier iterate took it off its master or because it was far away, is looked for
   !! again: else it could sink into the master unseen.
-  subroutine find_again(contact, x, s, slave)
+  subroutine search_lost_slave(contact, x, s, slave)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: s
-    type(slave_type), intent(inout) :: slave
-    if (contact%is_small(slave%pair) .or. contact%is_removed(slave%pair)) return
+    type(slave_state_type), intent(inout) :: slave
+    if (contact%has_fixed_geometry(slave%pair) .or. contact%is_removed(slave%pair)) return
     if (slave%overrides%edge == NODE_OVERRIDE_OFF_MASTER .or. gives_way(slave%overrides)) return
-    call refresh_facet(contact, x, s, SEARCH_REACH * contact%edge(slave%pair), slave)
-  end subroutine find_again
+    call update_projection(contact, x, s, SEARCH_RADIUS_RATIO * contact%edge(slave%pair), slave)
+  end subroutine search_lost_slave
 
 
   !> Looks for the facet of a node: an open node may be nearer to another one now; a closed one keeps walking from its own.
-  subroutine refresh_facet(contact, x, s, reach, slave)
+  subroutine update_projection(contact, x, s, reach, slave)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates that define weights and normals
     integer, intent(in) :: s
     real(DP), intent(in) :: reach                  !< [length]
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     type(projection_type) :: projection
     integer :: status
     if (slave%row > 0) then
-      call take_place(contact, slave)
-      call locate_slave(contact, x, slave)
-      if (slave%facet == 0) call lose_master(slave)
+      call copy_mortar_state(contact, slave)
+      call update_gap(contact, x, slave)
+      if (slave%facet == 0) call detach_slave(slave)
       return
     end if
     if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
-      call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
+      call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status, edge_extension(slave%overrides))
     else
       call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
@@ -463,78 +481,78 @@ contains
       slave%normal = projection%normal
     end if
     slave%gap = slave%gap + slave%offset
-    if (status /= PROJECT_ON) call lose_master(slave)
-  end subroutine refresh_facet
+    if (status /= PROJECTION_INSIDE) call detach_slave(slave)
+  end subroutine update_projection
 
 
   !> Facet, normal and area of a slave node of a mortar pair as its row was integrated.
-  subroutine take_place(contact, slave)
+  subroutine copy_mortar_state(contact, slave)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     associate (place => contact%mortar(slave%pair)%places(slave%row))
-      slave%facet = merge(0, place%facet, place%is_thin)
+      slave%facet = merge(0, place%facet, place%is_barely_covered)
       slave%xi = place%xi
       if (slave%facet == 0) return
       slave%normal = place%normal
       slave%area = place%area
-      slave%arm = place%arm
+      slave%force_arm = place%force_arm
     end associate
-  end subroutine take_place
+  end subroutine copy_mortar_state
 
 
   !> The node touches the master at this point of a facet from now on.
-  subroutine set_origin(contact, model, u, facet, xi, slave)
+  subroutine set_stick_origin(contact, model, u, facet, xi, slave)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)
     integer, intent(in) :: facet
     real(DP), intent(in) :: xi(2)
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     real(DP) :: d(3)
     slave%origin_facet = facet
     slave%origin_xi = xi
     slave%origin_offset = 0.0_DP
     if (slave%row > 0) then
-      contact%mortar(slave%pair)%origins(slave%row) = contact%mortar(slave%pair)%rows(slave%row)
+      contact%mortar(slave%pair)%origin_rows(slave%row) = contact%mortar(slave%pair)%rows(slave%row)
       contact%mortar(slave%pair)%origin_normal(:, slave%row) = slave%normal
     end if
-    if (contact%is_small(slave%pair) .or. slave%row > 0) then
+    if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then
       d = contact_slip_vector(contact, model, u, slave)
       slave%origin_offset = d - dot_product(slave%normal, d) * slave%normal
     end if
     slave%origin_offset = slave%origin_offset - slave%offset * slave%normal
-  end subroutine set_origin
+  end subroutine set_stick_origin
 
 
   !> What d was at the origin and is to stay. Under finite sliding it turns with the normal: of nodes on facets it is the gap that
   !! interference and clearance leave, along the normal where the node is now, as the gap itself is measured.
-  pure function origin_offset_of(contact, slave) result(offset)
+  pure function rotated_origin_offset(contact, slave) result(offset)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP) :: offset(3)
     offset = slave%origin_offset
-    if (contact%is_small(slave%pair)) return
+    if (contact%has_fixed_geometry(slave%pair)) return
     if (slave%row == 0) then
       offset = -slave%offset * slave%normal
       return
     end if
-    offset = turned_with(offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
-  end function origin_offset_of
+    offset = rotate_with_normal(offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
+  end function rotated_origin_offset
 
 
   !> How that changes with the normal.
-  pure function origin_offset_rate(contact, slave) result(rate)
+  pure function origin_offset_derivative(contact, slave) result(rate)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP) :: rate(3, 3)                         !< [length]
     rate = 0.0_DP
-    if (contact%is_small(slave%pair)) return
+    if (contact%has_fixed_geometry(slave%pair)) return
     if (slave%row == 0) then
       rate = -slave%offset * IDENTITY
       return
     end if
-    rate = turned_rate(slave%origin_offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
-  end function origin_offset_rate
+    rate = differentiate_rotation(slave%origin_offset, contact%mortar(slave%pair)%origin_normal(:, slave%row), slave%normal)
+  end function origin_offset_derivative
 
 
   !> d = x_s - x_m(origin) - offset: how far the node is from where it touched, normal part included [length].
@@ -542,12 +560,12 @@ contains
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacement [length]
-    type(slave_type), intent(in) :: slave          !< with an origin
+    type(slave_state_type), intent(in) :: slave          !< with an origin
     real(DP) :: d(3)
     type(contact_row_type) :: row
     integer :: i
     call origin_row(contact, slave, row)
-    d = -origin_offset_of(contact, slave)
+    d = -rotated_origin_offset(contact, slave)
     do i = 1, size(row%nodes)
       d = d + row%weights(i) * (model%mesh%coordinates(:, row%nodes(i)) + u(:, row%nodes(i)))
     end do
@@ -555,98 +573,100 @@ contains
 
 
   !> The row of a slave node as it touches its master now.
-  pure subroutine touching_row(contact, slave, row)
+  pure subroutine current_row(contact, slave, row)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave          !< with a facet
+    type(slave_state_type), intent(in) :: slave          !< with a facet
     type(contact_row_type), intent(inout) :: row
     if (slave%row > 0) then
       row = contact%mortar(slave%pair)%rows(slave%row)
     else
-      call facet_row(contact%facets(slave%pair), slave%facet, slave%xi, slave%node, row)
+      call fill_facet_row(contact%facets(slave%pair), slave%facet, slave%xi, slave%node, row)
     end if
-  end subroutine touching_row
+  end subroutine current_row
 
 
   !> The row of a slave node against the origin, by which its slip is measured and to which it sticks.
   pure subroutine origin_row(contact, slave, row)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave          !< with an origin
+    type(slave_state_type), intent(in) :: slave          !< with an origin
     type(contact_row_type), intent(inout) :: row
     if (slave%row > 0) then
-      row = contact%mortar(slave%pair)%origins(slave%row)
+      row = contact%mortar(slave%pair)%origin_rows(slave%row)
     else
-      call facet_row(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, slave%node, row)
+      call fill_facet_row(contact%facets(slave%pair), slave%origin_facet, slave%origin_xi, slave%node, row)
     end if
   end subroutine origin_row
 
 
   !> Finite sliding of a mortar pair: place and row as they are now; a node that sticks keeps the row that it sticks by.
-  subroutine renew_place(contact, slave)
+  subroutine update_mortar_slave(contact, slave)
     type(contact_type), intent(inout) :: contact
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     if (contact%is_removed(slave%pair)) return
-    call take_place(contact, slave)
-    if (is_stuck(contact, slave)) contact%mortar(slave%pair)%rows(slave%row) = contact%mortar(slave%pair)%origins(slave%row)
-  end subroutine renew_place
+    call copy_mortar_state(contact, slave)
+    if (is_stuck_to_mortar_row(contact, slave)) contact%mortar(slave%pair)%rows(slave%row) &
+      = contact%mortar(slave%pair)%origin_rows(slave%row)
+  end subroutine update_mortar_slave
 
 
   !> Whether a slave node of a mortar pair with finite sliding is held on its origin: its gap is then measured from there too, where
   !! the tie brings it to zero.
-  pure logical function is_stuck(contact, slave)
+  pure logical function is_stuck_to_mortar_row(contact, slave)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
-    is_stuck = slave%row > 0 .and. slave%status == STATUS_STICK .and. slave%facet > 0 .and. slave%origin_facet > 0
-    is_stuck = is_stuck .and. .not. contact%is_small(slave%pair) .and. .not. is_compliant(contact%laws(slave%pair))
-  end function is_stuck
+    type(slave_state_type), intent(in) :: slave
+    is_stuck_to_mortar_row = slave%row > 0 .and. slave%status == STATUS_STICK .and. slave%facet > 0 .and. slave%origin_facet > 0
+    is_stuck_to_mortar_row = is_stuck_to_mortar_row .and. .not. contact%has_fixed_geometry(slave%pair) &
+      .and. .not. is_compliant(contact%laws(slave%pair))
+  end function is_stuck_to_mortar_row
 
 
   !> Facet, natural coordinates, gap and normal of a slave node now.
-  subroutine locate_slave(contact, x, slave)
+  subroutine update_gap(contact, x, slave)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     type(contact_row_type) :: row
     integer :: status
     if (slave%facet == 0) return
-    if (contact%is_small(slave%pair) .or. slave%row > 0) then
-      call touching_row(contact, slave, row)
-      slave%gap = slave%offset + dot_product(slave%normal, relative_position(row, x))
-      if (is_stuck(contact, slave)) slave%gap = dot_product(slave%normal, relative_position(row, x) &
-        - origin_offset_of(contact, slave))
+    if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then
+      call current_row(contact, slave, row)
+      slave%gap = slave%offset + dot_product(slave%normal, evaluate_relative_position(row, x))
+      if (is_stuck_to_mortar_row(contact, slave)) slave%gap = dot_product(slave%normal, evaluate_relative_position(row, x) &
+        - rotated_origin_offset(contact, slave))
     else
-      call project_point(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
+      call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status, edge_extension(slave%overrides))
       slave%gap = slave%gap + slave%offset
-      if (status /= PROJECT_ON) slave%facet = 0
+      if (status /= PROJECTION_INSIDE) slave%facet = 0
     end if
-  end subroutine locate_slave
+  end subroutine update_gap
 
 
   !> An open node closes: its origin is where its straight path from the committed state first touches.
   !!
   !! All points move straight, so the gap falls evenly but for turning normals; a node that touched already stays where it
   !! was. The master is asked again at both places, because the node may by now be over another facet.
-  subroutine close_slave(contact, model, u_old, u, slave)
+  subroutine set_first_touch_origin(contact, model, u_old, u, slave)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacements now [length]
-    type(slave_type), intent(inout) :: slave
-    type(slave_type) :: touch
+    type(slave_state_type), intent(inout) :: slave
+    type(slave_state_type) :: touch
     real(DP), allocatable :: u_touch(:, :)
     real(DP) :: gap
     if (slave%gap < 0.0_DP) then
       touch = slave
-      call locate_slave(contact, model%mesh%coordinates + u_old, touch)
+      call update_gap(contact, model%mesh%coordinates + u_old, touch)
       gap = max(touch%gap, 0.0_DP)
       allocate (u_touch, source=u_old + gap / (gap - slave%gap) * (u - u_old))
-      if (touch%facet > 0) call locate_slave(contact, model%mesh%coordinates + u_touch, touch)
+      if (touch%facet > 0) call update_gap(contact, model%mesh%coordinates + u_touch, touch)
       if (touch%facet > 0) then
-        call set_origin(contact, model, u_touch, touch%facet, touch%xi, slave)
+        call set_stick_origin(contact, model, u_touch, touch%facet, touch%xi, slave)
         return
       end if
     end if
-    call set_origin(contact, model, u, slave%facet, slave%xi, slave)
-  end subroutine close_slave
+    call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
+  end subroutine set_first_touch_origin
 
 end module amontons_contact_pairs

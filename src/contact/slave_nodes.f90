@@ -3,36 +3,36 @@
 module amontons_slave_nodes
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
-  use amontons_local_equilibrium, only: meeting_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_local_equilibrium, only: local_solution_type
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: lose_master, never_slips, set_force, rounding_force, commit_slip
+  public :: detach_slave, is_rough, set_force, rounding_force, accumulate_slip
 
 contains
 
   !> The node has left its master: open, without force.
-  subroutine lose_master(slave)
-    type(slave_type), intent(inout) :: slave
+  subroutine detach_slave(slave)
+    type(slave_state_type), intent(inout) :: slave
     slave%facet = 0
     slave%status = STATUS_OPEN
     slave%gap = 0.0_DP
     slave%force = 0.0_DP
     slave%shear = 0.0_DP
     slave%energy = 0.0_DP
-  end subroutine lose_master
+  end subroutine detach_slave
 
 
   !> Whether the surfaces of a law never slip.
-  elemental logical function never_slips(law)
+  elemental logical function is_rough(law)
     type(interaction_type), intent(in) :: law
-    never_slips = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
-  end function never_slips
+    is_rough = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
+  end function is_rough
 
 
   !> Normal and tangential contact force on the slave by its status.
   pure subroutine set_force(slave, imbalance, normal_force, friction)
-    type(slave_type), intent(inout) :: slave
+    type(slave_state_type), intent(inout) :: slave
     real(DP), intent(in) :: imbalance(3)           !< Rhat [force]
     real(DP), intent(in) :: normal_force           !< N [force]
     real(DP), intent(in) :: friction(3)            !< mu N along the direction of friction [force]
@@ -54,8 +54,8 @@ contains
   !! the law of its pair, or, where contact is exact, by the stiffness of the body.
   pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
-    type(meeting_type), intent(in) :: met(:)           !< (n_slaves)
-    type(slave_type), intent(in) :: slaves(:)          !< (n_slaves)
+    type(local_solution_type), intent(in) :: met(:)           !< (n_slaves)
+    type(slave_state_type), intent(in) :: slaves(:)          !< (n_slaves)
     real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
     integer :: s
     force = 0.0_DP
@@ -72,7 +72,7 @@ contains
 
 
   !> At the end of a converged increment: gather the slip, and the work that friction took.
-  subroutine commit_slip(old, fields)
+  subroutine accumulate_slip(old, fields)
     type(fields_type), intent(in) :: old           !< committed before
     type(fields_type), intent(inout) :: fields
     real(DP) :: work
@@ -86,6 +86,6 @@ contains
       end associate
     end do
     fields%friction_work = old%friction_work + work
-  end subroutine commit_slip
+  end subroutine accumulate_slip
 
 end module amontons_slave_nodes

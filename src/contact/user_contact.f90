@@ -9,24 +9,24 @@
 module amontons_user_contact
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_user_routines, only: uinter_type, fric_type, call_uinter, call_fric, CALL_NAME
+  use amontons_user_routines, only: uinter_type, fric_type, call_uinter, call_fric, USER_NAME_LENGTH
   use amontons_surfaces, only: interaction_type
   use amontons_model, only: model_type
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: user_answer_type, ask_interface, ask_friction
+  public :: user_response_type, call_user_interaction, call_user_friction
 
   integer, parameter :: LM_SLIP = 0, LM_STICK = 1, LM_OPEN = 2   ! LM of FRIC
-  real(DP), parameter :: NEAR_X = cos(0.1_DP * PI / 180.0_DP)   ! a normal nearer to x takes z instead [-]
+  real(DP), parameter :: MIN_X_COSINE = cos(0.1_DP * PI / 180.0_DP)   ! a normal nearer to x takes z instead [-]
 
   !> How the force on a slave changes, by the last call.
-  type :: user_answer_type
-    real(DP) :: by_gap(3) = 0                      !< d F / d g [force/length]
-    real(DP) :: by_slip(3, 3) = 0                  !< d F / d (tangential slip) [force/length]
+  type :: user_response_type
+    real(DP) :: d_force_d_gap(3) = 0                      !< d F / d g [force/length]
+    real(DP) :: d_force_d_slip(3, 3) = 0                  !< d F / d (tangential slip) [force/length]
     real(DP) :: by_pressure(3) = 0                 !< FRIC: d F / d p [area]
     logical :: is_stuck = .false.                  !< FRIC: LM = 1, no motion
-  end type user_answer_type
+  end type user_response_type
 
 contains
 
@@ -42,7 +42,7 @@ contains
       return
     end if
     t = [1.0_DP, 0.0_DP, 0.0_DP]
-    if (abs(n(1)) > NEAR_X) t = [0.0_DP, 0.0_DP, 1.0_DP]
+    if (abs(n(1)) > MIN_X_COSINE) t = [0.0_DP, 0.0_DP, 1.0_DP]
     t = t - dot_product(t, n) * n
     axes(:, 2) = t / norm2(t)
     axes(:, 3) = cross_product(n, axes(:, 2))
@@ -50,27 +50,27 @@ contains
 
 
   !> The names that both routines are given: interaction, slave surface, master surface.
-  pure function names_of(model, pair) result(names)
+  pure function call_names(model, pair) result(names)
     type(model_type), intent(in) :: model
     integer, intent(in) :: pair
-    character(CALL_NAME) :: names(3)
+    character(USER_NAME_LENGTH) :: names(3)
     names(1) = model%interactions(model%pairs(pair)%interaction)%name
     names(2) = model%surfaces(model%pairs(pair)%slave)%name
     names(3) = model%surfaces(model%pairs(pair)%master)%name
-  end function names_of
+  end function call_names
 
 
   !> UINTER: force, energy and state of a slave node from its gap and its slip; open where it gives neither stress nor stiffness.
-  pure subroutine ask_interface(model, law, is_flat, d, old, memory, s, fields, answer)
+  pure subroutine call_user_interaction(model, law, is_flat, d, old, committed_statev, s, fields, response)
     type(model_type), intent(in) :: model
     type(interaction_type), intent(in) :: law
     logical, intent(in) :: is_flat
     real(DP), intent(in) :: d(3)                   !< tangential: all slip up to now [length]
-    type(slave_type), intent(in) :: old            !< committed
-    real(DP), intent(in) :: memory(:)              !< committed STATEV of all
+    type(slave_state_type), intent(in) :: old            !< committed
+    real(DP), intent(in) :: committed_statev(:)              !< committed STATEV of all
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields     !< in: place of the slave; out: its force, STATEV
-    type(user_answer_type), intent(out) :: answer
+    type(user_response_type), intent(out) :: response
     type(uinter_type) :: values
     real(DP) :: axes(3, 3), signed(3, 3)
     integer :: first
@@ -96,8 +96,8 @@ contains
       values%increment = fields%increment
       values%is_closed = merge(-1, merge(0, 1, old%status == STATUS_OPEN), fields%increment <= 1 .and. fields%step <= 1)
       first = slave%memory
-      fields%user_memory(first + 1:first + law%n_statev) = memory(first + 1:first + law%n_statev)
-      call call_uinter(model%routines, names_of(model, slave%pair), law%props, &
+      fields%user_memory(first + 1:first + law%n_statev) = committed_statev(first + 1:first + law%n_statev)
+      call call_uinter(model%routines, call_names(model, slave%pair), law%props, &
         fields%user_memory(first + 1:first + law%n_statev), values)
       slave%force = slave%area * values%stress(1) * slave%normal
       slave%shear = slave%area * matmul(signed(:, 2:), values%stress(2:))
@@ -108,23 +108,24 @@ contains
         slave%slip_increment = -values%sfd * slave%area / dot_product(slave%shear, slave%shear) * slave%shear
       slave%status = merge(STATUS_SLIP, STATUS_STICK, values%sfd > 0.0_DP)
       if (.not. (any(abs(values%stress) > 0.0_DP) .or. any(abs(values%ddsddr) > 0.0_DP))) slave%status = STATUS_OPEN
-      answer%by_gap = -slave%area * matmul(signed, values%ddsddr(:, 1))
-      answer%by_slip = slave%area * matmul(signed, matmul(values%ddsddr(:, 2:), transpose(axes(:, 2:))))
+      response%d_force_d_gap = -slave%area * matmul(signed, values%ddsddr(:, 1))
+      response%d_force_d_slip = slave%area * matmul(signed, matmul(values%ddsddr(:, 2:), transpose(axes(:, 2:))))
     end associate
-  end subroutine ask_interface
+  end subroutine call_user_interaction
 
 
   !> FRIC: the shear force on a slave node that touches, or that it sticks.
-  pure subroutine ask_friction(model, law, is_flat, d, pull, memory, s, fields, answer)
+  pure subroutine call_user_friction(model, law, is_flat, d, required_traction, committed_statev, s, fields, response)
     type(model_type), intent(in) :: model
     type(interaction_type), intent(in) :: law
     logical, intent(in) :: is_flat
     real(DP), intent(in) :: d(3)                   !< slip in this increment [length]
-    real(DP), intent(in) :: pull(3)                !< what the contact has to answer: -p n, and along the surface [stress]
-    real(DP), intent(in) :: memory(:)              !< committed STATEV of all
+    real(DP), intent(in) :: required_traction(3)                !< what the contact has to answer: -p n, and along the surface
+                                                                !! [stress]
+    real(DP), intent(in) :: committed_statev(:)              !< committed STATEV of all
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields     !< in: place of the slave; out: its shear force, slip, STATEV
-    type(user_answer_type), intent(out) :: answer
+    type(user_response_type), intent(out) :: response
     type(fric_type) :: values
     real(DP) :: axes(3, 3), t(3, 2)
     integer :: first
@@ -137,8 +138,8 @@ contains
       if (slave%status == STATUS_OPEN) values%lm = LM_OPEN
       if (slave%status == STATUS_SLIP) values%lm = LM_SLIP
       values%dgam = matmul(d, t)
-      values%taulm = matmul(pull, t)
-      values%press = -dot_product(pull, slave%normal)
+      values%taulm = matmul(required_traction, t)
+      values%press = -dot_product(required_traction, slave%normal)
       values%slip = matmul(slave%slip, t)
       values%temp = fields%temperature(slave%node)
       values%time = [fields%step_time, fields%total_time]
@@ -149,18 +150,18 @@ contains
       values%step = fields%step
       values%increment = fields%increment
       first = slave%memory
-      fields%user_memory(first + 1:first + law%n_statev) = memory(first + 1:first + law%n_statev)
-      call call_fric(model%routines, names_of(model, slave%pair), law%props, &
+      fields%user_memory(first + 1:first + law%n_statev) = committed_statev(first + 1:first + law%n_statev)
+      call call_fric(model%routines, call_names(model, slave%pair), law%props, &
         fields%user_memory(first + 1:first + law%n_statev), values)
-      answer%is_stuck = values%lm == LM_STICK
-      if (answer%is_stuck) slave%shear = -slave%area * matmul(t, values%taulm)
-      if (answer%is_stuck) return
+      response%is_stuck = values%lm == LM_STICK
+      if (response%is_stuck) slave%shear = -slave%area * matmul(t, values%taulm)
+      if (response%is_stuck) return
       if (values%lm == LM_OPEN) return             ! no friction
       slave%shear = -slave%area * matmul(t, values%tau)
       slave%slip_increment = matmul(t, values%dslip)
-      answer%by_slip = -slave%area * matmul(t, matmul(values%ddtddg, transpose(t)))
-      answer%by_pressure = -slave%area * matmul(t, values%ddtddp)
+      response%d_force_d_slip = -slave%area * matmul(t, matmul(values%ddtddg, transpose(t)))
+      response%by_pressure = -slave%area * matmul(t, values%ddtddp)
     end associate
-  end subroutine ask_friction
+  end subroutine call_user_friction
 
 end module amontons_user_contact

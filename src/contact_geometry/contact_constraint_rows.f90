@@ -13,23 +13,24 @@ module amontons_contact_constraint_rows
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type
-  use amontons_analytic_master, only: profile_weights
+  use amontons_analytic_master, only: evaluate_profile_weights
   implicit none
   private
-  public :: contact_row_type, facet_row, facet_weights, relative_position, imbalance_of, spread_force
+  public :: contact_row_type, fill_facet_row, evaluate_facet_weights, evaluate_relative_position, evaluate_row_imbalance, &
+    distribute_row_force
 
   !> One row; the slave node itself comes first.
   type :: contact_row_type
     integer, allocatable :: nodes(:)               !< (n) mesh nodes, each once
     real(DP), allocatable :: weights(:)            !< (n) w_k [-]
-    integer, allocatable :: own(:)                 !< (m) slave nodes whose imbalance is the row's
-    real(DP), allocatable :: shares(:)             !< (m) b_k [-]
+    integer, allocatable :: imbalance_nodes(:)                 !< (m) slave nodes whose imbalance is the row's
+    real(DP), allocatable :: imbalance_weights(:)             !< (m) b_k [-]
   end type contact_row_type
 
 contains
 
   !> The row of a node against a point of one facet: 1 at the node, -N_i at the facet's nodes.
-  pure subroutine facet_row(facets, f, xi, node, row)
+  pure subroutine fill_facet_row(facets, f, xi, node, row)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                       !< facet
     real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
@@ -37,16 +38,16 @@ contains
     type(contact_row_type), intent(inout) :: row
     real(DP) :: weights(MAX_FACE_NODES), d_weights(2, MAX_FACE_NODES)
     integer :: n, nodes(MAX_FACE_NODES)
-    call facet_weights(facets, f, xi, n, nodes, weights, d_weights)
+    call evaluate_facet_weights(facets, f, xi, n, nodes, weights, d_weights)
     row%nodes = [node, nodes(:n)]
     row%weights = [1.0_DP, -weights(:n)]
-    row%own = [node]
-    row%shares = [1.0_DP]
-  end subroutine facet_row
+    row%imbalance_nodes = [node]
+    row%imbalance_weights = [1.0_DP]
+  end subroutine fill_facet_row
 
 
   !> Nodes of a facet and their weights N_i at a point of it.
-  pure subroutine facet_weights(facets, f, xi, n, nodes, weights, d_weights)
+  pure subroutine evaluate_facet_weights(facets, f, xi, n, nodes, weights, d_weights)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                       !< facet
     real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
@@ -57,17 +58,17 @@ contains
     real(DP) :: ddN(3, MAX_FACE_NODES)
     if (allocated(facets%profile)) then            ! its derivatives come from `gap`
       d_weights = 0.0_DP
-      call profile_weights(facets, f, xi, n, nodes, weights)
+      call evaluate_profile_weights(facets, f, xi, n, nodes, weights)
       return
     end if
     n = facets%first(f + 1) - facets%first(f)
     nodes(:n) = facets%nodes(facets%first(f):facets%first(f + 1) - 1)
     call facet_shapes(facets%kind(f), xi, weights, d_weights, ddN)
-  end subroutine facet_weights
+  end subroutine evaluate_facet_weights
 
 
   !> d = sum w_k x_k, or the same of any other field of vectors at the nodes.
-  pure function relative_position(row, x) result(d)
+  pure function evaluate_relative_position(row, x) result(d)
     type(contact_row_type), intent(in) :: row
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     real(DP) :: d(3)
@@ -76,24 +77,24 @@ contains
     do i = 1, size(row%nodes)
       d = d + row%weights(i) * x(:, row%nodes(i))
     end do
-  end function relative_position
+  end function evaluate_relative_position
 
 
   !> Rhat_row = sum b_k Rhat_k.
-  pure function imbalance_of(row, imbalance) result(sum_of)
+  pure function evaluate_row_imbalance(row, imbalance) result(total)
     type(contact_row_type), intent(in) :: row
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) Rhat, condensed [force]
-    real(DP) :: sum_of(3)
+    real(DP) :: total(3)
     integer :: i
-    sum_of = 0.0_DP
-    do i = 1, size(row%own)
-      sum_of = sum_of + row%shares(i) * imbalance(:, row%own(i))
+    total = 0.0_DP
+    do i = 1, size(row%imbalance_nodes)
+      total = total + row%imbalance_weights(i) * imbalance(:, row%imbalance_nodes(i))
     end do
-  end function imbalance_of
+  end function evaluate_row_imbalance
 
 
   !> Adds w_k lambda to the forces of the nodes.
-  pure subroutine spread_force(row, lambda, force)
+  pure subroutine distribute_row_force(row, lambda, force)
     type(contact_row_type), intent(in) :: row
     real(DP), intent(in) :: lambda(3)              !< [force]
     real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
@@ -101,6 +102,6 @@ contains
     do i = 1, size(row%nodes)
       force(:, row%nodes(i)) = force(:, row%nodes(i)) + row%weights(i) * lambda
     end do
-  end subroutine spread_force
+  end subroutine distribute_row_force
 
 end module amontons_contact_constraint_rows

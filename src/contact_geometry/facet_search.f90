@@ -9,13 +9,13 @@ module amontons_facet_search
   use amontons_facets, only: facets_type
   implicit none
   private
-  public :: search_type, build_search, near_facets
+  public :: facet_search_type, build_facet_search, find_near_facets
 
-  integer, parameter :: CELLS_PER_FACET = 8        !< the grid has at most this many cells per facet (and a few more)
-  real(DP), parameter :: BULGE = 0.12_DP           !< a box is widened by this part of itself: extension zone, bulges
+  integer, parameter :: MAX_CELLS_PER_FACET = 8        !< the grid has at most this many cells per facet (and a few more)
+  real(DP), parameter :: BOX_ENLARGEMENT = 0.12_DP           !< a box is widened by this part of itself: extension zone, bulges
 
   !> The grid of one surface in one configuration.
-  type :: search_type
+  type :: facet_search_type
     real(DP) :: margin = 0                         !< facets up to this distance are found [length]
     real(DP) :: lower(3) = 0                       !< corner of the grid [length]
     real(DP) :: cell = 1                           !< size of a cell [length]
@@ -23,39 +23,39 @@ module amontons_facet_search
     integer, allocatable :: first(:)               !< (cells + 1) start of a cell's facets
     integer, allocatable :: facet(:)               !< facets of all cells, ascending in each
     real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corners of the widened boxes [length]
-  end type search_type
+  end type facet_search_type
 
 contains
 
   !> Makes the grid for the facets at coordinates x. Cost: O(n) for facets of similar size.
-  subroutine build_search(facets, x, margin, search)
+  subroutine build_facet_search(facets, x, margin, search)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     real(DP), intent(in) :: margin                 !< search radius, >= 0 [length]
-    type(search_type), intent(out) :: search
+    type(facet_search_type), intent(out) :: search
     real(DP) :: mean_size
     search%margin = margin
-    call make_boxes(facets, x, search, mean_size)
+    call build_boxes(facets, x, search, mean_size)
     if (facets%n == 0) return
-    call lay_grid(max(mean_size, margin), search)
-    call fill_cells(search)
-  end subroutine build_search
+    call size_grid(max(mean_size, margin), search)
+    call collect_cell_facets(search)
+  end subroutine build_facet_search
 
 
   !> The facets that may be within the margin of a point, ascending; a superset of those that are.
-  pure subroutine near_facets(search, point, list, n)
-    type(search_type), intent(in) :: search
+  pure subroutine find_near_facets(search, point, list, n)
+    type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: point(3)               !< [length]
     integer, allocatable, intent(inout) :: list(:) !< facets; grows when too short, so it can be used again and again
     integer, intent(out) :: n                      !< number found
-    integer :: place(3), c, k, f
+    integer :: cell_index(3), c, k, f
     n = 0
     call ensure_size(list, 0)                      ! it has bounds from here on, also where nothing is found
     if (.not. allocated(search%first)) return
     if (any(point < search%lower)) return
     if (any(point > search%lower + search%cell * real(search%n_cells, DP))) return
-    place = cell_of(search, point)
-    c = cell_number(search, place)
+    cell_index = locate_cell(search, point)
+    c = cell_number(search, cell_index)
     call ensure_size(list, search%first(c + 1) - search%first(c))
     do k = search%first(c), search%first(c + 1) - 1
       f = search%facet(k)
@@ -63,14 +63,14 @@ contains
       n = n + 1
       list(n) = f
     end do
-  end subroutine near_facets
+  end subroutine find_near_facets
 
 
   !> The widened boxes, and the mean of their largest sides before the margin is added.
-  subroutine make_boxes(facets, x, search, mean_size)
+  subroutine build_boxes(facets, x, search, mean_size)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    type(search_type), intent(inout) :: search
+    type(facet_search_type), intent(inout) :: search
     real(DP), intent(out) :: mean_size             !< [length]
     real(DP) :: low(3), high(3), extent
     integer :: f, k
@@ -85,49 +85,49 @@ contains
       end do
       extent = maxval(high - low)
       mean_size = mean_size + extent / real(facets%n, DP)
-      search%box(:, 1, f) = low - (search%margin + BULGE * extent)
-      search%box(:, 2, f) = high + (search%margin + BULGE * extent)
+      search%box(:, 1, f) = low - (search%margin + BOX_ENLARGEMENT * extent)
+      search%box(:, 2, f) = high + (search%margin + BOX_ENLARGEMENT * extent)
     end do
-  end subroutine make_boxes
+  end subroutine build_boxes
 
 
   !> Chooses the cells: of the wanted size, or larger if there would be too many.
-  subroutine lay_grid(wanted, search)
-    real(DP), intent(in) :: wanted                 !< wanted size of a cell [length]
-    type(search_type), intent(inout) :: search
-    real(DP) :: span(3), most
+  subroutine size_grid(target_size, search)
+    real(DP), intent(in) :: target_size                 !< wanted size of a cell [length]
+    type(facet_search_type), intent(inout) :: search
+    real(DP) :: span(3), max_cells
     integer :: i
     do i = 1, 3
       search%lower(i) = minval(search%box(i, 1, :))
       span(i) = maxval(search%box(i, 2, :)) - search%lower(i)
     end do
-    most = real(CELLS_PER_FACET, DP) * real(size(search%box, 3), DP) + 64
-    search%cell = max(wanted, maxval(span) / 1.0e6_DP, tiny(1.0_DP))
-    do while (product(cells_along(span, search%cell)) > most)
+    max_cells = real(MAX_CELLS_PER_FACET, DP) * real(size(search%box, 3), DP) + 64
+    search%cell = max(target_size, maxval(span) / 1.0e6_DP, tiny(1.0_DP))
+    do while (product(count_cells(span, search%cell)) > max_cells)
       search%cell = 1.25_DP * search%cell
     end do
-    search%n_cells = nint(cells_along(span, search%cell))
-  end subroutine lay_grid
+    search%n_cells = nint(count_cells(span, search%cell))
+  end subroutine size_grid
 
 
   !> Number of cells along each axis, as reals because their product may be huge.
-  pure function cells_along(span, cell) result(n)
+  pure function count_cells(span, cell) result(n)
     real(DP), intent(in) :: span(3), cell          !< [length]
     real(DP) :: n(3)
     n = max(aint(span / cell) + 1, 1.0_DP)
-  end function cells_along
+  end function count_cells
 
 
   !> Enters the facets in the cells: count, then fill, facet by facet, so that each cell's list ascends.
-  subroutine fill_cells(search)
-    type(search_type), intent(inout) :: search
+  subroutine collect_cell_facets(search)
+    type(facet_search_type), intent(inout) :: search
     integer, allocatable :: next(:), list(:)
     integer :: f, c, n
     n = product(search%n_cells)
     allocate (next(n), source=0)
     allocate (list(0))
     do f = 1, size(search%box, 3)
-      call enter_facet(search, f, next, list)
+      call insert_facet(search, f, next, list)
     end do
     allocate (search%first(n + 1))
     search%first(1) = 1
@@ -138,21 +138,21 @@ contains
     deallocate (list)
     allocate (list(search%first(n + 1) - 1))
     do f = 1, size(search%box, 3)
-      call enter_facet(search, f, next, list)
+      call insert_facet(search, f, next, list)
     end do
     call move_alloc(list, search%facet)
-  end subroutine fill_cells
+  end subroutine collect_cell_facets
 
 
   !> Enters one facet in all cells that its box touches, or only counts it there if the list is empty.
-  subroutine enter_facet(search, f, next, list)
-    type(search_type), intent(in) :: search
+  subroutine insert_facet(search, f, next, list)
+    type(facet_search_type), intent(in) :: search
     integer, intent(in) :: f                       !< facet
     integer, intent(inout) :: next(:)              !< (cells) place of the next facet of each cell
     integer, intent(inout) :: list(:)              !< facets of all cells
     integer :: low(3), high(3), i, j, k, c
-    low = cell_of(search, search%box(:, 1, f))
-    high = cell_of(search, search%box(:, 2, f))
+    low = locate_cell(search, search%box(:, 1, f))
+    high = locate_cell(search, search%box(:, 2, f))
     do k = low(3), high(3)
       do j = low(2), high(2)
         do i = low(1), high(1)
@@ -162,24 +162,24 @@ contains
         end do
       end do
     end do
-  end subroutine enter_facet
+  end subroutine insert_facet
 
 
   !> The cell of a point, counted from 0 along each axis.
-  pure function cell_of(search, point) result(place)
-    type(search_type), intent(in) :: search
+  pure function locate_cell(search, point) result(cell_index)
+    type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: point(3)               !< within the grid [length]
-    integer :: place(3)
-    place = min(max(int((point - search%lower) / search%cell), 0), search%n_cells - 1)
-  end function cell_of
+    integer :: cell_index(3)
+    cell_index = min(max(int((point - search%lower) / search%cell), 0), search%n_cells - 1)
+  end function locate_cell
 
 
   !> The number of a cell, from 1, x fastest.
-  pure function cell_number(search, place) result(c)
-    type(search_type), intent(in) :: search
-    integer, intent(in) :: place(3)                !< counted from 0
+  pure function cell_number(search, cell_index) result(c)
+    type(facet_search_type), intent(in) :: search
+    integer, intent(in) :: cell_index(3)                !< counted from 0
     integer :: c
-    c = 1 + place(1) + search%n_cells(1) * (place(2) + search%n_cells(2) * place(3))
+    c = 1 + cell_index(1) + search%n_cells(1) * (cell_index(2) + search%n_cells(2) * cell_index(3))
   end function cell_number
 
 

@@ -13,14 +13,15 @@
 module amontons_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FACET_LINE2, FACET_LINE3, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FACET_LINE2, FACET_LINE3, &
+    MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_tensor, only: cross_product
   use amontons_shape_functions, only: facet_shapes
-  use amontons_analytic_profiles, only: profile_type
+  use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, corners_of, is_line
+  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, n_facet_corners, is_line_facet
   public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
@@ -28,7 +29,7 @@ module amontons_facets
   integer, parameter :: EDGE_CONVEX = 2       !< a crease that sticks out, as the edge of a box
   integer, parameter :: EDGE_CONCAVE = 3      !< a crease that goes in, as where floor and wall meet
 
-  real(DP), parameter :: EDGE_ANGLE = PI / 4   !< default feature angle: a sharper edge is a crease [rad]
+  real(DP), parameter :: DEFAULT_FEATURE_ANGLE = PI / 4   !< default feature angle: a sharper edge is a crease [rad]
 
   !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; edge k of a line is its
   !! corner k alone. Unused edges (the 4th of a triangle, the 3rd and 4th of a line) are free.
@@ -45,13 +46,14 @@ module amontons_facets
     logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
-    real(DP), allocatable :: in_plane(:, :, :)   !< (3, 3, n_vertices) projects a normal into its planes of symmetry; else unity
+    real(DP), allocatable :: symmetry_projector(:, :, :)   !< (3, 3, n_vertices) projects a normal into its planes of symmetry;
+                                                           !! else unity
     integer, allocatable :: star_first(:)     !< (n_vertices + 1) start of a vertex's star
     integer, allocatable :: star_facet(:)     !< facets of all stars
     integer, allocatable :: star_local(:)     !< local node number of the vertex's node in that facet
     integer, allocatable :: stencil_first(:)  !< (n + 1) start of a facet's stencil
     integer, allocatable :: stencil(:)        !< mesh nodes that move a facet's points and normals: own, then others
-    type(profile_type), allocatable :: profile   !< an analytic surface: a facet is a piece of it, its nodes the carriers;
+    type(analytic_profile_type), allocatable :: profile   !< an analytic surface: a facet is a piece of it, its nodes the carriers;
     !< vertices and stencils are not there
   end type facets_type
 
@@ -74,16 +76,16 @@ contains
     integer, intent(in) :: face(:)                        !< (n) its face number
     type(facets_type), intent(out) :: facets
     type(error_type), allocatable, intent(out) :: error
-    real(DP), intent(in), optional :: feature_angle       !< [rad], default EDGE_ANGLE
+    real(DP), intent(in), optional :: feature_angle       !< [rad], default DEFAULT_FEATURE_ANGLE
     logical, intent(in), optional :: is_faceted           !< as facets%is_faceted; default .false.
     type(incidence_type) :: incidence
     real(DP) :: angle
-    angle = EDGE_ANGLE
+    angle = DEFAULT_FEATURE_ANGLE
     if (present(feature_angle)) angle = feature_angle
     if (present(is_faceted)) facets%is_faceted = is_faceted
     call collect_facets(mesh, element, face, facets, error)
     if (allocated(error)) return
-    call measure_facets(mesh, facets, error)
+    call set_edge_lengths(mesh, facets, error)
     if (allocated(error)) return
     call find_incidence(facets, mesh%n_nodes, incidence)
     call find_neighbours(mesh, incidence, facets, error)
@@ -119,7 +121,7 @@ contains
     call facet_nodes(facets, f, n, nodes)
     call facet_shapes(facets%kind(f), xi, N_i, dN, ddN)
     tangents = matmul(x(:, nodes(:n)), transpose(dN(:, :n)))
-    if (is_line(facets%kind(f))) tangents(3, 2) = 1
+    if (is_line_facet(facets%kind(f))) tangents(3, 2) = 1
   end subroutine facet_tangents
 
 
@@ -141,7 +143,7 @@ contains
     integer, intent(in) :: element(:), face(:)
     type(facets_type), intent(inout) :: facets
     type(error_type), allocatable, intent(out) :: error
-    type(kind_type) :: solid
+    type(element_kind_type) :: solid
     type(facet_kind_type) :: plane
     integer :: f, e, start
     facets%n = size(element)
@@ -169,7 +171,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element, face
     type(error_type), allocatable, intent(out) :: error
-    type(kind_type) :: solid
+    type(element_kind_type) :: solid
     character(160) :: text
     if (element < 1 .or. element > mesh%n_elements) then
       write (text, '(a,i0,a,i0,a)') 'A surface names element index ', element, ', but the mesh has 1 to ', &
@@ -192,7 +194,7 @@ contains
 
 
   !> Mean edge lengths; an error for a facet without area.
-  subroutine measure_facets(mesh, facets, error)
+  subroutine set_edge_lengths(mesh, facets, error)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(inout) :: facets
     type(error_type), allocatable, intent(out) :: error
@@ -200,22 +202,22 @@ contains
     integer :: f, k, n_corners, a, b
     allocate (facets%edge_length(facets%n))
     do f = 1, facets%n
-      n_corners = corners_of(facets%kind(f))
+      n_corners = n_facet_corners(facets%kind(f))
       total = 0
       do k = 1, n_corners
         call edge_nodes(facets, f, k, a, b)
-        if (is_line(facets%kind(f))) b = facets%nodes(facets%first(f) + 2 - k)
+        if (is_line_facet(facets%kind(f))) b = facets%nodes(facets%first(f) + 2 - k)
         total = total + norm2(mesh%coordinates(:, b) - mesh%coordinates(:, a))
       end do
       facets%edge_length(f) = total / real(n_corners, DP)
-      call facet_tangents(facets, mesh%coordinates, f, centre_of(facets%kind(f)), tangents)
+      call facet_tangents(facets, mesh%coordinates, f, facet_centre(facets%kind(f)), tangents)
       normal = cross_product(tangents(:, 1), tangents(:, 2))
-      if (norm2(normal) > 1.0e-12_DP * facets%edge_length(f)**merge(1, 2, is_line(facets%kind(f)))) cycle
+      if (norm2(normal) > 1.0e-12_DP * facets%edge_length(f)**merge(1, 2, is_line_facet(facets%kind(f)))) cycle
       call set_error(error, EXIT_SETUP, 'The face of ' // facet_label(mesh, facets, f) // ' has no area: it ' // &
         'cannot be part of a contact surface. Merge or remove the collapsed face.')
       return
     end do
-  end subroutine measure_facets
+  end subroutine set_edge_lengths
 
 
   !> For each mesh node the entries of facets%nodes that name it.
@@ -252,22 +254,22 @@ contains
     type(incidence_type), intent(in) :: incidence
     type(facets_type), intent(inout) :: facets
     type(error_type), allocatable, intent(out) :: error
-    integer :: f, k, i, entry, other, a, b, way, three(3)
+    integer :: f, k, i, entry, other, a, b, direction, branch_facets(3)
     allocate (facets%neighbour(4, facets%n), source=0)
     do f = 1, facets%n
-      do k = 1, corners_of(facets%kind(f))
+      do k = 1, n_facet_corners(facets%kind(f))
         call edge_nodes(facets, f, k, a, b)
-        if (a == b .and. .not. is_line(facets%kind(f))) cycle
+        if (a == b .and. .not. is_line_facet(facets%kind(f))) cycle
         do i = incidence%first(a), incidence%first(a + 1) - 1
           entry = incidence%entry(i)
           other = incidence%owner(entry)
           if (other == f) cycle
-          way = edge_direction(facets, other, entry - facets%first(other) + 1, b)
-          if (is_line(facets%kind(f))) way = end_direction(facets, other, entry - facets%first(other) + 1, k)
-          if (way == 0) cycle
-          if (way > 0) call complain_orientation(mesh, facets, f, other, error)
-          three = [f, other, facets%neighbour(k, f)]
-          if (way < 0 .and. three(3) /= 0) call complain_branch(mesh, facets, three, error)
+          direction = find_edge_direction(facets, other, entry - facets%first(other) + 1, b)
+          if (is_line_facet(facets%kind(f))) direction = find_end_direction(facets, other, entry - facets%first(other) + 1, k)
+          if (direction == 0) cycle
+          if (direction > 0) call set_orientation_error(mesh, facets, f, other, error)
+          branch_facets = [f, other, facets%neighbour(k, f)]
+          if (direction < 0 .and. branch_facets(3) /= 0) call set_branch_error(mesh, facets, branch_facets, error)
           if (allocated(error)) return
           facets%neighbour(k, f) = other
         end do
@@ -277,34 +279,34 @@ contains
 
 
   !> +1 if the facet runs from its local node to node b along an edge, -1 if from b to the local node, 0 if it does not.
-  pure function edge_direction(facets, f, local, b) result(way)
+  pure function find_edge_direction(facets, f, local, b) result(direction)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, local                  !< facet, and local number of a node of it
     integer, intent(in) :: b                         !< a mesh node
-    integer :: way
+    integer :: direction
     integer :: n_corners, start
-    n_corners = corners_of(facets%kind(f))
+    n_corners = n_facet_corners(facets%kind(f))
     start = facets%first(f) - 1
-    way = 0
+    direction = 0
     if (local > n_corners) return
-    if (facets%nodes(start + previous_corner(local, n_corners)) == b) way = -1
-    if (facets%nodes(start + modulo(local, n_corners) + 1) == b) way = 1
-  end function edge_direction
+    if (facets%nodes(start + previous_corner(local, n_corners)) == b) direction = -1
+    if (facets%nodes(start + modulo(local, n_corners) + 1) == b) direction = 1
+  end function find_edge_direction
 
 
   !> For lines: +1 if the facet has its own corner k there too, -1 if its other end, 0 if it does not end there.
-  pure function end_direction(facets, f, local, k) result(way)
+  pure function find_end_direction(facets, f, local, k) result(direction)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, local                  !< facet, and local number of the common node in it
     integer, intent(in) :: k                         !< corner of the line that looks for its neighbour
-    integer :: way
-    way = 0
-    if (local <= 2 .and. is_line(facets%kind(f))) way = merge(1, -1, local == k)
-  end function end_direction
+    integer :: direction
+    direction = 0
+    if (local <= 2 .and. is_line_facet(facets%kind(f))) direction = merge(1, -1, local == k)
+  end function find_end_direction
 
 
   !> The error of two facets that run along an edge the same way.
-  subroutine complain_orientation(mesh, facets, f, other, error)
+  subroutine set_orientation_error(mesh, facets, f, other, error)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, other
@@ -312,19 +314,19 @@ contains
     call set_error(error, EXIT_SETUP, 'The surface is not oriented: ' // facet_label(mesh, facets, f) // ' and ' // &
       facet_label(mesh, facets, other) // ' share an edge, but the normal of one points to the other side (or ' // &
       'they are the same face). Check the node order of the elements and the face numbers of the surface.')
-  end subroutine complain_orientation
+  end subroutine set_orientation_error
 
 
   !> The error of three facets at an edge.
-  subroutine complain_branch(mesh, facets, three, error)
+  subroutine set_branch_error(mesh, facets, branch_facets, error)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
-    integer, intent(in) :: three(3)                  !< facets
+    integer, intent(in) :: branch_facets(3)                  !< facets
     type(error_type), allocatable, intent(out) :: error
     call set_error(error, EXIT_SETUP, 'An edge of the surface has more than two faces: ' // &
-      facet_label(mesh, facets, three(1)) // ', ' // facet_label(mesh, facets, three(2)) // ' and ' // &
-      facet_label(mesh, facets, three(3)) // '. A contact surface may not branch: split it into two surfaces.')
-  end subroutine complain_branch
+      facet_label(mesh, facets, branch_facets(1)) // ', ' // facet_label(mesh, facets, branch_facets(2)) // ' and ' // &
+      facet_label(mesh, facets, branch_facets(3)) // '. A contact surface may not branch: split it into two surfaces.')
+  end subroutine set_branch_error
 
 
   !> Smooth edge or crease, by the reference normals of both sides at the middle of the edge.
@@ -332,18 +334,18 @@ contains
     real(DP), intent(in) :: x(:, :)                  !< (3, n_nodes) reference coordinates [length]
     real(DP), intent(in) :: angle                    !< feature angle [rad]
     type(facets_type), intent(inout) :: facets
-    real(DP) :: here(3), there(3)
+    real(DP) :: own_normal(3), other_normal(3)
     integer :: f, k, other
     allocate (facets%edge(4, facets%n), source=EDGE_FREE)
     do f = 1, facets%n
-      do k = 1, corners_of(facets%kind(f))
+      do k = 1, n_facet_corners(facets%kind(f))
         other = facets%neighbour(k, f)
         if (other == 0) cycle
-        here = edge_normal(facets, x, f, k)
-        there = edge_normal(facets, x, other, findloc(facets%neighbour(:, other), f, dim=1))
-        if (dot_product(here, there) > cos(angle)) then
+        own_normal = edge_normal(facets, x, f, k)
+        other_normal = edge_normal(facets, x, other, findloc(facets%neighbour(:, other), f, dim=1))
+        if (dot_product(own_normal, other_normal) > cos(angle)) then
           facets%edge(k, f) = EDGE_SMOOTH
-        else if (dot_product(cross_product(here, there), edge_vector(facets, x, f, k)) < 0) then
+        else if (dot_product(cross_product(own_normal, other_normal), edge_vector(facets, x, f, k)) < 0) then
           facets%edge(k, f) = EDGE_CONCAVE
         else
           facets%edge(k, f) = EDGE_CONVEX
@@ -372,7 +374,7 @@ contains
         entry = stack(n)
         n = n - 1
         do side = 1, 2
-          next = entry_across(facets, incidence, entry, side)
+          next = find_entry_across_edge(facets, incidence, entry, side)
           if (next == 0) cycle
           if (facets%vertex(next) /= 0) cycle
           facets%vertex(next) = facets%n_vertices
@@ -385,7 +387,7 @@ contains
 
 
   !> The entry of the same node in the facet across one of the node's edges, if that edge is smooth; else 0.
-  pure function entry_across(facets, incidence, entry, side) result(next)
+  pure function find_entry_across_edge(facets, incidence, entry, side) result(next)
     type(facets_type), intent(in) :: facets
     type(incidence_type), intent(in) :: incidence
     integer, intent(in) :: entry                     !< of facets%nodes
@@ -394,9 +396,9 @@ contains
     integer :: f, local, n_corners, k, other
     f = incidence%owner(entry)
     local = entry - facets%first(f) + 1
-    n_corners = corners_of(facets%kind(f))
+    n_corners = n_facet_corners(facets%kind(f))
     next = 0
-    if (is_line(facets%kind(f))) then                ! a corner stands on its own end, the middle on none
+    if (is_line_facet(facets%kind(f))) then                ! a corner stands on its own end, the middle on none
       if (side == 2 .or. local > 2) return
       k = local
     else if (local > n_corners) then
@@ -410,7 +412,7 @@ contains
     other = facets%neighbour(k, f)
     local = findloc(facets%nodes(facets%first(other):facets%first(other + 1) - 1), facets%nodes(entry), dim=1)
     if (local > 0) next = facets%first(other) + local - 1
-  end function entry_across
+  end function find_entry_across_edge
 
 
   !> The stars: for each vertex its facets, ascending, and where the node stands in them.
@@ -512,19 +514,19 @@ contains
     real(DP), intent(in) :: x(:, :)                  !< (3, n_nodes) coordinates [length]
     integer, intent(in) :: f, k                      !< facet and edge
     real(DP) :: normal(3)
-    real(DP), parameter :: TRIANGLE(2, 3) = reshape([0.5_DP, 0.0_DP, 0.5_DP, 0.5_DP, 0.0_DP, 0.5_DP], [2, 3])
-    real(DP), parameter :: SQUARE(2, 4) = reshape(real([0, -1, 1, 0, 0, 1, -1, 0], DP), [2, 4])
+    real(DP), parameter :: TRIANGLE_EDGE_MIDPOINTS(2, 3) = reshape([0.5_DP, 0.0_DP, 0.5_DP, 0.5_DP, 0.0_DP, 0.5_DP], [2, 3])
+    real(DP), parameter :: QUAD_EDGE_MIDPOINTS(2, 4) = reshape(real([0, -1, 1, 0, 0, 1, -1, 0], DP), [2, 4])
     real(DP) :: tangents(3, 2)
-    if (is_line(facets%kind(f))) then
+    if (is_line_facet(facets%kind(f))) then
       call facet_tangents(facets, x, f, [real(2 * k - 3, DP), 0.0_DP], tangents)
-    else if (corners_of(facets%kind(f)) == 3) then
-      call facet_tangents(facets, x, f, TRIANGLE(:, k), tangents)
+    else if (n_facet_corners(facets%kind(f)) == 3) then
+      call facet_tangents(facets, x, f, TRIANGLE_EDGE_MIDPOINTS(:, k), tangents)
     else
-      call facet_tangents(facets, x, f, SQUARE(:, k), tangents)
+      call facet_tangents(facets, x, f, QUAD_EDGE_MIDPOINTS(:, k), tangents)
     end if
     normal = cross_product(tangents(:, 1), tangents(:, 2))
-    if (norm2(normal) <= 1.0e-12_DP * facets%edge_length(f)**merge(1, 2, is_line(facets%kind(f)))) then
-      call facet_tangents(facets, x, f, centre_of(facets%kind(f)), tangents)
+    if (norm2(normal) <= 1.0e-12_DP * facets%edge_length(f)**merge(1, 2, is_line_facet(facets%kind(f)))) then
+      call facet_tangents(facets, x, f, facet_centre(facets%kind(f)), tangents)
       normal = cross_product(tangents(:, 1), tangents(:, 2))
     end if
     normal = normal / norm2(normal)
@@ -538,7 +540,7 @@ contains
     integer, intent(in) :: f, k                      !< facet and edge
     real(DP) :: vector(3)
     integer :: a, b
-    if (is_line(facets%kind(f))) then
+    if (is_line_facet(facets%kind(f))) then
       vector = [0.0_DP, 0.0_DP, real(2 * k - 3, DP)]
     else
       call edge_nodes(facets, f, k, a, b)
@@ -555,8 +557,8 @@ contains
     integer :: start
     start = facets%first(f) - 1
     a = facets%nodes(start + k)
-    b = facets%nodes(start + modulo(k, corners_of(facets%kind(f))) + 1)
-    if (is_line(facets%kind(f))) b = a
+    b = facets%nodes(start + modulo(k, n_facet_corners(facets%kind(f))) + 1)
+    if (is_line_facet(facets%kind(f))) b = a
   end subroutine edge_nodes
 
 
@@ -569,27 +571,27 @@ contains
 
 
   !> Number of corners of a facet kind.
-  pure function corners_of(kind) result(n)
+  pure function n_facet_corners(kind) result(n)
     integer, intent(in) :: kind                      !< FACET_...
     integer :: n
     type(facet_kind_type) :: entry
     entry = facet_kind(kind)
     n = entry%n_corners
-  end function corners_of
+  end function n_facet_corners
 
 
   !> Is a facet kind a line in the plane?
-  elemental logical function is_line(kind)
+  elemental logical function is_line_facet(kind)
     integer, intent(in) :: kind                      !< FACET_...
-    is_line = kind == FACET_LINE2 .or. kind == FACET_LINE3
-  end function is_line
+    is_line_facet = kind == FACET_LINE2 .or. kind == FACET_LINE3
+  end function is_line_facet
 
 
   !> The natural coordinates of a facet's centre.
-  pure function centre_of(kind) result(xi)
+  pure function facet_centre(kind) result(xi)
     integer, intent(in) :: kind                      !< FACET_...
     real(DP) :: xi(2)
-    xi = merge(1.0_DP / 3.0_DP, 0.0_DP, corners_of(kind) == 3)
-  end function centre_of
+    xi = merge(1.0_DP / 3.0_DP, 0.0_DP, n_facet_corners(kind) == 3)
+  end function facet_centre
 
 end module amontons_facets

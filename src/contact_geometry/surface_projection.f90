@@ -14,30 +14,35 @@ module amontons_surface_projection
   use amontons_tensor, only: cross_product, invert
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
-  use amontons_facet_search, only: search_type, near_facets
-  use amontons_analytic_master, only: projection_type, gap_derivative_type, PROJECT_ON, PROJECT_OFF, PROJECT_FAILED, &
-    project_on_profile, find_on_profile, profile_derivative
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, &
+    EDGE_CONCAVE
+  use amontons_facet_search, only: facet_search_type, find_near_facets
+  use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
+    PROJECTION_FAILED, &
+    project_on_profile, find_profile_projection, evaluate_profile_derivative
   implicit none
   private
-  public :: projection_type, gap_derivative_type
-  public :: project_point, find_projection, gap_derivative, fixed_point, vertex_normal, smooth_normal, &
-    vertex_derivative, excess_over_edges
-  public :: PROJECT_ON, PROJECT_OFF, PROJECT_FAILED
+  public :: projection_type, gap_derivatives_type
+  public :: track_projection, find_projection, evaluate_gap_derivatives, evaluate_facet_point, evaluate_vertex_normal, &
+    evaluate_smooth_normal, &
+    evaluate_vertex_derivative, find_edge_excess
+  public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
   real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
-  real(DP), parameter :: ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
-  real(DP), parameter :: KEEPING = 1.0e-3_DP      !< where normals jump at edges a facet keeps a node that is this little beyond [-]
-  real(DP), parameter :: FARTHEST = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
-  real(DP), parameter :: LONGEST_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
-  real(DP), parameter :: SAME = 1.0e-9_DP         !< distances that differ by less than this part of an edge: equal [-]
-  real(DP), parameter :: NEARLY_DONE = 1.0e-8_DP  !< steps this small that do not shrink any more are rounding [-]
-  real(DP), parameter :: COLLAPSED = 1.0e-12_DP   !< smallest vertex normal, over the length squared [-]
-  integer, parameter :: MOST_ITERATIONS = 40      !< of Newton on one facet
-  integer, parameter :: MOST_STEPS = 400          !< longest walk, in facets
+  real(DP), parameter :: TOL_ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
+  real(DP), parameter :: EDGE_HYSTERESIS = 1.0e-3_DP      !< where normals jump at edges a facet keeps a node that is this little
+                                                          !! beyond [-]
+  real(DP), parameter :: MAX_NEWTON_EXCESS = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
+  real(DP), parameter :: MAX_NATURAL_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
+  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< distances that differ by less than this part of an edge: equal
+                                                                !! [-]
+  real(DP), parameter :: TOL_STAGNATION = 1.0e-8_DP  !< steps this small that do not shrink any more are rounding [-]
+  real(DP), parameter :: MIN_VERTEX_NORMAL = 1.0e-12_DP   !< smallest vertex normal, over the length squared [-]
+  integer, parameter :: MAX_NEWTON_ITERATIONS = 40      !< of Newton on one facet
+  integer, parameter :: MAX_WALK_FACETS = 400          !< longest walk, in facets
 
   !> One facet in one configuration.
-  type :: frame_type
+  type :: facet_geometry_type
     integer :: kind = 0                          !< FACET_...
     integer :: n = 0                             !< nodes
     integer :: nodes(MAX_FACE_NODES) = 0
@@ -45,10 +50,10 @@ module amontons_surface_projection
     real(DP) :: m(3, MAX_FACE_NODES) = 0         !< their vertex normals, area weighted [length^2]
     real(DP) :: normal(3, MAX_FACE_NODES) = 0    !< their unit vertex normals [-]
     real(DP) :: size = 1                         !< a length of the facet [length]
-  end type frame_type
+  end type facet_geometry_type
 
   !> Point, normal and their slopes at natural coordinates of a frame.
-  type :: place_type
+  type :: surface_point_type
     real(DP) :: N(MAX_FACE_NODES) = 0            !< shape functions [-]
     real(DP) :: dN(2, MAX_FACE_NODES) = 0        !< their slopes [-]
     real(DP) :: x(3) = 0                         !< x_m [length]
@@ -56,7 +61,7 @@ module amontons_surface_projection
     real(DP) :: length = 0                       !< |s| [-]
     real(DP) :: dx(3, 2) = 0                     !< x_m,1 and x_m,2 [length]
     real(DP) :: dn_dxi(3, 2) = 0                 !< n,1 and n,2 [-]
-  end type place_type
+  end type surface_point_type
 
 contains
 
@@ -66,7 +71,7 @@ contains
   !! tenth of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a ridge,
   !! else the point is OFF. On anything but ON, f is the last facet looked at. A point that keeps to an edge may be given a longer
   !! extension.
-  pure subroutine project_point(facets, x, point, f, xi, g, n, status, extension)
+  pure subroutine track_projection(facets, x, point, f, xi, g, n, status, extension)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
@@ -76,41 +81,41 @@ contains
     real(DP), intent(out) :: n(3)                !< unit normal [-]
     integer, intent(out) :: status               !< PROJECT_...
     real(DP), intent(in), optional :: extension  !< over the length of the facet, if more than a tenth [-]
-    type(projection_type) :: here, previous
+    type(projection_type) :: current_projection, previous
     real(DP) :: excess(4), reach
     integer :: step, edge, before
     reach = EXTENSION_ZONE
     if (present(extension)) reach = max(reach, extension)
     if (allocated(facets%profile)) then
-      call project_on_profile(facets, x, point, f, here)
-      f = here%facet
-      xi = here%xi
-      g = here%gap
-      n = here%normal
-      status = here%status
+      call project_on_profile(facets, x, point, f, current_projection)
+      f = current_projection%facet
+      xi = current_projection%xi
+      g = current_projection%gap
+      n = current_projection%normal
+      status = current_projection%status
       return
     end if
     before = 0
-    do step = 1, MOST_STEPS
-      here = project_on_facet(facets, x, point, f)
-      excess = excess_over_edges(facets%kind(f), here%xi)
-      call choose_edge(facets, f, excess, reach, here%status, edge)
+    do step = 1, MAX_WALK_FACETS
+      current_projection = project_on_facet(facets, x, point, f)
+      excess = find_edge_excess(facets%kind(f), current_projection%xi)
+      call choose_crossed_edge(facets, f, excess, reach, current_projection%status, edge)
       if (edge == 0) exit
       if (facets%neighbour(edge, f) == before) then
-        here = nearer_of_two(facets, x, point, here, previous, reach)
+        current_projection = choose_nearer_projection(facets, x, point, current_projection, previous, reach)
         exit
       end if
       before = f
-      previous = here
+      previous = current_projection
       f = facets%neighbour(edge, f)
     end do
-    if (step > MOST_STEPS) here%status = PROJECT_FAILED
-    f = here%facet
-    xi = here%xi
-    g = here%gap
-    n = here%normal
-    status = here%status
-  end subroutine project_point
+    if (step > MAX_WALK_FACETS) current_projection%status = PROJECTION_FAILED
+    f = current_projection%facet
+    xi = current_projection%xi
+    g = current_projection%gap
+    n = current_projection%normal
+    status = current_projection%status
+  end subroutine track_projection
 
 
   !> The projection of a point that has none yet: of all facets near it that hold it, the one with the shortest way.
@@ -120,7 +125,7 @@ contains
   !! OFF with facet 0 if there is none within max_distance. Before: the margin of the search is at least max_distance.
   pure subroutine find_projection(facets, search, x, point, max_distance, projection, slave_normal)
     type(facets_type), intent(in) :: facets
-    type(search_type), intent(in) :: search
+    type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
     real(DP), intent(in) :: max_distance         !< largest |g| [length]
@@ -128,44 +133,45 @@ contains
     real(DP), intent(in), optional :: slave_normal(3)   !< out of the slave; zero: unknown [-]
     type(projection_type) :: candidate
     integer, allocatable :: list(:)
-    real(DP) :: way, shortest, least, same_way
+    real(DP) :: path_length, shortest, min_distance, same_path_length
     integer :: i, n, nearest
     logical :: is_facing, has_facing
-    projection%status = PROJECT_OFF
+    projection%status = PROJECTION_OUTSIDE
     if (allocated(facets%profile)) then
-      call find_on_profile(facets, x, point, max_distance, projection)
+      call find_profile_projection(facets, x, point, max_distance, projection)
       return
     end if
     shortest = huge(1.0_DP)
-    least = huge(1.0_DP)
+    min_distance = huge(1.0_DP)
     has_facing = .false.
     nearest = 0
-    call near_facets(search, point, list, n)
+    call find_near_facets(search, point, list, n)
     do i = 1, n
       candidate = project_on_facet(facets, x, point, list(i))
-      if (candidate%status /= PROJECT_ON) cycle
-      same_way = SAME * facets%edge_length(list(i))
-      way = way_to_facet(facets, candidate)
-      if (way < least - same_way) nearest = list(i)
-      least = min(way, least)
-      if (abs(candidate%gap) > max_distance .or. .not. holds_point(facets, candidate)) cycle
-      is_facing = faces_slave(candidate%normal, slave_normal)
+      if (candidate%status /= PROJECTION_INSIDE) cycle
+      same_path_length = TOL_EQUAL_DISTANCE * facets%edge_length(list(i))
+      path_length = find_facet_distance(facets, candidate)
+      if (path_length < min_distance - same_path_length) nearest = list(i)
+      min_distance = min(path_length, min_distance)
+      if (abs(candidate%gap) > max_distance .or. .not. is_projection_inside(facets, candidate)) cycle
+      is_facing = is_facing_slave(candidate%normal, slave_normal)
       if (has_facing .and. .not. is_facing) cycle
-      if ((has_facing .eqv. is_facing) .and. way > shortest - same_way) then
-        if (.not. facets%is_faceted .or. way > shortest + same_way) cycle
-        if (middle_distance(facets, x, list(i), point) >= middle_distance(facets, x, projection%facet, point) - same_way) cycle
+      if ((has_facing .eqv. is_facing) .and. path_length > shortest - same_path_length) then
+        if (.not. facets%is_faceted .or. path_length > shortest + same_path_length) cycle
+        if (find_centre_distance(facets, x, list(i), point) >= find_centre_distance(facets, x, projection%facet, &
+          point) - same_path_length) cycle
       end if
       has_facing = is_facing
-      shortest = way
+      shortest = path_length
       projection = candidate
     end do
-    if (projection%facet == 0 .and. nearest > 0) call walk_from(facets, x, point, max_distance, nearest, projection)
+    if (projection%facet == 0 .and. nearest > 0) call walk_from_facet(facets, x, point, max_distance, nearest, projection)
   end subroutine find_projection
 
 
   !> The distance of a point from the nearest centre of the triangles of a facet. Of facets that hold a point equally well CalculiX
   !! takes the one of the nearest triangle, and divides a square between its second and fourth corner as it numbers them.
-  pure real(DP) function middle_distance(facets, x, f, point) result(distance)
+  pure real(DP) function find_centre_distance(facets, x, f, point) result(distance)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     integer, intent(in) :: f                     !< facet
@@ -177,15 +183,15 @@ contains
     if (facets%kind(f) == FACET_QUAD4 .or. facets%kind(f) == FACET_QUAD8) then
       at = reshape([1, 2, 4, 2, 3, 4], [3, 2])
       if (facets%face(f) == 1) at = reshape([1, 2, 3, 1, 3, 4], [3, 2])   ! there it begins at another corner
-    else if (is_line(facets%kind(f))) then
+    else if (is_line_facet(facets%kind(f))) then
       at = reshape([1, 2, 2, 1, 1, 2], [3, 2])
     end if
     distance = min(norm2(sum(x(:, nodes(at(:, 1))), dim=2) / 3 - point), norm2(sum(x(:, nodes(at(:, 2))), dim=2) / 3 - point))
-  end function middle_distance
+  end function find_centre_distance
 
 
   !> The projection from a facet that is near but does not hold the point; stays as it is if that leads nowhere.
-  pure subroutine walk_from(facets, x, point, max_distance, f, projection)
+  pure subroutine walk_from_facet(facets, x, point, max_distance, f, projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
@@ -194,9 +200,9 @@ contains
     type(projection_type), intent(inout) :: projection
     type(projection_type) :: found
     found%facet = f
-    call project_point(facets, x, point, found%facet, found%xi, found%gap, found%normal, found%status)
-    if (found%status == PROJECT_ON .and. abs(found%gap) <= max_distance) projection = found
-  end subroutine walk_from
+    call track_projection(facets, x, point, found%facet, found%xi, found%gap, found%normal, found%status)
+    if (found%status == PROJECTION_INSIDE .and. abs(found%gap) <= max_distance) projection = found
+  end subroutine walk_from_facet
 
 
   !> The exact derivatives of xi, g and n at a projection (any g).
@@ -204,29 +210,29 @@ contains
   !! The equation of the ray differentiated, with A = x_m,xi + g n,xi and the normal at fixed xi written dn|xi:
   !!
   !!     A dxi + n dg = dx_s - sum N_i dx_i - g dn|xi,    dn = dn|xi + n,xi dxi
-  pure subroutine gap_derivative(facets, x, f, xi, g, derivative)
+  pure subroutine evaluate_gap_derivatives(facets, x, f, xi, g, derivative)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: f                     !< facet
     real(DP), intent(in) :: xi(2)                !< natural coordinates of the projection [-]
     real(DP), intent(in) :: g                    !< gap [length]
-    type(gap_derivative_type), intent(out) :: derivative
-    type(frame_type) :: frame
-    type(place_type) :: place
+    type(gap_derivatives_type), intent(out) :: derivative
+    type(facet_geometry_type) :: geometry
+    type(surface_point_type) :: surface_point
     real(DP) :: inverse(3, 3), det, b(3, 3)
     integer :: j, i
     if (allocated(facets%profile)) then
-      call profile_derivative(facets, x, f, xi, g, derivative)
+      call evaluate_profile_derivative(facets, x, f, xi, g, derivative)
       return
     end if
-    call make_frame(facets, x, f, frame)
-    call evaluate(frame, xi, place)
-    call start_derivative(facets, f, frame, place, derivative)
-    call add_normal_derivatives(facets, x, f, frame, place, derivative)
-    call invert(reshape([place%dx + g * place%dn_dxi, place%normal], [3, 3]), inverse, det)
+    call build_facet_geometry(facets, x, f, geometry)
+    call evaluate_surface_point(geometry, xi, surface_point)
+    call initialize_derivatives(facets, f, geometry, surface_point, derivative)
+    call add_normal_derivatives(facets, x, f, geometry, surface_point, derivative)
+    call invert(reshape([surface_point%dx + g * surface_point%dn_dxi, surface_point%normal], [3, 3]), inverse, det)
     derivative%d_xi_slave = inverse(:2, :)
     derivative%d_gap_slave = inverse(3, :)
-    derivative%d_n_slave = matmul(place%dn_dxi, inverse(:2, :))
+    derivative%d_n_slave = matmul(surface_point%dn_dxi, inverse(:2, :))
     do j = 1, derivative%n_nodes
       b = -g * derivative%d_n(:, :, j)
       if (j <= derivative%n_weights) then
@@ -236,13 +242,13 @@ contains
       end if
       derivative%d_xi(:, :, j) = matmul(inverse(:2, :), b)
       derivative%d_gap(:, j) = matmul(inverse(3, :), b)
-      derivative%d_n(:, :, j) = derivative%d_n(:, :, j) + matmul(place%dn_dxi, derivative%d_xi(:, :, j))
+      derivative%d_n(:, :, j) = derivative%d_n(:, :, j) + matmul(surface_point%dn_dxi, derivative%d_xi(:, :, j))
     end do
-  end subroutine gap_derivative
+  end subroutine evaluate_gap_derivatives
 
 
   !> Where a material point of the master is now.
-  pure subroutine fixed_point(facets, x, f, xi, xm)
+  pure subroutine evaluate_facet_point(facets, x, f, xi, xm)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: f                     !< facet
@@ -256,11 +262,11 @@ contains
     do i = 1, n
       xm = xm + N_i(i) * x(:, nodes(i))
     end do
-  end subroutine fixed_point
+  end subroutine evaluate_facet_point
 
 
   !> The area-weighted normal of a vertex: the sum over its star.
-  pure function vertex_normal(facets, x, vertex, is_whole) result(m)
+  pure function evaluate_vertex_normal(facets, x, vertex, is_whole) result(m)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: vertex                !< number of the vertex, as in facets%vertex
@@ -276,18 +282,18 @@ contains
       m = m + natural_area(facets%kind(f)) * cross_product(tangents(:, 1), tangents(:, 2))
     end do
     if (present(is_whole)) return
-    if (allocated(facets%in_plane)) m = matmul(facets%in_plane(:, :, vertex), m)
-  end function vertex_normal
+    if (allocated(facets%symmetry_projector)) m = matmul(facets%symmetry_projector(:, :, vertex), m)
+  end function evaluate_vertex_normal
 
 
   !> The derivative of the unit normal of a vertex by the nodes of its star: dn = (1 - n n')/|m| dm.
-  pure subroutine vertex_derivative(facets, x, vertex, nodes, d_n)
+  pure subroutine evaluate_vertex_derivative(facets, x, vertex, nodes, d_n)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: vertex                !< number of the vertex, as in facets%vertex
     integer, allocatable, intent(out) :: nodes(:)       !< (n) nodes of the star, each once
     real(DP), allocatable, intent(out) :: d_n(:, :, :)  !< (3, 3, n) dn/dx_j [1/length]
-    type(gap_derivative_type) :: derivative
+    type(gap_derivatives_type) :: derivative
     real(DP) :: m(3)
     integer :: s, n, k, own(MAX_FACE_NODES)
     allocate (nodes(0))
@@ -297,7 +303,7 @@ contains
         if (.not. any(nodes == own(k))) nodes = [nodes, own(k)]
       end do
     end do
-    m = vertex_normal(facets, x, vertex)
+    m = evaluate_vertex_normal(facets, x, vertex)
     derivative%nodes = nodes
     allocate (derivative%d_n(3, 3, size(nodes)), source=0.0_DP)
     do s = facets%star_first(vertex), facets%star_first(vertex + 1) - 1
@@ -305,42 +311,42 @@ contains
         derivative)
     end do
     call move_alloc(derivative%d_n, d_n)
-  end subroutine vertex_derivative
+  end subroutine evaluate_vertex_derivative
 
 
   !> The unit normal n(xi) of the smooth surface.
-  pure subroutine smooth_normal(facets, x, f, xi, n)
+  pure subroutine evaluate_smooth_normal(facets, x, f, xi, n)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: f                     !< facet
     real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
     real(DP), intent(out) :: n(3)                !< [-]
-    type(frame_type) :: frame
-    type(place_type) :: place
-    call make_frame(facets, x, f, frame)
-    call evaluate(frame, xi, place)
-    n = place%normal
-  end subroutine smooth_normal
+    type(facet_geometry_type) :: geometry
+    type(surface_point_type) :: surface_point
+    call build_facet_geometry(facets, x, f, geometry)
+    call evaluate_surface_point(geometry, xi, surface_point)
+    n = surface_point%normal
+  end subroutine evaluate_smooth_normal
 
 
   !> How far a point is beyond each edge, in lengths of the facet across that edge; negative inside. Edge 4 of a
   !! triangle, edges 3 and 4 of a line: -1.
-  pure function excess_over_edges(kind, xi) result(excess)
+  pure function find_edge_excess(kind, xi) result(excess)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
     real(DP) :: excess(4)
     if (is_triangle(kind)) then
       excess = [-xi(2), xi(1) + xi(2) - 1, -xi(1), -1.0_DP]
-    else if (is_line(kind)) then
+    else if (is_line_facet(kind)) then
       excess = [0.5_DP * (-1 - xi(1)), 0.5_DP * (xi(1) - 1), -1.0_DP, -1.0_DP]
     else
       excess = 0.5_DP * [-1 - xi(2), xi(1) - 1, xi(2) - 1, -1 - xi(1)]
     end if
-  end function excess_over_edges
+  end function find_edge_excess
 
 
   !> The edge over which the walk goes on; 0 if it ends here, and then the status says how.
-  pure subroutine choose_edge(facets, f, excess, extension, status, edge)
+  pure subroutine choose_crossed_edge(facets, f, excess, extension, status, edge)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< facet
     real(DP), intent(in) :: excess(4)            !< over its edges [-]
@@ -351,7 +357,7 @@ contains
     real(DP) :: kept                               ! how far beyond an edge it stays here though the master goes on there [-]
     integer :: k
     edge = 0
-    kept = merge(KEEPING, ON_EDGE, facets%is_faceted)
+    kept = merge(EDGE_HYSTERESIS, TOL_ON_EDGE, facets%is_faceted)
     if (facets%is_faceted .and. extension > EXTENSION_ZONE) kept = extension
     do k = 1, 4
       is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE
@@ -362,14 +368,14 @@ contains
     else if (any(excess > extension)) then
       is_out = is_out .and. facets%edge(:, f) == EDGE_CONVEX
       if (any(is_out)) edge = maxloc(excess, dim=1, mask=is_out)
-      if (status == PROJECT_ON) status = PROJECT_OFF
+      if (status == PROJECTION_INSIDE) status = PROJECTION_OUTSIDE
     end if
-  end subroutine choose_edge
+  end subroutine choose_crossed_edge
 
 
   !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from
   !! above). The side where it is less beyond holds it if that is within the extension zone.
-  pure function nearer_of_two(facets, x, point, one, two, extension) result(nearer)
+  pure function choose_nearer_projection(facets, x, point, one, two, extension) result(nearer)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
@@ -377,61 +383,61 @@ contains
     real(DP), intent(in) :: extension            !< how far a facet reaches beyond itself [-]
     type(projection_type) :: nearer
     real(DP) :: beyond(2)
-    beyond(1) = maxval(excess_over_edges(facets%kind(one%facet), one%xi))
-    beyond(2) = maxval(excess_over_edges(facets%kind(two%facet), two%xi))
-    if (one%status == PROJECT_FAILED) beyond(1) = huge(1.0_DP)
-    if (two%status == PROJECT_FAILED) beyond(2) = huge(1.0_DP)
+    beyond(1) = maxval(find_edge_excess(facets%kind(one%facet), one%xi))
+    beyond(2) = maxval(find_edge_excess(facets%kind(two%facet), two%xi))
+    if (one%status == PROJECTION_FAILED) beyond(1) = huge(1.0_DP)
+    if (two%status == PROJECTION_FAILED) beyond(2) = huge(1.0_DP)
     nearer = two
     if (beyond(1) < beyond(2) .or. (.not. beyond(2) < beyond(1) .and. one%facet < two%facet)) nearer = one
-    if (facets%is_faceted .and. abs(beyond(1) - beyond(2)) <= SAME) then
+    if (facets%is_faceted .and. abs(beyond(1) - beyond(2)) <= TOL_EQUAL_DISTANCE) then
       nearer = two
-      if (middle_distance(facets, x, one%facet, point) < middle_distance(facets, x, two%facet, point)) nearer = one
+      if (find_centre_distance(facets, x, one%facet, point) < find_centre_distance(facets, x, two%facet, point)) nearer = one
     end if
-    if (nearer%status == PROJECT_FAILED) return
-    nearer%status = merge(PROJECT_ON, PROJECT_OFF, minval(beyond) <= extension)
-  end function nearer_of_two
+    if (nearer%status == PROJECTION_FAILED) return
+    nearer%status = merge(PROJECTION_INSIDE, PROJECTION_OUTSIDE, minval(beyond) <= extension)
+  end function choose_nearer_projection
 
 
   !> Does the facet by itself hold the point: inside, or in the extension zone of a free edge or of a ridge?
-  pure function holds_point(facets, projection) result(holds)
+  pure function is_projection_inside(facets, projection) result(holds)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
     logical :: holds
     real(DP) :: excess(4)
     integer :: f
     f = projection%facet
-    excess = excess_over_edges(facets%kind(f), projection%xi)
-    holds = all(excess <= ON_EDGE .or. &
+    excess = find_edge_excess(facets%kind(f), projection%xi)
+    holds = all(excess <= TOL_ON_EDGE .or. &
       (excess <= EXTENSION_ZONE .and. (facets%edge(:, f) == EDGE_FREE .or. facets%edge(:, f) == EDGE_CONVEX)))
-  end function holds_point
+  end function is_projection_inside
 
 
   !> The length of the way from a point to a facet: the gap, and what the projection is beyond an edge.
-  pure function way_to_facet(facets, projection) result(way)
+  pure function find_facet_distance(facets, projection) result(path_length)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
-    real(DP) :: way                              !< [length]
+    real(DP) :: path_length                              !< [length]
     real(DP) :: beyond
-    beyond = max(maxval(excess_over_edges(facets%kind(projection%facet), projection%xi)), 0.0_DP)
-    way = hypot(projection%gap, beyond * facets%edge_length(projection%facet))
-  end function way_to_facet
+    beyond = max(maxval(find_edge_excess(facets%kind(projection%facet), projection%xi)), 0.0_DP)
+    path_length = hypot(projection%gap, beyond * facets%edge_length(projection%facet))
+  end function find_facet_distance
 
 
   !> Do the normals of master and slave face each other? Without a slave normal they do.
-  pure function faces_slave(normal, slave_normal) result(faces)
+  pure function is_facing_slave(normal, slave_normal) result(faces)
     real(DP), intent(in) :: normal(3)            !< of the master [-]
     real(DP), intent(in), optional :: slave_normal(3)
     logical :: faces
     faces = .true.
     if (.not. present(slave_normal)) return
     faces = dot_product(normal, slave_normal) < 0 .or. all(abs(slave_normal) <= 0)
-  end function faces_slave
+  end function is_facing_slave
 
 
   !> The projection of a point on one facet, extended beyond its edges: Newton on the ray, 3 equations.
   !!
   !! Start: the closest point of the plane through the centre. Steps are limited, and halved while the residual rises.
-  !! A point so far beyond an edge that the facet's extension means nothing ends at the border (FARTHEST) with its xi
+  !! A point so far beyond an edge that the facet's extension means nothing ends at the border (MAX_NEWTON_EXCESS) with its xi
   !! there: enough to know which edge to cross. Status ON or FAILED.
   pure function project_on_facet(facets, x, point, f) result(projection)
     type(facets_type), intent(in) :: facets
@@ -439,210 +445,210 @@ contains
     real(DP), intent(in) :: point(3)             !< x_s [length]
     integer, intent(in) :: f                     !< facet
     type(projection_type) :: projection
-    type(frame_type) :: frame
-    type(place_type) :: place
+    type(facet_geometry_type) :: geometry
+    type(surface_point_type) :: surface_point
     real(DP) :: xi(2), g, step(3), moved, before, tolerance
     integer :: iteration
     logical :: is_at_border, was_at_border
-    call make_frame(facets, x, f, frame)
-    call start_projection(frame, point, xi, g)
-    call evaluate(frame, xi, place)
+    call build_facet_geometry(facets, x, f, geometry)
+    call initialize_projection(geometry, point, xi, g)
+    call evaluate_surface_point(geometry, xi, surface_point)
     projection%facet = f
-    tolerance = max(1.0e-12_DP, 16 * epsilon(1.0_DP) * maxval(abs(point)) / frame%size)
+    tolerance = max(1.0e-12_DP, 16 * epsilon(1.0_DP) * maxval(abs(point)) / geometry%size)
     was_at_border = .false.
     before = huge(1.0_DP)
-    do iteration = 1, MOST_ITERATIONS
-      call newton_step(frame, point, g, place, step)
-      call limit_step(frame%kind, xi, step, is_at_border)
-      call take_step(frame, point, step, xi, g, place)
+    do iteration = 1, MAX_NEWTON_ITERATIONS
+      call find_newton_step(geometry, point, g, surface_point, step)
+      call limit_newton_step(geometry%kind, xi, step, is_at_border)
+      call apply_damped_step(geometry, point, step, xi, g, surface_point)
       if (is_at_border .and. was_at_border) exit
       was_at_border = is_at_border
-      moved = max(maxval(abs(step(:2))), abs(step(3)) / frame%size)
+      moved = max(maxval(abs(step(:2))), abs(step(3)) / geometry%size)
       if (is_at_border) cycle
-      if (moved <= tolerance .or. (moved <= NEARLY_DONE .and. moved >= 0.5_DP * before)) exit
+      if (moved <= tolerance .or. (moved <= TOL_STAGNATION .and. moved >= 0.5_DP * before)) exit
       before = moved
     end do
-    if (iteration <= MOST_ITERATIONS) projection%status = PROJECT_ON
+    if (iteration <= MAX_NEWTON_ITERATIONS) projection%status = PROJECTION_INSIDE
     projection%xi = xi
     projection%gap = g
-    projection%normal = place%normal
+    projection%normal = surface_point%normal
   end function project_on_facet
 
 
   !> The Newton step of the ray equation; zero where its matrix is singular (the centre of curvature).
-  pure subroutine newton_step(frame, point, g, place, step)
-    type(frame_type), intent(in) :: frame
+  pure subroutine find_newton_step(geometry, point, g, surface_point, step)
+    type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: point(3)             !< x_s [length]
     real(DP), intent(in) :: g                    !< gap [length]
-    type(place_type), intent(in) :: place
+    type(surface_point_type), intent(in) :: surface_point
     real(DP), intent(out) :: step(3)             !< of xi and g
     real(DP) :: inverse(3, 3), det
-    call invert(reshape([place%dx + g * place%dn_dxi, place%normal], [3, 3]), inverse, det)
-    step = matmul(inverse, point - place%x - g * place%normal)
-    if (abs(det) > 1.0e-10_DP * area_scale(frame)) return
+    call invert(reshape([surface_point%dx + g * surface_point%dn_dxi, surface_point%normal], [3, 3]), inverse, det)
+    step = matmul(inverse, point - surface_point%x - g * surface_point%normal)
+    if (abs(det) > 1.0e-10_DP * area_scale(geometry)) return
     step(:2) = 0
-    step(3) = dot_product(place%normal, point - place%x) - g
-  end subroutine newton_step
+    step(3) = dot_product(surface_point%normal, point - surface_point%x) - g
+  end subroutine find_newton_step
 
 
   !> Shortens a step that is too long or leads too far beyond the facet.
-  pure subroutine limit_step(kind, xi, step, is_at_border)
+  pure subroutine limit_newton_step(kind, xi, step, is_at_border)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP), intent(in) :: xi(2)                !< [-]
     real(DP), intent(inout) :: step(3)           !< of xi and g
     logical, intent(out) :: is_at_border         !< the step ends at the border and wanted to go on
-    real(DP) :: longest, excess(4), wanted(4), part
+    real(DP) :: longest, excess(4), target_excess(4), part
     integer :: k
     longest = maxval(abs(step(:2))) * merge(1.0_DP, 0.5_DP, is_triangle(kind))
-    if (longest > LONGEST_STEP) step = step * LONGEST_STEP / longest
-    excess = excess_over_edges(kind, xi)
-    wanted = excess_over_edges(kind, xi + step(:2))
+    if (longest > MAX_NATURAL_STEP) step = step * MAX_NATURAL_STEP / longest
+    excess = find_edge_excess(kind, xi)
+    target_excess = find_edge_excess(kind, xi + step(:2))
     part = 1
     do k = 1, 4
-      if (wanted(k) <= max(FARTHEST, excess(k))) cycle
-      part = min(part, max(FARTHEST - excess(k), 0.0_DP) / (wanted(k) - excess(k)))
+      if (target_excess(k) <= max(MAX_NEWTON_EXCESS, excess(k))) cycle
+      part = min(part, max(MAX_NEWTON_EXCESS - excess(k), 0.0_DP) / (target_excess(k) - excess(k)))
     end do
     is_at_border = part < 1
     step = part * step
-  end subroutine limit_step
+  end subroutine limit_newton_step
 
 
   !> Takes a step, halved (at most four times) while the distance from the ray rises.
-  pure subroutine take_step(frame, point, step, xi, g, place)
-    type(frame_type), intent(in) :: frame
+  pure subroutine apply_damped_step(geometry, point, step, xi, g, surface_point)
+    type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: point(3)             !< x_s [length]
     real(DP), intent(inout) :: step(3)           !< of xi and g; out: as taken
     real(DP), intent(inout) :: xi(2), g
-    type(place_type), intent(inout) :: place
+    type(surface_point_type), intent(inout) :: surface_point
     real(DP) :: before
     integer :: halving
-    before = norm2(point - place%x - g * place%normal)
+    before = norm2(point - surface_point%x - g * surface_point%normal)
     do halving = 0, 4
-      call evaluate(frame, xi + step(:2), place)
-      if (norm2(point - place%x - (g + step(3)) * place%normal) <= before + 1.0e-12_DP * frame%size) exit
+      call evaluate_surface_point(geometry, xi + step(:2), surface_point)
+      if (norm2(point - surface_point%x - (g + step(3)) * surface_point%normal) <= before + 1.0e-12_DP * geometry%size) exit
       if (halving < 4) step = 0.5_DP * step
     end do
     xi = xi + step(:2)
     g = g + step(3)
-  end subroutine take_step
+  end subroutine apply_damped_step
 
 
   !> Where Newton starts: the closest point on the plane through the facet's centre, brought back to the facet.
-  pure subroutine start_projection(frame, point, xi, g)
-    type(frame_type), intent(in) :: frame
+  pure subroutine initialize_projection(geometry, point, xi, g)
+    type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: point(3)             !< x_s [length]
     real(DP), intent(out) :: xi(2)               !< [-]
     real(DP), intent(out) :: g                   !< [length]
-    type(place_type) :: place
+    type(surface_point_type) :: surface_point
     real(DP) :: inverse(3, 3), det, normal(3), step(3)
-    xi = merge(1.0_DP / 3.0_DP, 0.0_DP, is_triangle(frame%kind))
-    call evaluate(frame, xi, place)
-    normal = cross_product(place%dx(:, 1), place%dx(:, 2))
+    xi = merge(1.0_DP / 3.0_DP, 0.0_DP, is_triangle(geometry%kind))
+    call evaluate_surface_point(geometry, xi, surface_point)
+    normal = cross_product(surface_point%dx(:, 1), surface_point%dx(:, 2))
     normal = normal / max(norm2(normal), tiny(1.0_DP))
-    call invert(reshape([place%dx, normal], [3, 3]), inverse, det)
-    step = matmul(inverse, point - place%x)
-    if (is_triangle(frame%kind)) then
+    call invert(reshape([surface_point%dx, normal], [3, 3]), inverse, det)
+    step = matmul(inverse, point - surface_point%x)
+    if (is_triangle(geometry%kind)) then
       xi = min(max(xi + step(:2), 0.0_DP), 1.0_DP)
       if (sum(xi) > 1) xi = xi / sum(xi)
     else
       xi = min(max(step(:2), -1.0_DP), 1.0_DP)
     end if
-    call evaluate(frame, xi, place)
-    g = dot_product(place%normal, point - place%x)
-  end subroutine start_projection
+    call evaluate_surface_point(geometry, xi, surface_point)
+    g = dot_product(surface_point%normal, point - surface_point%x)
+  end subroutine initialize_projection
 
 
   !> Coordinates and vertex normals of a facet's nodes. A node whose star has no area there (the tip of a collapsed
   !! facet) has no normal: the others give it.
-  pure subroutine make_frame(facets, x, f, frame)
+  pure subroutine build_facet_geometry(facets, x, f, geometry)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     integer, intent(in) :: f                     !< facet
-    type(frame_type), intent(out) :: frame
+    type(facet_geometry_type), intent(out) :: geometry
     real(DP) :: length
     integer :: i
-    frame%kind = facets%kind(f)
-    frame%size = facets%edge_length(f)
-    call facet_nodes(facets, f, frame%n, frame%nodes)
-    do i = 1, frame%n
-      frame%x(:, i) = x(:, frame%nodes(i))
-      frame%m(:, i) = vertex_normal(facets, x, facets%vertex(facets%first(f) + i - 1))
-      length = norm2(frame%m(:, i))
-      if (length > COLLAPSED * area_scale(frame)) then
-        frame%normal(:, i) = frame%m(:, i) / length
+    geometry%kind = facets%kind(f)
+    geometry%size = facets%edge_length(f)
+    call facet_nodes(facets, f, geometry%n, geometry%nodes)
+    do i = 1, geometry%n
+      geometry%x(:, i) = x(:, geometry%nodes(i))
+      geometry%m(:, i) = evaluate_vertex_normal(facets, x, facets%vertex(facets%first(f) + i - 1))
+      length = norm2(geometry%m(:, i))
+      if (length > MIN_VERTEX_NORMAL * area_scale(geometry)) then
+        geometry%normal(:, i) = geometry%m(:, i) / length
       else
-        frame%m(:, i) = 0
+        geometry%m(:, i) = 0
       end if
     end do
-  end subroutine make_frame
+  end subroutine build_facet_geometry
 
 
   !> Point, normal and slopes at natural coordinates.
-  pure subroutine evaluate(frame, xi, place)
-    type(frame_type), intent(in) :: frame
+  pure subroutine evaluate_surface_point(geometry, xi, surface_point)
+    type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: xi(2)                !< [-]
-    type(place_type), intent(out) :: place
+    type(surface_point_type), intent(out) :: surface_point
     real(DP) :: s(3), ddN(3, MAX_FACE_NODES), slope(3)
     integer :: k
-    call facet_shapes(frame%kind, xi, place%N, place%dN, ddN)
-    place%x = matmul(frame%x, place%N)
-    s = matmul(frame%normal, place%N)
-    place%length = max(norm2(s), tiny(1.0_DP))
-    place%normal = s / place%length
+    call facet_shapes(geometry%kind, xi, surface_point%N, surface_point%dN, ddN)
+    surface_point%x = matmul(geometry%x, surface_point%N)
+    s = matmul(geometry%normal, surface_point%N)
+    surface_point%length = max(norm2(s), tiny(1.0_DP))
+    surface_point%normal = s / surface_point%length
     do k = 1, 2
-      place%dx(:, k) = matmul(frame%x, place%dN(k, :))
-      if (k == 2 .and. is_line(frame%kind)) place%dx(3, k) = 1
-      slope = matmul(frame%normal, place%dN(k, :)) / place%length
-      place%dn_dxi(:, k) = slope - dot_product(place%normal, slope) * place%normal
+      surface_point%dx(:, k) = matmul(geometry%x, surface_point%dN(k, :))
+      if (k == 2 .and. is_line_facet(geometry%kind)) surface_point%dx(3, k) = 1
+      slope = matmul(geometry%normal, surface_point%dN(k, :)) / surface_point%length
+      surface_point%dn_dxi(:, k) = slope - dot_product(surface_point%normal, slope) * surface_point%normal
     end do
-  end subroutine evaluate
+  end subroutine evaluate_surface_point
 
 
   !> Nodes, weights and room for the derivatives. A node that a collapsed facet names twice gets both weights.
-  pure subroutine start_derivative(facets, f, frame, place, derivative)
+  pure subroutine initialize_derivatives(facets, f, geometry, surface_point, derivative)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< facet
-    type(frame_type), intent(in) :: frame
-    type(place_type), intent(in) :: place
-    type(gap_derivative_type), intent(inout) :: derivative
+    type(facet_geometry_type), intent(in) :: geometry
+    type(surface_point_type), intent(in) :: surface_point
+    type(gap_derivatives_type), intent(inout) :: derivative
     integer :: i, j, n
     derivative%nodes = facets%stencil(facets%stencil_first(f):facets%stencil_first(f + 1) - 1)
     n = size(derivative%nodes)
     derivative%n_nodes = n
-    derivative%n = place%normal
-    do i = 1, frame%n
-      derivative%n_weights = max(derivative%n_weights, findloc(derivative%nodes, frame%nodes(i), dim=1))
+    derivative%n = surface_point%normal
+    do i = 1, geometry%n
+      derivative%n_weights = max(derivative%n_weights, findloc(derivative%nodes, geometry%nodes(i), dim=1))
     end do
     allocate (derivative%weights(derivative%n_weights), derivative%d_weights(2, derivative%n_weights), source=0.0_DP)
     allocate (derivative%d_gap(3, n), derivative%d_xi(2, 3, n), derivative%d_n(3, 3, n), source=0.0_DP)
-    do i = 1, frame%n
-      j = findloc(derivative%nodes, frame%nodes(i), dim=1)
-      derivative%weights(j) = derivative%weights(j) + place%N(i)
-      derivative%d_weights(:, j) = derivative%d_weights(:, j) + place%dN(:, i)
+    do i = 1, geometry%n
+      j = findloc(derivative%nodes, geometry%nodes(i), dim=1)
+      derivative%weights(j) = derivative%weights(j) + surface_point%N(i)
+      derivative%d_weights(:, j) = derivative%d_weights(:, j) + surface_point%dN(:, i)
     end do
-  end subroutine start_derivative
+  end subroutine initialize_derivatives
 
 
   !> Adds dn|xi, the derivative of the normal at fixed xi, to d_n: through the vertex normals to all nodes of the stars.
   !!
   !!     dn|xi = (1 - n n')/|s| sum N_i dn_i,   dn_i = (1 - n_i n_i')/|m_i| dm_i,
   !!     dm_i  = sum over the star, sum over j, A_0 (N_j,2 [x,1]x - N_j,1 [x,2]x) dx_j
-  pure subroutine add_normal_derivatives(facets, x, f, frame, place, derivative)
+  pure subroutine add_normal_derivatives(facets, x, f, geometry, surface_point, derivative)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     integer, intent(in) :: f                     !< facet
-    type(frame_type), intent(in) :: frame
-    type(place_type), intent(in) :: place
-    type(gap_derivative_type), intent(inout) :: derivative
+    type(facet_geometry_type), intent(in) :: geometry
+    type(surface_point_type), intent(in) :: surface_point
+    type(gap_derivatives_type), intent(inout) :: derivative
     real(DP) :: project(3, 3), to_vertex(3, 3), length
     integer :: i, v, s
-    project = projector(place%normal) / place%length
-    do i = 1, frame%n
-      length = norm2(frame%m(:, i))
+    project = projector(surface_point%normal) / surface_point%length
+    do i = 1, geometry%n
+      length = norm2(geometry%m(:, i))
       if (length <= 0) cycle
-      to_vertex = matmul(project, projector(frame%normal(:, i))) * (place%N(i) / length)
+      to_vertex = matmul(project, projector(geometry%normal(:, i))) * (surface_point%N(i) / length)
       v = facets%vertex(facets%first(f) + i - 1)
-      if (allocated(facets%in_plane)) to_vertex = matmul(to_vertex, facets%in_plane(:, :, v))
+      if (allocated(facets%symmetry_projector)) to_vertex = matmul(to_vertex, facets%symmetry_projector(:, :, v))
       do s = facets%star_first(v), facets%star_first(v + 1) - 1
         call add_star_facet(facets, x, facets%star_facet(s), facets%star_local(s), to_vertex, derivative)
       end do
@@ -656,7 +662,7 @@ contains
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     integer, intent(in) :: f, local              !< facet of the star, local number of the vertex's node
     real(DP), intent(in) :: to_vertex(3, 3)      !< d n|xi / d m_i [1/length^2]
-    type(gap_derivative_type), intent(inout) :: derivative
+    type(gap_derivatives_type), intent(inout) :: derivative
     real(DP) :: xi(2, MAX_FACE_NODES), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     real(DP) :: tangents(3, 2)
     integer :: n, nodes(MAX_FACE_NODES), i, j
@@ -667,7 +673,7 @@ contains
     do i = 1, n
       j = findloc(derivative%nodes, nodes(i), dim=1)
       derivative%d_n(:, :, j) = derivative%d_n(:, :, j) + natural_area(facets%kind(f)) * &
-        matmul(to_vertex, skew(dN(2, i) * tangents(:, 1) - dN(1, i) * tangents(:, 2)))
+        matmul(to_vertex, skew_matrix(dN(2, i) * tangents(:, 1) - dN(1, i) * tangents(:, 2)))
     end do
   end subroutine add_star_facet
 
@@ -685,18 +691,18 @@ contains
 
 
   !> [a]x, the matrix with [a]x b = a x b.
-  pure function skew(a) result(matrix)
+  pure function skew_matrix(a) result(matrix)
     real(DP), intent(in) :: a(3)
     real(DP) :: matrix(3, 3)
     matrix = reshape([0.0_DP, a(3), -a(2), -a(3), 0.0_DP, a(1), a(2), -a(1), 0.0_DP], [3, 3])
-  end function skew
+  end function skew_matrix
 
 
   !> A size that areas of a facet are compared with; a line is one deep [length^2].
-  pure real(DP) function area_scale(frame)
-    type(frame_type), intent(in) :: frame
-    area_scale = frame%size**2
-    if (is_line(frame%kind)) area_scale = frame%size
+  pure real(DP) function area_scale(geometry)
+    type(facet_geometry_type), intent(in) :: geometry
+    area_scale = geometry%size**2
+    if (is_line_facet(geometry%kind)) area_scale = geometry%size
   end function area_scale
 
 
@@ -705,7 +711,7 @@ contains
     integer, intent(in) :: kind                  !< FACET_...
     real(DP) :: area
     area = merge(0.5_DP, 4.0_DP, is_triangle(kind))
-    if (is_line(kind)) area = 2.0_DP
+    if (is_line_facet(kind)) area = 2.0_DP
   end function natural_area
 
 

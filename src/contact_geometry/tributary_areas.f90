@@ -3,52 +3,54 @@
 module amontons_tributary_areas
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FACET_LINE2, &
+  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FACET_LINE2, &
     FACET_TRI3, FACET_QUAD4, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_surfaces, only: surface_type
   use amontons_shape_functions, only: facet_shapes, facet_quadrature
   implicit none
   private
-  public :: mean_edge, node_shares
-  public :: faces_type, add_face_areas, face_area, node_areas, depth_of, cover_slave, sum_shares
+  public :: find_mean_edge_length, nodal_area_fractions
+  public :: element_faces_type, add_nodal_face_areas, integrate_face_area, integrate_nodal_areas, out_of_plane_depth, &
+    find_slave_faces, sum_nodal_areas
 
   !> Faces of elements.
-  type :: faces_type
+  type :: element_faces_type
     integer, allocatable :: element(:)             !< (n)
     integer, allocatable :: face(:)                !< (n) number in the element
-  end type faces_type
+  end type element_faces_type
 
 contains
 
   !> Adds the areas of the nodes of one face: those of its linear face to the corners, and notes the corners of its
   !! mid-side nodes; or, under a compliant law, a share of the area to each node.
-  subroutine add_face_areas(mesh, e, face, is_soft, area_vector, area, corners)
+  subroutine add_nodal_face_areas(mesh, e, face, is_compliant, area_vector, area, corners)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, face
-    logical, intent(in) :: is_soft                 !< the law is compliant
+    logical, intent(in) :: is_compliant                 !< the law is compliant
     real(DP), intent(inout) :: area_vector(:, :), area(:)   !< (3, n_nodes), (n_nodes) [length^2]
     integer, intent(inout) :: corners(:, :)        !< (2, n_nodes) corners of a mid-side node, 0
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
     real(DP) :: x(3, MAX_FACE_NODES), xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     real(DP) :: a(3)
-    integer, parameter :: LINEAR(2:4) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4]
+    integer, parameter :: LINEAR_FACET(2:4) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4]
     kind = element_kind(mesh%kind(e))
     shape = facet_kind(kind%face_kind(face))
     m = shape%n_corners
     n = shape%n_nodes
     nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
-    if (is_soft) then
-      call add_shares(mesh, e, mesh%coordinates, kind%face_kind(face), nodes(:n), area_vector, area)
+    if (is_compliant) then
+      call add_nodal_areas(mesh, e, mesh%coordinates, kind%face_kind(face), nodes(:n), area_vector, area)
       return
     end if
     x(:, :m) = mesh%coordinates(:, nodes(:m))
-    call facet_quadrature(LINEAR(m), n_points, xi, w)
+    call facet_quadrature(LINEAR_FACET(m), n_points, xi, w)
     do q = 1, n_points
-      call facet_shapes(LINEAR(m), xi(:, q), N_i, dN, ddN)
-      a = cross_product(matmul(x(:, :m), dN(1, :m)), across(x(:, :m), N_i(:m), dN(2, :m), depth_of(mesh, e))) * w(q)
+      call facet_shapes(LINEAR_FACET(m), xi(:, q), N_i, dN, ddN)
+      a = cross_product(matmul(x(:, :m), dN(1, :m)), second_tangent(x(:, :m), N_i(:m), dN(2, :m), out_of_plane_depth(mesh, &
+        e))) * w(q)
       do i = 1, m
         area_vector(:, nodes(i)) = area_vector(:, nodes(i)) + N_i(i) * a
         area(nodes(i)) = area(nodes(i)) + N_i(i) * norm2(a)
@@ -57,11 +59,11 @@ contains
     do i = m + 1, n
       corners(:, nodes(i)) = [nodes(i - m), nodes(mod(i - m, m) + 1)]
     end do
-  end subroutine add_face_areas
+  end subroutine add_nodal_face_areas
 
 
   !> Adds the shares of a face's area to its nodes.
-  subroutine add_shares(mesh, e, x, kind, nodes, area_vector, area)
+  subroutine add_nodal_areas(mesh, e, x, kind, nodes, area_vector, area)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates of the mesh [length]
@@ -71,41 +73,41 @@ contains
     type(facet_kind_type) :: shape
     real(DP) :: a(3), size_of
     shape = facet_kind(kind)
-    call face_area(x(:, nodes), kind, depth_of(mesh, e), a, size_of)
+    call integrate_face_area(x(:, nodes), kind, out_of_plane_depth(mesh, e), a, size_of)
     area_vector(:, nodes) = area_vector(:, nodes) + spread(a, 2, size(nodes))
-    area(nodes) = area(nodes) + size_of * node_shares(shape%n_corners, size(nodes))
-  end subroutine add_shares
+    area(nodes) = area(nodes) + size_of * nodal_area_fractions(shape%n_corners, size(nodes))
+  end subroutine add_nodal_areas
 
 
   !> How deep the plane is at an element: its thickness, or minus 1 where it is the full circle. Of no meaning in space.
-  pure real(DP) function depth_of(mesh, e) result(depth)
+  pure real(DP) function out_of_plane_depth(mesh, e) result(depth)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     kind = element_kind(mesh%kind(e))
-    depth = mesh%section(e)
+    depth = mesh%section_value(e)
     if (kind%family == FAMILY_AXISYMMETRIC) depth = -1.0_DP
-  end function depth_of
+  end function out_of_plane_depth
 
 
   !> The second tangent of a face; that of an edge is e_z times the thickness, or times 2 pi x.
-  pure function across(x, N_i, dN_2, depth) result(tangent)
+  pure function second_tangent(x, N_i, dN_2, depth) result(tangent)
     real(DP), intent(in) :: x(:, :)                !< (3, n) nodes of the face [length]
     real(DP), intent(in) :: N_i(:), dN_2(:)        !< (n) shape functions and their derivatives by xi(2) [-]
-    real(DP), intent(in) :: depth                  !< as depth_of has it [length]
+    real(DP), intent(in) :: depth                  !< as out_of_plane_depth has it [length]
     real(DP) :: tangent(3)
     tangent = matmul(x, dN_2)
     if (any(abs(dN_2) > 0.0_DP)) return
     tangent(3) = depth
     if (depth < 0.0_DP) tangent(3) = 2 * PI * dot_product(x(1, :), N_i)
-  end function across
+  end function second_tangent
 
 
   !> Area of a face, as a vector and as a number.
-  subroutine face_area(x, kind, depth, vector, area)
+  subroutine integrate_face_area(x, kind, depth, vector, area)
     real(DP), intent(in) :: x(:, :)                !< (3, :) of its nodes [length]
     integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: depth                  !< of an edge, as depth_of has it [length]
+    real(DP), intent(in) :: depth                  !< of an edge, as out_of_plane_depth has it [length]
     real(DP), intent(out) :: vector(3)             !< [length^2]
     real(DP), intent(out) :: area                  !< [length^2]
     real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), a(3)
@@ -116,18 +118,18 @@ contains
     call facet_quadrature(kind, n_points, xi, w)
     do q = 1, n_points
       call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
-      a = cross_product(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth)) * w(q)
+      a = cross_product(matmul(x, dN(1, :n)), second_tangent(x, N_i(:n), dN(2, :n), depth)) * w(q)
       vector = vector + a
       area = area + norm2(a)
     end do
-  end subroutine face_area
+  end subroutine integrate_face_area
 
 
   !> The integrals of the shape functions over a face: what its nodes get of a force per area.
-  pure function node_areas(x, kind, depth) result(areas)
+  pure function integrate_nodal_areas(x, kind, depth) result(areas)
     real(DP), intent(in) :: x(:, :)                !< (3, n) of its nodes [length]
     integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: depth                  !< of an edge, as depth_of has it [length]
+    real(DP), intent(in) :: depth                  !< of an edge, as out_of_plane_depth has it [length]
     real(DP) :: areas(size(x, 2))                  !< [length^2]
     real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: q, n, n_points
@@ -136,32 +138,32 @@ contains
     call facet_quadrature(kind, n_points, xi, w)
     do q = 1, n_points
       call facet_shapes(kind, xi(:, q), N_i, dN, ddN)
-      areas = areas + w(q) * norm2(cross_product(matmul(x, dN(1, :n)), across(x, N_i(:n), dN(2, :n), depth))) * N_i(:n)
+      areas = areas + w(q) * norm2(cross_product(matmul(x, dN(1, :n)), second_tangent(x, N_i(:n), dN(2, :n), depth))) * N_i(:n)
     end do
-  end function node_areas
+  end function integrate_nodal_areas
 
 
   !> The faces of a slave surface; of a surface of nodes, as CalculiX takes them, all outer faces with one of its nodes, but
   !! no edges of plane elements, which it does not find where it has expanded them.
-  subroutine cover_slave(mesh, surface, is_calculix, cover)
+  subroutine find_slave_faces(mesh, surface, is_calculix, faces)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
     logical, intent(in) :: is_calculix             !< .false.: edges count too
-    type(faces_type), intent(out) :: cover
+    type(element_faces_type), intent(out) :: faces
     logical, allocatable :: is_slave(:), is_outer(:)
     integer, allocatable :: last(:), before(:)     ! of the faces found, by their smallest node
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), e, f, j, n, low
     if (.not. surface%is_node_based) then
-      cover%element = surface%element
-      cover%face = surface%face
+      faces%element = surface%element
+      faces%face = surface%face
       return
     end if
     allocate (is_slave(mesh%n_nodes), source=.false.)
     allocate (last(mesh%n_nodes), source=0)
     is_slave(surface%nodes) = .true.
-    allocate (cover%element(0), cover%face(0), before(0), is_outer(0))
+    allocate (faces%element(0), faces%face(0), before(0), is_outer(0))
     do e = 1, mesh%n_elements
       if (.not. any(is_slave(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))) cycle
       kind = element_kind(mesh%kind(e))
@@ -173,21 +175,21 @@ contains
         low = minval(nodes(:n))
         j = last(low)
         do while (j > 0)
-          if (is_same_face(mesh, cover%element(j), cover%face(j), nodes(:n))) exit
+          if (is_same_face(mesh, faces%element(j), faces%face(j), nodes(:n))) exit
           j = before(j)
         end do
         if (j > 0) is_outer(j) = .false.
         if (j > 0) cycle
-        cover%element = [cover%element, e]
-        cover%face = [cover%face, f]
+        faces%element = [faces%element, e]
+        faces%face = [faces%face, f]
         is_outer = [is_outer, any(is_slave(nodes(:n)))]
         before = [before, last(low)]
         last(low) = size(before)
       end do
     end do
-    cover%element = pack(cover%element, is_outer)
-    cover%face = pack(cover%face, is_outer)
-  end subroutine cover_slave
+    faces%element = pack(faces%element, is_outer)
+    faces%face = pack(faces%face, is_outer)
+  end subroutine find_slave_faces
 
 
   !> Whether a face has these corners.
@@ -195,7 +197,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, f                    !< element and face number
     integer, intent(in) :: corners(:)
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: i
     kind = element_kind(mesh%kind(e))
@@ -207,12 +209,12 @@ contains
 
 
   !> The shares of all faces at their nodes.
-  subroutine sum_shares(mesh, surface, x, area_vector, area)
+  subroutine sum_nodal_areas(mesh, surface, x, area_vector, area)
     type(mesh_type), intent(in) :: mesh
-    type(faces_type), intent(in) :: surface
+    type(element_faces_type), intent(in) :: surface
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(inout) :: area_vector(:, :), area(:)   !< (3, n_nodes), (n_nodes) [length^2]
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), f, n
     do f = 1, size(surface%element)
@@ -220,17 +222,17 @@ contains
       shape = facet_kind(kind%face_kind(surface%face(f)))
       n = shape%n_nodes
       nodes(:n) = mesh%nodes(mesh%first(surface%element(f)) - 1 + kind%face_nodes(:n, surface%face(f)))
-      call add_shares(mesh, surface%element(f), x, kind%face_kind(surface%face(f)), nodes(:n), area_vector, area)
+      call add_nodal_areas(mesh, surface%element(f), x, kind%face_kind(surface%face(f)), nodes(:n), area_vector, area)
     end do
-  end subroutine sum_shares
+  end subroutine sum_nodal_areas
 
 
   !> The mean edge of the faces of a surface; of a surface of nodes another length [length].
-  pure real(DP) function mean_edge(mesh, surface, otherwise) result(edge)
+  pure real(DP) function find_mean_edge_length(mesh, surface, otherwise) result(edge)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
     real(DP), intent(in) :: otherwise              !< [length]
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: shape
     real(DP) :: total
     integer :: f, k, n, n_edges, nodes(MAX_FACE_NODES)
@@ -248,11 +250,11 @@ contains
       end do
     end do
     if (n_edges > 0) edge = total / real(n_edges, DP)
-  end function mean_edge
+  end function find_mean_edge_length
 
 
   !> The part of a face's area that each of its nodes takes, as CalculiX shares it: it never pulls on a corner.
-  pure function node_shares(n_corners, n_nodes) result(share)
+  pure function nodal_area_fractions(n_corners, n_nodes) result(share)
     integer, intent(in) :: n_corners, n_nodes
     real(DP) :: share(n_nodes)                     !< [-]
     share = 1.0_DP / real(n_corners, DP)
@@ -266,6 +268,6 @@ contains
       share = 0.24_DP
       share(:4) = 0.01_DP
     end select
-  end function node_shares
+  end function nodal_area_fractions
 
 end module amontons_tributary_areas

@@ -9,48 +9,50 @@
 !! once, before a job begins to take it piece by piece (`claim_...`).
 module amontons_analysis
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, complaints_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
-  use amontons_posix, only: peak_megabytes, is_status_asked, stop_signal, leave_turn, resume_turn, has_memory
+  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
+  use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
-  use amontons_text, only: text_of, plural
-  use amontons_logger, only: journal_type
+  use amontons_text, only: to_text, plural
+  use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
   use amontons_steps, only: step_type
   use amontons_iteration_records, only: increment_record_type, PHASE_OUTPUT, PHASE_OTHER
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
-  use amontons_slave_nodes, only: commit_slip
-  use amontons_model_change, only: change_model, bear_elements
-  use amontons_contact_initialization, only: adjust_slaves
-  use amontons_user_routine_setup, only: start_routines, heed_routines, ask_amplitudes, recall_amplitudes
-  use amontons_user_state, only: start_variables
-  use amontons_tie_generation, only: fasten_model
-  use amontons_stabilization, only: close_damping
-  use amontons_equilibrium, only: plan_solver, create_system, begin_step, begin_increment
-  use amontons_model_check, only: audit_model, audit_summary
-  use amontons_convergence, only: VERDICT_GO_ON, VERDICT_CONVERGED
-  use amontons_globalization, only: be_patient
+  use amontons_slave_nodes, only: accumulate_slip
+  use amontons_model_change, only: apply_model_changes, activate_elements
+  use amontons_contact_initialization, only: adjust_slave_nodes
+  use amontons_user_routine_setup, only: open_user_routines, handle_user_messages, update_user_amplitudes, restore_user_amplitudes
+  use amontons_user_state, only: initialize_state_variables
+  use amontons_tie_generation, only: convert_ties_to_equations
+  use amontons_stabilization, only: update_damping
+  use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment
+  use amontons_model_check, only: check_model, summarize_model
+  use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
+  use amontons_globalization, only: delay_snap_through
   use amontons_newton, only: begin_newton, iterate
   use amontons_postprocess, only: add_inelastic_work
-  use amontons_active_set_history, only: n_changed_since_first
-  use amontons_increment_control, only: effort_type, open_step, propose_time, accept_increment, reject_increment, may_cut, &
-    STEP_DONE, CUT_BACK, GIVE_UP
-  use amontons_failure_report, only: failure_reason, failure_lines, failed_attempts, edge_lines, is_free_for_good
+  use amontons_active_set_history, only: count_changed_statuses
+  use amontons_increment_control, only: attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
+    reject_increment, can_cut_back, &
+    OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
+  use amontons_failure_report, only: diagnose_failure, describe_failure, summarize_attempts, describe_edge_events, &
+    is_always_unsupported
   use amontons_text_output, only: print_iteration, print_increment
-  use amontons_checkpoint, only: take_snapshot, put_back, unpack_state
-  use amontons_restart_file, only: read_state
-  use amontons_driven_loads, only: list_driven, recall_driven
+  use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state
+  use amontons_restart_file, only: read_restart_state
+  use amontons_driven_loads, only: list_driven, restore_driven
   use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
-  use amontons_dense, only: symmetric_eigen
+  use amontons_dense, only: solve_symmetric_eigen
   use amontons_factorization, only: set_blas_threads, choose_blas_kernels
   implicit none
   private
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
-  integer, parameter :: BLAS_BUFFER = 160          !< what OpenBLAS takes at its first call, and some more [megabytes]
+  integer, parameter :: BLAS_BUFFER_MEGABYTES = 160          !< what OpenBLAS takes at its first call, and some more [megabytes]
 
-  integer, parameter :: SMALL_MODEL = 4000         !< nodes below which threads wait longer for each other than they save
+  integer, parameter :: MIN_NODES_THREADED = 4000         !< nodes below which threads wait longer for each other than they save
 
 contains
 
@@ -58,47 +60,47 @@ contains
   !! (options%is_resumed). With options%is_check it stops before the files.
   !!
   !! Errors: EXIT_DECK, EXIT_SETUP (nothing has been written), EXIT_IO, EXIT_SOLVER.
-  subroutine start_analysis(analysis, options, journal, error)
+  subroutine start_analysis(analysis, options, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(job_options_type), intent(in) :: options
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     analysis%options = options
     allocate (analysis%records(64), analysis%iterations(64))
-    call claim_blas(error)
-    if (.not. allocated(error)) call claim_deck(options, error)
+    call reserve_blas(error)
+    if (.not. allocated(error)) call reserve_deck(options, error)
     if (allocated(error)) return
     call use_threads(options%n_threads)
     if (allocated(options%deck_text)) then
-      call read_deck_text(options%deck_text, options, analysis%model, analysis%complaints, error)
+      call read_deck_text(options%deck_text, options, analysis%model, analysis%diagnostics, error)
     else
-      call read_deck(options, analysis%model, analysis%complaints, error)
+      call read_deck(options, analysis%model, analysis%diagnostics, error)
     end if
-    call journal%complain(analysis%complaints)
+    call logger%show_diagnostics(analysis%diagnostics)
     if (allocated(error)) return
     analysis%options%is_check = options%is_check .or. analysis%model%is_checked_only
-    if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < SMALL_MODEL) analysis%options%n_threads = 1
+    if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < MIN_NODES_THREADED) analysis%options%n_threads = 1
     call use_threads(analysis%options%n_threads)
-    if (.not. analysis%options%is_check) call tell_threads(analysis%options%n_threads, journal)
-    call start_routines(analysis%model, options, error)
+    if (.not. analysis%options%is_check) call log_threads(analysis%options%n_threads, logger)
+    call open_user_routines(analysis%model, options, error)
     if (allocated(error)) return
-    call fasten_model(analysis%model, error)
+    call convert_ties_to_equations(analysis%model, error)
     if (allocated(error)) return
-    call adjust(analysis%model, journal, error)
+    call adjust_initial_contact(analysis%model, logger, error)
     if (allocated(error)) return
-    call change_model(analysis%model, 0)
-    call claim_matrices(analysis%model, error)
+    call apply_model_changes(analysis%model, 0)
+    call reserve_matrices(analysis%model, error)
     if (allocated(error)) return
-    call create_system(analysis%system, analysis%model, analysis%state, error)
-    if (.not. allocated(error)) call start_variables(analysis%model, analysis%state, error)
+    call create_equilibrium(analysis%system, analysis%model, analysis%state, error)
+    if (.not. allocated(error)) call initialize_state_variables(analysis%model, analysis%state, error)
     if (allocated(error)) return
-    if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call audit(analysis, journal, error)
+    if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call check_initial_model(analysis, logger, error)
     if (allocated(error) .or. analysis%options%is_check) return
-    call note_commit(analysis)
+    call save_commit(analysis)
     if (options%is_resumed) then
-      call resume(analysis, journal, error)
+      call resume_from_checkpoint(analysis, logger, error)
     else if (allocated(analysis%model%origin%path)) then
-      call go_on(analysis, journal, error)
+      call continue_from_restart(analysis, logger, error)
     end if
     if (allocated(error)) return
     if (options%has_files .and. .not. options%is_resumed) then
@@ -111,55 +113,55 @@ contains
 
 
   !> ADJUST: slave nodes are moved onto their master, and it is told how many and how far.
-  subroutine adjust(model, journal, error)
+  subroutine adjust_initial_contact(model, logger, error)
     type(model_type), intent(inout) :: model
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     integer :: n_moved
     real(DP) :: largest
-    call adjust_slaves(model, n_moved, largest, error)
+    call adjust_slave_nodes(model, n_moved, largest, error)
     if (allocated(error) .or. n_moved == 0) return
-    call journal%say('ADJUST moved ' // plural(n_moved, 'node') // ' onto the master, at most by ' // text_of(largest) // '.')
-  end subroutine adjust
+    call logger%say('ADJUST moved ' // plural(n_moved, 'node') // ' onto the master, at most by ' // to_text(largest) // '.')
+  end subroutine adjust_initial_contact
 
 
   !> Goes on from the state of another job.
-  subroutine go_on(analysis, journal, error)
+  subroutine continue_from_restart(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     integer(I64), allocatable :: words(:)
     associate (origin => analysis%model%origin)
-      call read_state(origin%path, origin%label, words, error)
+      call read_restart_state(origin%path, origin%label, words, error)
       if (.not. allocated(error)) call unpack_state(origin%path, words, analysis%model, analysis%snapshot, error)
       if (allocated(error)) return
-      if (origin%is_cut) analysis%snapshot%is_step_start = .true.
-      call recall_driven(analysis%drive, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
+      if (origin%is_step_ended) analysis%snapshot%is_step_start = .true.
+      call restore_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
       call rollback_analysis(analysis, error)
       if (allocated(error)) return
-      call journal%say('The job goes on from increment ' // text_of(origin%label%increment) // ' of step ' // &
-        text_of(origin%label%step) // ' in ' // origin%path // ', at time ' // text_of(origin%label%total_time) // '.')
+      call logger%say('The job goes on from increment ' // to_text(origin%label%increment) // ' of step ' // &
+        to_text(origin%label%step) // ' in ' // origin%path // ', at time ' // to_text(origin%label%total_time) // '.')
     end associate
-  end subroutine go_on
+  end subroutine continue_from_restart
 
 
   !> Goes back to the checkpoint.
-  subroutine resume(analysis, journal, error)
+  subroutine resume_from_checkpoint(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     call reopen_files(analysis, error)
     if (allocated(error)) return
-    call recall_driven(analysis%drive, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
+    call restore_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
     call rollback_analysis(analysis, error)
     if (allocated(error)) return
     if (analysis%stepper%step == 0) then
-      call journal%say('The job goes on from its start.')
+      call logger%say('The job goes on from its start.')
     else
-      call journal%say('The job goes on after the checkpoint at time ' // text_of(analysis%stepper%total_time) // &
-        ' in step ' // text_of(analysis%stepper%step) // '.')
+      call logger%say('The job goes on after the checkpoint at time ' // to_text(analysis%stepper%total_time) // &
+        ' in step ' // to_text(analysis%stepper%step) // '.')
     end if
-  end subroutine resume
+  end subroutine resume_from_checkpoint
 
 
   !> Threads of the element loop of this job; without OpenMP nothing happens. The number belongs to the calling thread.
@@ -174,61 +176,61 @@ contains
 
 
   !> The head of the log: the version, and how far results are the same when the job is run again.
-  subroutine tell_threads(n_threads, journal)
+  subroutine log_threads(n_threads, logger)
 !$  use omp_lib, only: omp_get_max_threads
     integer, intent(in) :: n_threads               !< 0: as many as OpenMP has
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     integer :: n
     n = max(1, n_threads)
 !$  n = omp_get_max_threads()
-    call journal%say('Amontons ' // VERSION // ' with ' // plural(n, 'thread') // &
+    call logger%say('Amontons ' // VERSION // ' with ' // plural(n, 'thread') // &
       ': run again so, all results are the same to the last bit; with another number of threads, to 1e-10.')
-  end subroutine tell_threads
+  end subroutine log_threads
 
 
   !> The model's audit on the contact as it stands before the first increment.
-  subroutine audit(analysis, journal, error)
+  subroutine check_initial_model(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
-    type(complaints_type) :: report
+    type(diagnostic_list_type) :: report
     character(:), allocatable :: summary
     if (size(analysis%model%steps) == 0) return
     call begin_increment(analysis%system, analysis%model, analysis%model%steps(1), .true., analysis%state)
-    call audit_model(analysis%model, analysis%system%contact, analysis%state%new%slaves, report, error)
-    call journal%complain(report)
+    call check_model(analysis%model, analysis%system%contact, analysis%state%new%slaves, report, error)
+    call logger%show_diagnostics(report)
     if (analysis%options%is_check) then
-      call audit_summary(analysis%model, analysis%system%contact, analysis%state%new%slaves, summary)
-      call journal%say(summary)
+      call summarize_model(analysis%model, analysis%system%contact, analysis%state%new%slaves, summary)
+      call logger%say(summary)
     end if
-    analysis%at_start = analysis%state%new%slaves
+    analysis%initial_slaves = analysis%state%new%slaves
     call restore_state(analysis%state)
-  end subroutine audit
+  end subroutine check_initial_model
 
 
   !> One increment, with as many attempts as it takes, committed and written.
   !!
   !! Errors: EXIT_NOT_CONVERGED after the last cut-back, EXIT_SETUP for a step whose constraints contradict each other,
   !! EXIT_SOLVER, EXIT_IO. Every converged increment is on disk.
-  subroutine advance_analysis(analysis, journal, is_done, error)
+  subroutine advance_analysis(analysis, logger, is_done, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     logical, intent(out) :: is_done                !< .true.: all steps are done
     type(error_type), allocatable, intent(out) :: error
     integer :: signal
     is_done = is_at_end(analysis)
     if (is_done) return
     analysis%is_trial = .false.
-    call solve_increment(analysis, journal, huge(1.0_DP), error)
+    call solve_increment(analysis, logger, huge(1.0_DP), error)
     if (allocated(error)) return
-    call commit_analysis(analysis, journal, error)
+    call commit_analysis(analysis, logger, error)
     if (allocated(error)) return
     is_done = is_at_end(analysis)
     if (is_done) return
-    signal = stop_signal()
+    signal = pending_stop_signal()
     associate (stepper => analysis%stepper)
-      if (analysis%options%heeds_signals .and. signal /= 0) then
-        call set_error(error, EXIT_NOT_CONVERGED, stop_sentence(analysis))
+      if (analysis%options%handles_signals .and. signal /= 0) then
+        call set_error(error, EXIT_NOT_CONVERGED, signal_message(analysis))
       else if (.not. analysis%is_step_start .and. &
           stepper%increment > analysis%model%steps(stepper%step)%max_increments) then
         call set_error(error, EXIT_NOT_CONVERGED, 'The step needs more increments than INC on its *STEP card allows. ' // &
@@ -242,9 +244,9 @@ contains
   !!
   !! After: without an error the stepper and the committed fields of the state stand at the end of the increment; what
   !! was there at the last commit is in the snapshot. With an error they stand where they stood.
-  subroutine solve_increment(analysis, journal, until, error)
+  subroutine solve_increment(analysis, logger, until, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     real(DP), intent(in) :: until                  !< step time [time]
     type(error_type), allocatable, intent(out) :: error
     integer :: verdict
@@ -253,23 +255,24 @@ contains
     if (allocated(error)) return
     if (analysis%is_step_start) call plan_solver(analysis%system, analysis%model, error)
     if (allocated(error)) return
-    call tell_solver(analysis, journal)
+    call log_solver_choice(analysis, logger)
     associate (step => analysis%model%steps(analysis%stepper%step))
       do
-        dt = min(propose_time(analysis%stepper, step), until - analysis%stepper%step_time)
+        dt = min(propose_increment(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
-        analysis%newton%may_be_cut = may_cut(analysis%stepper, step, dt)
-        if (analysis%newton%may_be_cut .and. analysis%stepper%attempt == 1) call be_patient(analysis%newton%course)
+        analysis%newton%can_be_cut_back = can_cut_back(analysis%stepper, step, dt)
+        if (analysis%newton%can_be_cut_back .and. analysis%stepper%attempt &
+          == 1) call delay_snap_through(analysis%newton%globalization)
         do
-          call iterate_trial(analysis, journal, verdict, error)
+          call iterate_trial(analysis, logger, verdict, error)
           if (allocated(error)) return
-          if (analysis%options%heeds_signals) call heed_signals(analysis, journal, verdict, error)
+          if (analysis%options%handles_signals) call handle_signals(analysis, logger, verdict, error)
           if (allocated(error)) return
-          if (verdict /= VERDICT_GO_ON) exit
+          if (verdict /= VERDICT_CONTINUE) exit
         end do
-        call tell_solver(analysis, journal)
+        call log_solver_choice(analysis, logger)
         if (verdict == VERDICT_CONVERGED) exit
-        call give_back(analysis, step, dt, verdict, journal, error)
+        call reject_attempt(analysis, step, dt, verdict, logger, error)
         if (allocated(error)) return
       end do
     end associate
@@ -277,15 +280,15 @@ contains
 
 
   !> Says how the equations are solved, where that is worth a word.
-  subroutine tell_solver(analysis, journal)
+  subroutine log_solver_choice(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
-    associate (reduced => analysis%system%reduced)
-      if (.not. allocated(reduced%news)) return
-      call journal%say(reduced%news)
-      deallocate (reduced%news)
+    type(logger_type), intent(inout) :: logger
+    associate (reduced => analysis%system%reduced_system)
+      if (.not. allocated(reduced%message)) return
+      call logger%say(reduced%message)
+      deallocate (reduced%message)
     end associate
-  end subroutine tell_solver
+  end subroutine log_solver_choice
 
 
   !> The next step begins if the last one is done.
@@ -294,10 +297,10 @@ contains
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_step_start) return
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
-    call open_step(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
+    call begin_stepping(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
     analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
-    call change_model(analysis%model, analysis%stepper%step)
-    call bear_elements(analysis%model, analysis%stepper%step, analysis%state)
+    call apply_model_changes(analysis%model, analysis%stepper%step)
+    call activate_elements(analysis%model, analysis%stepper%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
   end subroutine enter_step
 
@@ -316,50 +319,50 @@ contains
 
 
   !> One Newton iteration of the attempt. A converged one is accepted: stepper and state stand at its end.
-  subroutine iterate_trial(analysis, journal, verdict, error)
+  subroutine iterate_trial(analysis, logger, verdict, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
     integer :: turn
     associate (step => analysis%model%steps(analysis%stepper%step))
-      turn = leave_turn()                            ! other jobs of the process may read, write and tell meanwhile
+      turn = suspend_lock()                            ! other jobs of the process may read, write and tell meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
-      call resume_turn(turn)
-      if (.not. allocated(error)) call heed_routines(analysis%model, journal, analysis%pnewdt, error)
+      call resume_lock(turn)
+      if (.not. allocated(error)) call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
       if (allocated(error)) return
-      call tell_iteration(analysis, journal)
-      if (verdict == VERDICT_CONVERGED) call accept(analysis, step)
+      call log_iteration(analysis, logger)
+      if (verdict == VERDICT_CONVERGED) call accept_attempt(analysis, step)
     end associate
   end subroutine iterate_trial
 
 
   !> A converged attempt: its forces and works are added up, and the trial fields become the ones to go on from.
-  subroutine accept(analysis, step)
+  subroutine accept_attempt(analysis, step)
     type(analysis_type), intent(inout) :: analysis
     type(step_type), intent(in) :: step
     integer :: outcome
-    real(DP) :: damped
+    real(DP) :: damping_work
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
-      record%n_carried = analysis%newton%course%n_carried
-      record%n_snapped = analysis%newton%course%n_snapped
-      record%story = edge_lines(analysis%model, analysis%state)
-      call close_damping(analysis%system%share, step, analysis%state, damped)
-      call close_ledger(analysis%model, analysis%state, record, damped)
-      call close_record(analysis, record)
+      record%n_proximal = analysis%newton%globalization%n_proximal
+      record%n_snap_through = analysis%newton%globalization%n_snap_through
+      record%report_lines = describe_edge_events(analysis%model, analysis%state)
+      call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)
+      call sum_works(analysis%model, analysis%state, record, damping_work)
+      call complete_record(analysis, record)
       call commit_state(analysis%state)
-      call accept_increment(analysis%stepper, step, record%dt, effort_type(record%n_iterations, record%n_unforeseen, &
-        record%n_cycles), outcome)
-      analysis%is_step_start = outcome == STEP_DONE
+      call accept_increment(analysis%stepper, step, record%dt, attempt_effort_type(record%n_iterations, record%n_status_changes, &
+        record%n_cycles_treated), outcome)
+      analysis%is_step_start = outcome == OUTCOME_STEP_DONE
     end associate
-  end subroutine accept
+  end subroutine accept_attempt
 
 
   !> Commits what was solved since the last commit: the increments go to the files, the fields of the last of them too.
-  subroutine commit_analysis(analysis, journal, error)
+  subroutine commit_analysis(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: start, now, rate
     integer :: first
@@ -368,7 +371,7 @@ contains
     peak = peak_megabytes()
     first = analysis%n_committed + 1
     if (analysis%n_records < first) return
-    call note_commit(analysis)
+    call save_commit(analysis)
     if (analysis%has_files) then
       !$omp critical (result_files)
       call write_committed(analysis, first, error)
@@ -379,19 +382,19 @@ contains
       call system_clock(now, rate)
       record%seconds(PHASE_OUTPUT) = record%seconds(PHASE_OUTPUT) + real(now - start, DP) / real(rate, DP)
       record%megabytes(PHASE_OUTPUT) = record%megabytes(PHASE_OUTPUT) + peak_megabytes() - peak
-      call journal%show_increment(record, done_fraction(analysis))
+      call logger%show_increment(record, done_fraction(analysis))
     end associate
   end subroutine commit_analysis
 
 
   !> Notes the state as the last commit.
-  subroutine note_commit(analysis)
+  subroutine save_commit(analysis)
     type(analysis_type), intent(inout) :: analysis
     analysis%n_committed = analysis%n_records
     call take_snapshot(analysis%snapshot, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
       analysis%is_step_start)
-    call list_driven(analysis%drive, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
-  end subroutine note_commit
+    call list_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
+  end subroutine save_commit
 
 
   !> Everything is as at the last commit, bitwise; what was solved since then is forgotten.
@@ -400,42 +403,42 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%n_records = analysis%n_committed
     analysis%n_iterations = 0
-    call change_model(analysis%model, analysis%snapshot%stepper%step)
-    call put_back(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
+    call apply_model_changes(analysis%model, analysis%snapshot%stepper%step)
+    call restore_snapshot(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
       analysis%is_step_start, error)
-    call recall_amplitudes(analysis%model, analysis%state%old)
+    call restore_user_amplitudes(analysis%model, analysis%state%old)
   end subroutine rollback_analysis
 
 
   !> SIGUSR1: a line that tells where the job is. SIGINT and SIGTERM: the attempt ends here, and with it the job.
-  subroutine heed_signals(analysis, journal, verdict, error)
+  subroutine handle_signals(analysis, logger, verdict, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     integer, intent(in) :: verdict                 !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
     associate (record => analysis%records(analysis%n_records), newton => analysis%newton%record)
-      if (is_status_asked()) call journal%say('Status: step ' // text_of(record%step) // ', increment ' // &
-        text_of(record%increment) // ', attempt ' // text_of(record%attempt) // ', iteration ' // &
-        text_of(newton%iteration) // ': imbalance ' // text_of(newton%residual) // ' of the largest force, time ' // &
-        text_of(record%total_time) // ', ' // text_of(nint(100.0_DP * done_fraction(analysis))) // ' % done.')
-      if (stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
+      if (is_status_requested()) call logger%say('Status: step ' // to_text(record%step) // ', increment ' // &
+        to_text(record%increment) // ', attempt ' // to_text(record%attempt) // ', iteration ' // &
+        to_text(newton%iteration) // ': imbalance ' // to_text(newton%residual) // ' of the largest force, time ' // &
+        to_text(record%total_time) // ', ' // to_text(nint(100.0_DP * done_fraction(analysis))) // ' % done.')
+      if (pending_stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
       record%reason = 'The job was stopped by a signal.'
-      call close_record(analysis, record)
-      call tell_attempt(analysis, journal)
-      call set_error(error, EXIT_NOT_CONVERGED, stop_sentence(analysis))
+      call complete_record(analysis, record)
+      call log_attempt(analysis, logger)
+      call set_error(error, EXIT_NOT_CONVERGED, signal_message(analysis))
     end associate
-  end subroutine heed_signals
+  end subroutine handle_signals
 
 
   !> What is told when a signal has stopped the job.
-  function stop_sentence(analysis) result(sentence)
+  function signal_message(analysis) result(sentence)
     type(analysis_type), intent(in) :: analysis
     character(:), allocatable :: sentence
     integer, parameter :: SIGINT = 2               ! POSIX
-    sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', stop_signal() == SIGINT)) // &
-      ' at time ' // text_of(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
+    sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', pending_stop_signal() == SIGINT)) // &
+      ' at time ' // to_text(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
       '--resume ' // analysis%options%job // ' goes on after them.'
-  end function stop_sentence
+  end function signal_message
 
 
   !> The trial state starts from the committed one, at the time of the end of the increment; counters start from zero.
@@ -443,20 +446,20 @@ contains
     type(analysis_type), intent(inout) :: analysis
     real(DP), intent(in) :: dt                     !< [time]
     call restore_state(analysis%state)
-    analysis%pnewdt = 1.0_DP
+    analysis%smallest_pnewdt = 1.0_DP
     analysis%state%new%step_time = analysis%stepper%step_time + dt
     analysis%state%new%total_time = analysis%stepper%total_time + dt
     analysis%state%new%step = analysis%stepper%step
     analysis%state%new%increment = analysis%stepper%increment
     analysis%state%new%time_increment = dt
-    call ask_amplitudes(analysis%model, analysis%state)
+    call update_user_amplitudes(analysis%model, analysis%state)
     analysis%system%seconds = 0.0_DP
     analysis%system%megabytes = 0.0_DP
     analysis%system%n_factorisations = 0
     analysis%system%n_krylov = 0
     call system_clock(analysis%clock)
     analysis%n_records = analysis%n_records + 1
-    if (analysis%n_records > size(analysis%records)) call double(analysis%records)
+    if (analysis%n_records > size(analysis%records)) call enlarge_records(analysis%records)
     analysis%records(analysis%n_records) = increment_record_type(step=analysis%stepper%step, &
       increment=analysis%stepper%increment, attempt=analysis%stepper%attempt, n_cutbacks=analysis%stepper%attempt - 1, &
       dt=dt, step_time=analysis%state%new%step_time, total_time=analysis%state%new%total_time, reason='')
@@ -464,19 +467,19 @@ contains
 
 
   !> Room for twice as many records.
-  subroutine double(records)
+  subroutine enlarge_records(records)
     type(increment_record_type), allocatable, intent(inout) :: records(:)
     type(increment_record_type), allocatable :: larger(:)
     allocate (larger(2 * size(records)))
     larger(:size(records)) = records
     call move_alloc(larger, records)
-  end subroutine double
+  end subroutine enlarge_records
 
 
   !> Iteration to the screen, to .cvg and to the list for the iteration table; its counts into the record of the attempt.
-  subroutine tell_iteration(analysis, journal)
+  subroutine log_iteration(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     associate (record => analysis%newton%record, total => analysis%records(analysis%n_records))
       if (record%iteration == 0) return            ! no iteration was completed
       record%step = total%step
@@ -486,78 +489,80 @@ contains
       total%n_status = record%n_status
       total%n_scenario = total%n_scenario + record%n_scenario
       total%smallest_step_length = min(total%smallest_step_length, record%step_length)
-      total%n_cycles = analysis%newton%n_cycles
-      total%n_unforeseen = n_changed_since_first(analysis%newton%forensics)
+      total%n_cycles_treated = analysis%newton%n_cycles_treated
+      total%n_status_changes = count_changed_statuses(analysis%newton%active_set_history)
       total%residual = record%residual
       total%correction = record%correction
-      call journal%show_iteration(record)
+      call logger%show_iteration(record)
       analysis%n_iterations = analysis%n_iterations + 1
       if (analysis%n_iterations > size(analysis%iterations)) then
         analysis%iterations = [analysis%iterations, analysis%iterations]
       end if
       analysis%iterations(analysis%n_iterations) = record
-      if (analysis%has_files .and. .not. analysis%is_trial) call print_iteration(analysis%printed, record)
+      if (analysis%has_files .and. .not. analysis%is_trial) call print_iteration(analysis%text_output, record)
     end associate
-  end subroutine tell_iteration
+  end subroutine log_iteration
 
 
   !> A failed attempt: tell it, go back to the committed state, cut back or give up.
-  subroutine give_back(analysis, step, dt, verdict, journal, error)
+  subroutine reject_attempt(analysis, step, dt, verdict, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< [time]
     integer, intent(in) :: verdict                 !< VERDICT_...
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     integer :: outcome
-    character(120) :: place
+    character(120) :: location
     associate (record => analysis%records(analysis%n_records))
-      record%reason = failure_reason(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
-      if (analysis%pnewdt < 1.0_DP) record%reason = 'A user routine asks for a smaller increment: PNEWDT is ' // &
-        text_of(analysis%pnewdt) // '.'
-      call close_record(analysis, record)
+      record%reason = diagnose_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
+      if (analysis%smallest_pnewdt < 1.0_DP) record%reason = 'A user routine asks for a smaller increment: PNEWDT is ' // &
+        to_text(analysis%smallest_pnewdt) // '.'
+      call complete_record(analysis, record)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
-      if (analysis%pnewdt < 1.0_DP .and. outcome == CUT_BACK) analysis%stepper%dt = max(step%dt_min, analysis%pnewdt * dt)
-      if (is_free_for_good(analysis%records(:analysis%n_records))) outcome = GIVE_UP
-      record%story = failure_lines(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason)
-      if (outcome /= CUT_BACK) record%story = [failed_attempts(analysis%records(:analysis%n_records)), record%story]
-      call tell_attempt(analysis, journal)
-      if (outcome /= CUT_BACK) then
-        write (place, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
+      if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepper%dt = max(step%dt_min, &
+        analysis%smallest_pnewdt * dt)
+      if (is_always_unsupported(analysis%records(:analysis%n_records))) outcome = OUTCOME_GIVE_UP
+      record%report_lines = describe_failure(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason)
+      if (outcome /= OUTCOME_CUT_BACK) record%report_lines = [summarize_attempts(analysis%records(:analysis%n_records)), &
+        record%report_lines]
+      call log_attempt(analysis, logger)
+      if (outcome /= OUTCOME_CUT_BACK) then
+        write (location, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '
-        call journal%explain(trim(place) // ' ' // record%reason, record%story)
-        call set_error(error, EXIT_NOT_CONVERGED, trim(place) // ' ' // record%reason // trim(merge( &
+        call logger%show_report(trim(location) // ' ' // record%reason, record%report_lines)
+        call set_error(error, EXIT_NOT_CONVERGED, trim(location) // ' ' // record%reason // trim(merge( &
           ' A smaller increment does not hold it.', ' No smaller increment is allowed.     ', &
-          is_free_for_good(analysis%records(:analysis%n_records)))) // ' All converged increments are on disk.')
+          is_always_unsupported(analysis%records(:analysis%n_records)))) // ' All converged increments are on disk.')
       end if
     end associate
     call restore_state(analysis%state)
-  end subroutine give_back
+  end subroutine reject_attempt
 
 
   !> A failed attempt to the screen and to .sta.
-  subroutine tell_attempt(analysis, journal)
+  subroutine log_attempt(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     associate (record => analysis%records(analysis%n_records))
-      call journal%show_increment(record, done_fraction(analysis))
-      if (analysis%has_files .and. .not. analysis%is_trial) call print_increment(analysis%printed, record)
+      call logger%show_increment(record, done_fraction(analysis))
+      if (analysis%has_files .and. .not. analysis%is_trial) call print_increment(analysis%text_output, record)
     end associate
-  end subroutine tell_attempt
+  end subroutine log_attempt
 
 
   !> Slip, work and the sums of the forces of a converged increment.
-  subroutine close_ledger(model, state, record, damped)
+  subroutine sum_works(model, state, record, damping_work)
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
-    real(DP), intent(in) :: damped                 !< work of damping forces, which are among the applied ones [energy]
+    real(DP), intent(in) :: damping_work                 !< work of damping forces, which are among the applied ones [energy]
     integer :: s
-    call commit_slip(state%old, state%new)
-    associate (old => state%old, new => state%new, is_abstract => model%mesh%is_abstract)
+    call accumulate_slip(state%old, state%new)
+    associate (old => state%old, new => state%new, is_abstract => model%mesh%is_auxiliary)
       call add_inelastic_work(model, old, new)
       new%external_work = old%external_work + 0.5_DP * sum((new%u - old%u) * &
-        (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force)) - damped
+        (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force)) - damping_work
       record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%reaction_force = sum(new%reaction_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%contact_force = sum(new%contact_force, dim=2)
@@ -567,18 +572,18 @@ contains
       end do
       record%external_work = new%external_work
       record%friction_work = new%friction_work
-      record%carried_work = new%carried_work
-      record%damped_work = new%damped_work
+      record%proximal_work = new%proximal_work
+      record%stabilization_work = new%stabilization_work
       record%plastic_work = new%plastic_work
-      record%carried_now = new%carried_work - old%carried_work
+      record%proximal_work_increment = new%proximal_work - old%proximal_work
       record%strain_energy = sum(new%energy * new%volume)
       record%contact_energy = sum(new%slaves%energy)
     end associate
-  end subroutine close_ledger
+  end subroutine sum_works
 
 
   !> Counters and seconds of the attempt.
-  subroutine close_record(analysis, record)
+  subroutine complete_record(analysis, record)
     type(analysis_type), intent(in) :: analysis
     type(increment_record_type), intent(inout) :: record
     integer(I64) :: now, rate
@@ -588,7 +593,7 @@ contains
     record%seconds = analysis%system%seconds
     record%megabytes = analysis%system%megabytes
     record%seconds(PHASE_OTHER) = max(0.0_DP, real(now - analysis%clock, DP) / real(rate, DP) - sum(record%seconds))
-  end subroutine close_record
+  end subroutine complete_record
 
 
   !> How much of the time of all steps is done.
@@ -601,13 +606,13 @@ contains
 
 
   !> Closes the files and prints the table. May be called after any error.
-  subroutine finish_analysis(analysis, journal, error)
+  subroutine finish_analysis(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_open) return
     analysis%is_open = .false.
-    call journal%show_summary(analysis%records(:analysis%n_records))
+    call logger%show_summary(analysis%records(:analysis%n_records))
     if (.not. analysis%has_files) return
     analysis%has_files = .false.
     !$omp critical (result_files)
@@ -618,24 +623,24 @@ contains
 
   !> Kernels of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room. It works with
   !! one thread: threads share what is above it, and its own, which wait by asking, would only be in their way.
-  subroutine claim_blas(error)
+  subroutine reserve_blas(error)
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: kernels
     real(DP) :: values(2), vectors(2, 2)
     integer :: unused
     call choose_blas_kernels(kernels)
     call set_blas_threads(1)
-    if (has_memory(BLAS_BUFFER)) then
-      call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
+    if (has_memory(BLAS_BUFFER_MEGABYTES)) then
+      call solve_symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
     else
-      call set_error(error, EXIT_SOLVER, 'There is not enough memory to begin: ' // text_of(BLAS_BUFFER) // &
+      call set_error(error, EXIT_SOLVER, 'There is not enough memory to begin: ' // to_text(BLAS_BUFFER_MEGABYTES) // &
         ' megabytes are wanted.')
     end if
-  end subroutine claim_blas
+  end subroutine reserve_blas
 
 
   !> Room for the text of a deck and what is made of it. Asked for at once, so that a lack of memory is told and ends no process.
-  subroutine claim_deck(options, error)
+  subroutine reserve_deck(options, error)
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
     integer(I64), parameter :: COPIES = 4            ! the text, its lines and fields, the mesh
@@ -646,13 +651,13 @@ contains
     else if (allocated(options%deck)) then
       inquire (file=options%deck, size=n_bytes)
     end if
-    call claim('read the deck', COPIES * max(0_I64, n_bytes), error)
-  end subroutine claim_deck
+    call reserve_memory('read the deck', COPIES * max(0_I64, n_bytes), error)
+  end subroutine reserve_deck
 
 
   !> Room for what a model of this size has at least beside its factor, which is asked for later: places and entries of the
   !! stiffness and of one more matrix, stresses and histories of three states.
-  subroutine claim_matrices(model, error)
+  subroutine reserve_matrices(model, error)
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: n_pairs, n_bytes
@@ -665,12 +670,12 @@ contains
       end do
       n_bytes = 40 * n_pairs + 3 * 8 * 14 * int(mesh%n_points, I64) + 3 * 8 * 24 * int(mesh%n_nodes, I64)
     end associate
-    call claim('solve a model of this size', n_bytes, error)
-  end subroutine claim_matrices
+    call reserve_memory('solve a model of this size', n_bytes, error)
+  end subroutine reserve_matrices
 
 
   !> Whether so much memory can be had at once. Errors: EXIT_SOLVER.
-  subroutine claim(what, n_bytes, error)
+  subroutine reserve_memory(what, n_bytes, error)
     character(*), intent(in) :: what                 !< to follow 'to'
     integer(I64), intent(in) :: n_bytes
     type(error_type), allocatable, intent(out) :: error
@@ -678,7 +683,7 @@ contains
     integer :: megabytes
     megabytes = int(min(n_bytes / MEGABYTE, int(huge(1), I64))) + 1
     if (.not. has_memory(megabytes)) call set_error(error, EXIT_SOLVER, 'There is not enough memory to ' // what // &
-      ': at least ' // text_of(megabytes) // ' megabytes are wanted.')
-  end subroutine claim
+      ': at least ' // to_text(megabytes) // ' megabytes are wanted.')
+  end subroutine reserve_memory
 
 end module amontons_analysis

@@ -4,15 +4,15 @@ module amontons_c_interface
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, &
     c_int32_t, c_int64_t, c_loc, c_null_char, c_null_ptr, c_ptr
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_SOLVER
-  use amontons_text, only: squeezed, NEWLINE
-  use amontons_posix, only: turn_type, take_turn
+  use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_SOLVER
+  use amontons_text, only: name_key, NEWLINE
+  use amontons_posix, only: process_lock_type, acquire_lock
   use amontons_version, only: VERSION
   use amontons_model, only: DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_sparse, only: sparse_type
-  use amontons_library, only: job_type, job_options_type, listener_type, open_job, advance_job, advance_job_to, try_job, &
+  use amontons_library, only: job_type, job_options_type, log_sink_type, open_job, advance_job, advance_job_to, try_job, &
     begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix, classify_slip_scenarios, friction_limit, slip_point_type, slip_controls_type, slip_verdict_type, &
+    get_names, get_matrix, classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, slip_result_type, &
     STATUS_STICK, STATUS_SLIP, NO_FRICTION_LIMIT
   implicit none
   private
@@ -35,11 +35,11 @@ module amontons_c_interface
   end type handle_type
 
   !> Hands the lines of the journal to a function of the caller.
-  type, extends(listener_type) :: c_listener_type
+  type, extends(log_sink_type) :: c_listener_type
     type(c_funptr) :: log
     type(c_ptr) :: context = c_null_ptr
   contains
-    procedure :: hear => hand_on
+    procedure :: write_lines => forward_lines
   end type c_listener_type
 
   abstract interface
@@ -82,8 +82,8 @@ contains
     integer(c_int32_t), intent(out), optional :: verdicts(2, n)   !< scenario and state
     real(c_double), intent(out), optional :: alpha(n)   !< [-]
     type(slip_controls_type) :: bounds
-    type(slip_point_type), allocatable :: at(:, :)   ! (n, 2) at u and at u + d
-    type(slip_verdict_type), allocatable :: found(:)
+    type(slip_state_type), allocatable :: at(:, :)   ! (n, 2) at u and at u + d
+    type(slip_result_type), allocatable :: found(:)
     real(DP) :: slip_zero
     integer :: i, k
     status = EXIT_USAGE
@@ -97,7 +97,7 @@ contains
     end if
     do k = 1, 2
       do i = 1, int(n)
-        at(i, k) = slip_point_type(STATUS_SLIP, normal_force(i, k), Rt(:, i, k), &
+        at(i, k) = slip_state_type(STATUS_SLIP, normal_force(i, k), Rt(:, i, k), &
           friction_limit(mu(i), max(normal_force(i, k), 0.0_DP), NO_FRICTION_LIMIT), slip(:, i, k), slip_zero)
       end do
     end do
@@ -105,19 +105,19 @@ contains
     if (present(verdicts)) verdicts = transpose(reshape([found%scenario, &
       merge(STATUS_STICK, found%status, found%becomes_stick)], [size(found), 2]))
     if (present(alpha)) alpha = found%alpha
-    status = EXIT_DONE
+    status = EXIT_SUCCESS
   end function capi_classify
 
 
   !> The version of the program, cut off to the room there is.
-  subroutine capi_version(text, room) bind(C, name='amontons_version')
-    integer(c_int), value :: room                  !< characters, the ending 0 included
-    character(kind=c_char), intent(out) :: text(room)
+  subroutine capi_version(text, buffer_size) bind(C, name='amontons_version')
+    integer(c_int), value :: buffer_size                  !< characters, the ending 0 included
+    character(kind=c_char), intent(out) :: text(buffer_size)
     integer :: i
-    do i = 1, min(room - 1, len(VERSION))
+    do i = 1, min(buffer_size - 1, len(VERSION))
       text(i) = VERSION(i:i)
     end do
-    if (room > 0) text(min(room, len(VERSION) + 1)) = c_null_char
+    if (buffer_size > 0) text(min(buffer_size, len(VERSION) + 1)) = c_null_char
   end subroutine capi_version
 
 
@@ -131,8 +131,8 @@ contains
     type(c_listener_type) :: listener
     type(error_type), allocatable :: error
     integer :: no_memory
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     status = EXIT_USAGE
     if (.not. present(handle)) return
     handle = c_null_ptr
@@ -142,7 +142,7 @@ contains
     status = EXIT_SOLVER
     if (no_memory /= 0) return
     handle = c_loc(self)
-    call take_options(given, wanted, error)
+    call convert_options(given, wanted, error)
     if (.not. allocated(error)) then
       listener%log = given%log
       listener%context = given%context
@@ -152,12 +152,12 @@ contains
         call open_job(self%job, wanted, error)
       end if
     end if
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_open
 
 
   !> Options of C in ours. Errors: another binary interface, an unknown dialect.
-  subroutine take_options(options, wanted, error)
+  subroutine convert_options(options, wanted, error)
     type(options_type), intent(in) :: options
     type(job_options_type), intent(inout) :: wanted
     type(error_type), allocatable, intent(out) :: error
@@ -178,7 +178,7 @@ contains
     wanted%has_files = options%has_files /= 0 .or. wanted%is_guarded .or. wanted%is_resumed
     wanted%is_check = options%is_check /= 0
     if (.not. c_associated(options%dialect)) return
-    select case (squeezed(text_at(options%dialect)))
+    select case (name_key(text_at(options%dialect)))
     case ('ABAQUS')
       wanted%dialect = DIALECT_ABAQUS
     case ('CALCULIX')
@@ -186,7 +186,7 @@ contains
     case default
       call set_error(error, EXIT_USAGE, 'The dialect can be abaqus or calculix.')
     end select
-  end subroutine take_options
+  end subroutine convert_options
 
 
   !> Ends a job and gives its memory back.
@@ -230,9 +230,9 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call advance_job(self%job, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_advance
 
 
@@ -242,9 +242,9 @@ contains
     real(c_double), value :: total_time            !< [time]
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call advance_job_to(self%job, total_time, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_advance_to
 
 
@@ -254,9 +254,9 @@ contains
     real(c_double), value :: dt                    !< [time]
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call try_job(self%job, dt, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_try
 
 
@@ -266,9 +266,9 @@ contains
     real(c_double), value :: dt                    !< [time]
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call begin_job(self%job, dt, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_begin
 
 
@@ -280,10 +280,10 @@ contains
     type(error_type), allocatable :: error
     integer :: found
     if (present(verdict)) verdict = 0
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call iterate_job(self%job, found, error)
     if (present(verdict)) verdict = found
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_iterate
 
 
@@ -292,9 +292,9 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call commit_job(self%job, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_commit
 
 
@@ -303,9 +303,9 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call rollback_job(self%job, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_rollback
 
 
@@ -314,9 +314,9 @@ contains
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call finish_job(self%job, error)
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_finish
 
 
@@ -331,11 +331,11 @@ contains
     type(error_type), allocatable :: error
     real(DP), allocatable :: found(:, :)
     real(c_double), pointer :: target(:, :)
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (present(rows)) rows = 0
     if (present(columns)) columns = 0
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call get_values(self%job, text_at(quantity), text_at(set), found, error)
     if (.not. allocated(error)) then
       if (present(columns)) columns = size(found, 1, kind=c_int64_t)
@@ -347,7 +347,7 @@ contains
         target = found
       end if
     end if
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_get
 
 
@@ -359,39 +359,39 @@ contains
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
     real(c_double), pointer :: given(:)
-    type(turn_type) :: turn
-    call take_turn(turn)
-    if (.not. is_found(handle, self, status)) return
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
+    if (.not. is_handle_valid(handle, self, status)) return
     if (n <= 0 .or. .not. c_associated(values)) then
       call set_error(error, EXIT_USAGE, 'No values of ' // text_at(quantity) // ' are given.')
     else
       call c_f_pointer(values, given, [n])
       call set_values(self%job, text_at(quantity), text_at(set), given, error)
     end if
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_set
 
 
   !> The names of a kind, one in a line, ended by 0; with text = NULL only the room that they need, the 0 included.
-  integer(c_int) function capi_names(handle, kind, text, room, needed) bind(C, name='amontons_names') result(status)
+  integer(c_int) function capi_names(handle, kind, text, buffer_size, needed) bind(C, name='amontons_names') result(status)
     type(c_ptr), value :: handle, kind
     type(c_ptr), value :: text                     !< char[room], or NULL
-    integer(c_int64_t), value :: room
+    integer(c_int64_t), value :: buffer_size
     integer(c_int64_t), intent(out), optional :: needed
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
     character(:), allocatable :: names(:)
     character(kind=c_char), pointer :: letters(:)
     integer :: i, at
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (present(needed)) needed = 0
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call get_names(self%job, text_at(kind), names, error)
     if (.not. allocated(error)) then
       at = max(1, sum(len_trim(names) + 1))
       if (present(needed)) needed = int(at, c_int64_t)
-      if (c_associated(text) .and. room < int(at, c_int64_t)) then
+      if (c_associated(text) .and. buffer_size < int(at, c_int64_t)) then
         call set_error(error, EXIT_USAGE, 'There is not enough room for the names of ' // text_at(kind) // '.')
       else if (c_associated(text)) then
         call c_f_pointer(text, letters, [at])
@@ -403,7 +403,7 @@ contains
         letters(max(1, at)) = c_null_char
       end if
     end if
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_names
 
 
@@ -414,19 +414,19 @@ contains
     integer(c_int64_t), intent(out), optional :: rows, columns, entries
     type(handle_type), pointer :: self
     type(error_type), allocatable :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (present(rows)) rows = 0
     if (present(columns)) columns = 0
     if (present(entries)) entries = 0
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     call get_matrix(self%job, text_at(name), self%matrix, self%residual, error)
     if (.not. allocated(error)) then
       if (present(rows)) rows = int(self%matrix%n_rows, c_int64_t)
       if (present(columns)) columns = int(self%matrix%n_columns, c_int64_t)
       if (present(entries)) entries = size(self%matrix%value, kind=c_int64_t)
     end if
-    status = told(self, error)
+    status = status_of(self, error)
   end function capi_matrix
 
 
@@ -438,13 +438,13 @@ contains
     integer(c_int64_t), intent(out), optional :: column(*)   !< (entries), from 0
     real(c_double), intent(out), optional :: values(*)       !< (entries)
     type(handle_type), pointer :: self
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     status = EXIT_USAGE
     if (.not. allocated(self%matrix%first)) return
     if (present(first)) first(:size(self%matrix%first)) = int(self%matrix%first, c_int64_t) - 1_c_int64_t
     if (present(column)) column(:size(self%matrix%column)) = int(self%matrix%column, c_int64_t) - 1_c_int64_t
     if (present(values)) values(:size(self%matrix%value)) = self%matrix%value
-    status = EXIT_DONE
+    status = EXIT_SUCCESS
   end function capi_matrix_copy
 
 
@@ -453,36 +453,36 @@ contains
     type(c_ptr), value :: handle
     real(c_double), intent(out), optional :: values(*)   !< (free unknowns) [force]
     type(handle_type), pointer :: self
-    if (.not. is_found(handle, self, status)) return
+    if (.not. is_handle_valid(handle, self, status)) return
     status = EXIT_USAGE
     if (.not. allocated(self%residual)) return
     if (present(values)) values(:size(self%residual)) = self%residual
-    status = EXIT_DONE
+    status = EXIT_SUCCESS
   end function capi_residual_copy
 
 
   !> What a handle points to: what every verb asks first. There is nothing behind NULL.
-  logical function is_found(handle, self, status)
+  logical function is_handle_valid(handle, self, status)
     type(c_ptr), intent(in) :: handle
     type(handle_type), pointer, intent(out) :: self
     integer(c_int), intent(out) :: status          !< EXIT_USAGE if there is nothing
     nullify (self)
-    status = EXIT_DONE
-    is_found = c_associated(handle)
-    if (is_found) call c_f_pointer(handle, self)
-    if (.not. is_found) status = EXIT_USAGE
-  end function is_found
+    status = EXIT_SUCCESS
+    is_handle_valid = c_associated(handle)
+    if (is_handle_valid) call c_f_pointer(handle, self)
+    if (.not. is_handle_valid) status = EXIT_USAGE
+  end function is_handle_valid
 
 
   !> The status of a verb; the message of an error is kept.
-  integer(c_int) function told(self, error) result(status)
+  integer(c_int) function status_of(self, error) result(status)
     type(handle_type), intent(inout) :: self
     type(error_type), allocatable, intent(in) :: error
-    status = EXIT_DONE
+    status = EXIT_SUCCESS
     if (.not. allocated(error)) return
     status = error%code
     call keep_message(self, error%message)
-  end function told
+  end function status_of
 
 
   !> Keeps a message for C.
@@ -518,7 +518,7 @@ contains
 
 
   !> Hands lines on one by one.
-  subroutine hand_on(self, text)
+  subroutine forward_lines(self, text)
     class(c_listener_type), intent(inout) :: self
     character(*), intent(in) :: text
     procedure(log_function), pointer :: log
@@ -532,6 +532,6 @@ contains
       first = first + length + 1
     end do
     call log(self%context, text(first:) // c_null_char)
-  end subroutine hand_on
+  end subroutine forward_lines
 
 end module amontons_c_interface

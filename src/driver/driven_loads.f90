@@ -7,39 +7,39 @@
 module amontons_driven_loads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
-  use amontons_text, only: text_of
+  use amontons_text, only: to_text
   use amontons_loads, only: amplitude_type, amplitude_value, load_value, load_type, prescribed_type, concentrated_type, &
     distributed_type, temperature_type, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
   implicit none
   private
-  public :: drive_type, set_driven, set_friction, loads_now, arm_drives, settle_drives, list_driven, recall_driven
-  public :: DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, DRIVE_TEMPERATURE
+  public :: driven_loads_type, set_driven, set_friction, current_loads, activate_driven, finish_driven, list_driven, restore_driven
+  public :: DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, DRIVEN_TEMPERATURE
 
-  integer, parameter :: DRIVE_FORCE = 1            !< item: 3 (node - 1) + dof
-  integer, parameter :: DRIVE_DISPLACEMENT = 2     !< item: the same
-  integer, parameter :: DRIVE_PRESSURE = 3         !< item: 6 (element - 1) + face
-  integer, parameter :: DRIVE_TEMPERATURE = 4      !< item: node
-  integer, parameter :: N_DRIVES = 4
-  integer, parameter :: N_NUMBERS = 8              !< of one driven value in a checkpoint
+  integer, parameter :: DRIVEN_FORCE = 1            !< item: 3 (node - 1) + dof
+  integer, parameter :: DRIVEN_DISPLACEMENT = 2     !< item: the same
+  integer, parameter :: DRIVEN_PRESSURE = 3         !< item: 6 (element - 1) + face
+  integer, parameter :: DRIVEN_TEMPERATURE = 4      !< item: node
+  integer, parameter :: N_DRIVEN_KINDS = 4
+  integer, parameter :: N_ENTRY_NUMBERS = 8              !< of one driven value in a checkpoint
 
   !> One driven value.
-  type :: entry_type
+  type :: driven_entry_type
     integer :: kind = 0                            !< DRIVE_...
     integer :: item = 0
     integer :: amplitude = 0                       !< index into model%amplitudes
     real(DP) :: target = 0                         !< [force], [length] or [stress]
     logical :: is_pending = .false.                !< the target is set and no increment towards it is committed
-    logical :: is_armed = .false.                  !< the amplitude runs to the target
-  end type entry_type
+    logical :: is_active = .false.                  !< the amplitude runs to the target
+  end type driven_entry_type
 
   !> All that is driven in a job.
-  type :: drive_type
-    type(entry_type), allocatable :: entries(:)
-    integer, allocatable :: place(:, :)            !< (items, N_DRIVES) index into entries, 0: not driven
+  type :: driven_loads_type
+    type(driven_entry_type), allocatable :: entries(:)
+    integer, allocatable :: entry_index(:, :)            !< (items, N_DRIVEN_KINDS) index into entries, 0: not driven
     real(DP), allocatable :: friction(:)           !< (n_interactions) coefficient that was set; negative: the deck's [-]
-  end type drive_type
+  end type driven_loads_type
 
   !> Position in a list of new items.
   interface order_of
@@ -51,8 +51,8 @@ contains
   !> Sets the values of some items.
   !!
   !! Errors (EXIT_USAGE): a displacement that the deck does not prescribe in the step that runs.
-  subroutine set_driven(drive, model, i_step, kind, items, values, now, error)
-    type(drive_type), intent(inout) :: drive
+  subroutine set_driven(driven_loads, model, i_step, kind, items, values, now, error)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(inout) :: model
     integer, intent(in) :: i_step                  !< step that runs, or the first
     integer, intent(in) :: kind                    !< DRIVE_...
@@ -61,41 +61,41 @@ contains
     real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements and temperatures the values now
     type(error_type), allocatable, intent(out) :: error
     integer :: i
-    call make_room(drive, model)
-    if (kind == DRIVE_TEMPERATURE) call check_temperature(model, error)
-    if (kind == DRIVE_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
+    call allocate_entries(driven_loads, model)
+    if (kind == DRIVEN_TEMPERATURE) call check_temperature(model, error)
+    if (kind == DRIVEN_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
     if (allocated(error)) return
-    call add_entries(drive, model, i_step, kind, pack(items, drive%place(items, kind) == 0), &
-      pack([(i, i=1, size(items))], drive%place(items, kind) == 0), now)
+    call add_entries(driven_loads, model, i_step, kind, pack(items, driven_loads%entry_index(items, kind) == 0), &
+      pack([(i, i=1, size(items))], driven_loads%entry_index(items, kind) == 0), now)
     do i = 1, size(items)
-      associate (entry => drive%entries(drive%place(items(i), kind)))
+      associate (entry => driven_loads%entries(driven_loads%entry_index(items(i), kind)))
         entry%target = values(i)
         entry%is_pending = .true.
-        entry%is_armed = .false.
+        entry%is_active = .false.
       end associate
     end do
   end subroutine set_driven
 
 
   !> Room for what is driven.
-  subroutine make_room(drive, model)
-    type(drive_type), intent(inout) :: drive
+  subroutine allocate_entries(driven_loads, model)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
-    if (allocated(drive%entries)) return
-    allocate (drive%entries(0))
-    allocate (drive%place(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVES), source=0)
-  end subroutine make_room
+    if (allocated(driven_loads%entries)) return
+    allocate (driven_loads%entries(0))
+    allocate (driven_loads%entry_index(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements), N_DRIVEN_KINDS), source=0)
+  end subroutine allocate_entries
 
 
   !> Sets the coefficient of friction of an interaction, at once and for all steps that follow.
-  subroutine set_friction(drive, model, i, mu)
-    type(drive_type), intent(inout) :: drive
+  subroutine set_friction(driven_loads, model, i, mu)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(inout) :: model
     integer, intent(in) :: i                       !< interaction
     real(DP), intent(in) :: mu                     !< [-]
     integer :: k
-    if (.not. allocated(drive%friction)) allocate (drive%friction(size(model%interactions)), source=-1.0_DP)
-    drive%friction(i) = mu
+    if (.not. allocated(driven_loads%friction)) allocate (driven_loads%friction(size(model%interactions)), source=-1.0_DP)
+    driven_loads%friction(i) = mu
     model%interactions(i)%friction = mu
     do k = 1, size(model%steps)
       if (allocated(model%steps(k)%interactions)) model%steps(k)%interactions(i)%friction = mu
@@ -105,8 +105,8 @@ contains
 
   !> All that is driven, as numbers for a checkpoint: what stands after the commit that is under way. (8, n): kind,
   !! item, target, whether it is pending, two times, two factors.
-  pure subroutine list_driven(drive, model, driven, friction)
-    type(drive_type), intent(in) :: drive
+  pure subroutine list_driven(driven_loads, model, driven, friction)
+    type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
     real(DP), allocatable, intent(inout) :: driven(:, :)  !< (8, n)
     real(DP), allocatable, intent(inout) :: friction(:)   !< (n_interactions) negative: the deck's
@@ -114,32 +114,32 @@ contains
     if (allocated(driven)) deallocate (driven)
     if (allocated(friction)) deallocate (friction)
     n = 0
-    if (allocated(drive%entries)) n = size(drive%entries)
-    allocate (driven(N_NUMBERS, n), friction(size(model%interactions)))
+    if (allocated(driven_loads%entries)) n = size(driven_loads%entries)
+    allocate (driven(N_ENTRY_NUMBERS, n), friction(size(model%interactions)))
     friction = -1
-    if (allocated(drive%friction)) friction = drive%friction
+    if (allocated(driven_loads%friction)) friction = driven_loads%friction
     do i = 1, n
-      associate (entry => drive%entries(i), amplitude => model%amplitudes(drive%entries(i)%amplitude))
+      associate (entry => driven_loads%entries(i), amplitude => model%amplitudes(driven_loads%entries(i)%amplitude))
         driven(:, i) = [real([entry%kind, entry%item], DP), entry%target, &
-          merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_armed), amplitude%time, amplitude%factor]
+          merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_active), amplitude%time, amplitude%factor]
       end associate
     end do
   end subroutine list_driven
 
 
   !> Drives a model that is as the deck says it as a checkpoint says it.
-  subroutine recall_driven(drive, model, driven, friction)
-    type(drive_type), intent(inout) :: drive
+  subroutine restore_driven(driven_loads, model, driven, friction)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(inout) :: model
     real(DP), intent(in) :: driven(:, :)           !< (8, n) as list_driven gives it
     real(DP), intent(in) :: friction(:)            !< (n_interactions) negative: the deck's [-]
     integer, allocatable :: kinds(:), items(:)
     integer :: first, last, i
     do i = 1, size(friction)
-      if (friction(i) >= 0) call set_friction(drive, model, i, friction(i))
+      if (friction(i) >= 0) call set_friction(driven_loads, model, i, friction(i))
     end do
     if (size(driven, 2) == 0) return
-    call make_room(drive, model)
+    call allocate_entries(driven_loads, model)
     kinds = nint(driven(1, :))
     items = nint(driven(2, :))
     first = 1
@@ -149,19 +149,19 @@ contains
         if (kinds(last + 1) /= kinds(first)) exit
         last = last + 1
       end do
-      call add_entries(drive, model, 1, kinds(first), items(first:last), [(i, i=1, last - first + 1)], &
+      call add_entries(driven_loads, model, 1, kinds(first), items(first:last), [(i, i=1, last - first + 1)], &
         [(0.0_DP, i=1, last - first + 3)])
       first = last + 1
     end do
     do i = 1, size(kinds)
-      associate (entry => drive%entries(i), amplitude => model%amplitudes(drive%entries(i)%amplitude))
+      associate (entry => driven_loads%entries(i), amplitude => model%amplitudes(driven_loads%entries(i)%amplitude))
         entry%target = driven(3, i)
         entry%is_pending = driven(4, i) > 0
         amplitude%time = driven(5:6, i)
         amplitude%factor = driven(7:8, i)
       end associate
     end do
-  end subroutine recall_driven
+  end subroutine restore_driven
 
 
   !> Without temperatures in the deck the materials have no expansion.
@@ -179,21 +179,21 @@ contains
     type(step_type), intent(in) :: step
     integer, intent(in) :: items(:)
     type(error_type), allocatable, intent(out) :: error
-    logical, allocatable :: is_there(:)
+    logical, allocatable :: is_prescribed(:)
     integer :: i
-    allocate (is_there(3 * model%mesh%n_nodes), source=.false.)
-    is_there(3 * (step%prescribed%node - 1) + step%prescribed%dof) = .true.
-    if (all(is_there(items))) return
-    i = findloc(is_there(items), .false., dim=1)
-    call set_error(error, EXIT_USAGE, 'The displacement of node ' // text_of(model%mesh%node_label((items(i) + 2) / 3)) // &
-      ' in direction ' // text_of(mod(items(i) - 1, 3) + 1) // ' cannot be set: it is free. Prescribe it in the deck, ' // &
+    allocate (is_prescribed(3 * model%mesh%n_nodes), source=.false.)
+    is_prescribed(3 * (step%prescribed%node - 1) + step%prescribed%dof) = .true.
+    if (all(is_prescribed(items))) return
+    i = findloc(is_prescribed(items), .false., dim=1)
+    call set_error(error, EXIT_USAGE, 'The displacement of node ' // to_text(model%mesh%node_label((items(i) + 2) / 3)) // &
+      ' in direction ' // to_text(mod(items(i) - 1, 3) + 1) // ' cannot be set: it is free. Prescribe it in the deck, ' // &
       'with *BOUNDARY and any value, in this step.')
   end subroutine check_prescribed
 
 
   !> New entries with their amplitudes, which stand at the values now, and the loads of all steps that follow them.
-  subroutine add_entries(drive, model, i_step, kind, items, positions, now)
-    type(drive_type), intent(inout) :: drive
+  subroutine add_entries(driven_loads, model, i_step, kind, items, positions, now)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(inout) :: model
     integer, intent(in) :: i_step, kind
     integer, intent(in) :: items(:)                !< new ones
@@ -206,28 +206,29 @@ contains
     n = size(model%amplitudes)
     allocate (amplitudes(n + size(items)))
     amplitudes(:n) = model%amplitudes
-    if (kind == DRIVE_DISPLACEMENT .or. kind == DRIVE_TEMPERATURE) then
+    if (kind == DRIVEN_DISPLACEMENT .or. kind == DRIVEN_TEMPERATURE) then
       values = now(2 + positions)
     else
-      values = loads_now(model, model%steps(i_step), kind, items, now)
+      values = current_loads(model, model%steps(i_step), kind, items, now)
     end if
     do i = 1, size(items)
       amplitudes(n + i)%name = ''
       amplitudes(n + i)%is_total_time = .true.
       amplitudes(n + i)%time = [now(1), now(1) + 1.0_DP]
       amplitudes(n + i)%factor = [values(i), values(i)]
-      drive%place(items(i), kind) = size(drive%entries) + i
+      driven_loads%entry_index(items(i), kind) = size(driven_loads%entries) + i
     end do
-    drive%entries = [drive%entries, [(entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, size(items))]]
+    driven_loads%entries = [driven_loads%entries, [(driven_entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, &
+      size(items))]]
     call move_alloc(amplitudes, model%amplitudes)
     do i = 1, size(model%steps)
-      call follow(model%steps(i), kind, items, n)
+      call redirect_loads(model%steps(i), kind, items, n)
     end do
   end subroutine add_entries
 
 
   !> What the loads on some items are at a time, summed: those of the deck, or what drives them.
-  function loads_now(model, step, kind, items, now) result(values)
+  function current_loads(model, step, kind, items, now) result(values)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     integer, intent(in) :: kind
@@ -237,7 +238,7 @@ contains
     real(DP), allocatable :: sums(:)
     integer :: i
     allocate (sums(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements)), source=0.0_DP)
-    if (kind == DRIVE_FORCE) then
+    if (kind == DRIVEN_FORCE) then
       do i = 1, size(step%concentrated)
         associate (sum => sums(item_of_force(step%concentrated(i))))
           sum = sum + load_value(step%concentrated(i), model%amplitudes, now(2), now(1), step%period)
@@ -252,7 +253,7 @@ contains
       end do
     end if
     values = sums(items)
-  end function loads_now
+  end function current_loads
 
 
   !> The item of a force.
@@ -270,14 +271,14 @@ contains
 
 
   !> The loads of a step on some items follow new amplitudes; forces and pressures of the deck on them are taken out.
-  subroutine follow(step, kind, items, n_before)
+  subroutine redirect_loads(step, kind, items, n_before)
     type(step_type), intent(inout) :: step
     integer, intent(in) :: kind
     integer, intent(in) :: items(:)
     integer, intent(in) :: n_before                !< amplitudes before those of the items
     integer, allocatable :: order(:)
     integer :: i
-    if (kind == DRIVE_TEMPERATURE) then
+    if (kind == DRIVEN_TEMPERATURE) then
       if (.not. allocated(step%temperatures)) allocate (step%temperatures(0))
       step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=n_before + i, node=items(i)), &
         i=1, size(items))]]                        ! of several for a node the last counts
@@ -286,7 +287,7 @@ contains
     allocate (order(maxval(items)), source=0)
     order(items) = [(i, i=1, size(items))]
     select case (kind)
-    case (DRIVE_DISPLACEMENT)
+    case (DRIVEN_DISPLACEMENT)
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
           if (order_of(order, 3 * (load%node - 1) + load%dof) == 0) cycle
@@ -295,7 +296,7 @@ contains
           load%is_from_current = .false.
         end associate
       end do
-    case (DRIVE_FORCE)
+    case (DRIVEN_FORCE)
       step%concentrated = [pack(step%concentrated, order_of(order, item_of_force(step%concentrated)) == 0), &
         [(concentrated_type(end=1.0_DP, amplitude=n_before + i, node=(items(i) + 2) / 3, dof=mod(items(i) - 1, 3) + 1), &
         i=1, size(items))]]
@@ -304,7 +305,7 @@ contains
         step%distributed%kind /= DISTRIBUTED_PRESSURE), [(distributed_type(end=1.0_DP, amplitude=n_before + i, &
         kind=DISTRIBUTED_PRESSURE, element=(items(i) + 5) / 6, face=mod(items(i) - 1, 6) + 1), i=1, size(items))]]
     end select
-  end subroutine follow
+  end subroutine redirect_loads
 
 
   !> Position of an item in the list of new ones; 0: it is not there.
@@ -324,27 +325,28 @@ contains
 
 
   !> Before an attempt from t0 to t1: what is pending runs straight to its target.
-  pure subroutine arm_drives(drive, model, t0, t1)
-    type(drive_type), intent(inout) :: drive
+  pure subroutine activate_driven(driven_loads, model, t0, t1)
+    type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(inout) :: model
     real(DP), intent(in) :: t0, t1                 !< total time [time]
     integer :: i
-    if (.not. allocated(drive%entries)) return
-    do i = 1, size(drive%entries)
-      if (.not. drive%entries(i)%is_pending) cycle
-      associate (amplitude => model%amplitudes(drive%entries(i)%amplitude))
-        amplitude%factor = [amplitude_value(amplitude, t0), drive%entries(i)%target]
+    if (.not. allocated(driven_loads%entries)) return
+    do i = 1, size(driven_loads%entries)
+      if (.not. driven_loads%entries(i)%is_pending) cycle
+      associate (amplitude => model%amplitudes(driven_loads%entries(i)%amplitude))
+        amplitude%factor = [amplitude_value(amplitude, t0), driven_loads%entries(i)%target]
         amplitude%time = [t0, t1]
-        drive%entries(i)%is_armed = .true.
+        driven_loads%entries(i)%is_active = .true.
       end associate
     end do
-  end subroutine arm_drives
+  end subroutine activate_driven
 
 
   !> After a commit: what was pending is on its way.
-  pure subroutine settle_drives(drive)
-    type(drive_type), intent(inout) :: drive
-    if (allocated(drive%entries)) drive%entries%is_pending = drive%entries%is_pending .and. .not. drive%entries%is_armed
-  end subroutine settle_drives
+  pure subroutine finish_driven(driven_loads)
+    type(driven_loads_type), intent(inout) :: driven_loads
+    if (allocated(driven_loads%entries)) driven_loads%entries%is_pending = driven_loads%entries%is_pending &
+      .and. .not. driven_loads%entries%is_active
+  end subroutine finish_driven
 
 end module amontons_driven_loads

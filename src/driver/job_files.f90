@@ -5,45 +5,47 @@
 !! of one commit, or the checkpoint has the pages that lead there.
 module amontons_job_files
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, complaints_type
+  use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
-  use amontons_state, only: state_type, slave_type
-  use amontons_equilibrium, only: system_type
+  use amontons_state, only: state_type, slave_state_type
+  use amontons_equilibrium, only: equilibrium_type
   use amontons_newton, only: newton_type
   use amontons_postprocess, only: n_nodal_slaves
   use amontons_increment_control, only: stepper_type
-  use amontons_hdf5_file, only: mend_store
+  use amontons_hdf5_file, only: repair_hdf5
   use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
-    write_iteration, close_results, take_result_pages, apply_result_pages, drop_results, &
+    write_iteration, close_results, export_result_pages, apply_result_pages, discard_results, &
     is_writing
-  use amontons_text_output, only: printed_type, open_printed, resume_printed, print_iteration, print_increment, print_fields, &
-    sync_printed, measure_printed, check_printed, close_printed
-  use amontons_frd_output, only: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
-  use amontons_checkpoint, only: snapshot_type, files_type, write_checkpoint, read_checkpoint, pack_state
-  use amontons_restart_file, only: archive_type, label_type, start_archive, reopen_archive, append_state
-  use amontons_driven_loads, only: drive_type
+  use amontons_text_output, only: text_output_type, open_text_output, resume_text_output, print_iteration, print_increment, &
+    print_fields, &
+    sync_text_output, text_output_lengths, check_text_output, close_text_output
+  use amontons_frd_output, only: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
+  use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
+  use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
+  use amontons_driven_loads, only: driven_loads_type
   implicit none
   private
   public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
 
-  real(DP), parameter :: GUARD_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
+  real(DP), parameter :: MAX_CHECKPOINT_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
 
   !> One job: nothing of it lives outside.
   type :: analysis_type
     type(job_options_type) :: options
     type(model_type) :: model
     type(state_type) :: state
-    type(slave_type), allocatable :: at_start(:)   !< as the first increment finds them: facets and gaps before anything moves
-    type(system_type) :: system
+    type(slave_state_type), allocatable :: initial_slaves(:)   !< as the first increment finds them: facets and gaps before
+                                                               !! anything moves
+    type(equilibrium_type) :: system
     type(newton_type) :: newton
     type(stepper_type) :: stepper
     type(results_type) :: results
-    type(printed_type) :: printed
+    type(text_output_type) :: text_output
     type(frd_type) :: frd
-    type(archive_type) :: archive                  !< states kept by RESTART, WRITE
-    type(drive_type) :: drive                      !< what a calling program has set
-    type(complaints_type) :: complaints            !< what the reader remarked
+    type(restart_file_type) :: archive                  !< states kept by RESTART, WRITE
+    type(driven_loads_type) :: driven_loads                      !< what a calling program has set
+    type(diagnostic_list_type) :: diagnostics            !< what the reader remarked
     type(snapshot_type) :: snapshot                !< the last commit
     type(increment_record_type), allocatable :: records(:)   !< all attempts
     integer :: n_records = 0
@@ -52,15 +54,15 @@ module amontons_job_files
     logical :: has_files = .false.                 !< result files are open
     type(iteration_record_type), allocatable :: iterations(:)   !< those that are not in the result file
     integer :: n_iterations = 0
-    real(DP) :: pnewdt = 1                         !< smallest that user routines asked for in this attempt [-]
+    real(DP) :: smallest_pnewdt = 1                         !< smallest that user routines asked for in this attempt [-]
     logical :: is_trial = .false.                  !< .sta and .cvg get their lines only when they are committed
     logical :: is_step_start = .true.              !< the next increment is the first of its step
     integer(I64) :: clock = 0                      !< when the attempt began
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat at the last commit [bytes]
     integer(I64) :: frd_counts(3) = 0              !< the same of .frd: bytes, frames, blocks
     logical :: is_guarded = .false.                !< the checkpoint is that of the last commit
-    integer(I64) :: guard_clock = 0                !< when the last checkpoint was written
-    real(DP) :: guard_seconds = 0                  !< what it cost [s]
+    integer(I64) :: checkpoint_clock = 0                !< when the last checkpoint was written
+    real(DP) :: checkpoint_seconds = 0                  !< what it cost [s]
   end type analysis_type
 
 contains
@@ -79,19 +81,19 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call open_results(analysis%results, analysis%model, analysis%options, error)
     if (allocated(error)) return
-    call open_printed(analysis%printed, analysis%model, analysis%options, error)
+    call open_text_output(analysis%text_output, analysis%model, analysis%options, error)
     if (allocated(error)) return
     call open_frd(analysis%frd, analysis%model, analysis%options, error)
     if (allocated(error)) return
     call write_first(analysis, error)
     if (allocated(error)) return
-    if (any(analysis%model%steps%restart_frequency > 0)) call start_archive(analysis%archive, &
+    if (any(analysis%model%steps%restart_frequency > 0)) call create_restart_file(analysis%archive, &
       job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
     if (allocated(error)) return
     analysis%has_files = .true.
-    call measure_printed(analysis%printed, analysis%lengths)
-    call measure_frd(analysis%frd, analysis%frd_counts)
-    call guard(analysis, .false., error)
+    call text_output_lengths(analysis%text_output, analysis%lengths)
+    call frd_file_counts(analysis%frd, analysis%frd_counts)
+    call save_checkpoint(analysis, .false., error)
   end subroutine open_files
 
 
@@ -99,15 +101,15 @@ contains
   subroutine write_first(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
-    type(slave_type), allocatable :: kept(:)
-    if (.not. allocated(analysis%at_start)) then
+    type(slave_state_type), allocatable :: kept(:)
+    if (.not. allocated(analysis%initial_slaves)) then
       call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
       return
     end if
     call move_alloc(analysis%state%old%slaves, kept)
     allocate (analysis%state%old%slaves, source=kept)
-    analysis%state%old%slaves%facet = analysis%at_start%facet
-    analysis%state%old%slaves%gap = analysis%at_start%gap
+    analysis%state%old%slaves%facet = analysis%initial_slaves%facet
+    analysis%state%old%slaves%gap = analysis%initial_slaves%gap
     call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
     call move_alloc(kept, analysis%state%old%slaves)
   end subroutine write_first
@@ -120,7 +122,7 @@ contains
     associate (old => analysis%state%old)
       record = increment_record_type(reason='', step=analysis%stepper%step, step_time=old%step_time, &
         total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
-        damped_work=old%damped_work, plastic_work=old%plastic_work, &
+        stabilization_work=old%stabilization_work, plastic_work=old%plastic_work, &
         strain_energy=sum(old%energy * old%volume))
     end associate
   end function first_record
@@ -130,19 +132,19 @@ contains
   subroutine reopen_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
-    type(files_type) :: files
+    type(output_lengths_type) :: files
     associate (options => analysis%options, model => analysis%model)
       call read_checkpoint(job_path(options, '.restart'), model, analysis%snapshot, files, error)
       if (allocated(error)) return
-      call mend_store(job_path(options, '.vtkhdf'), files%pages, error)
+      call repair_hdf5(job_path(options, '.vtkhdf'), files%pages, error)
       if (allocated(error)) return
       call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error)
       if (allocated(error)) return
-      call resume_printed(analysis%printed, model, options, files%lengths, error)
+      call resume_text_output(analysis%text_output, model, options, files%lengths, error)
       if (allocated(error)) return
       call resume_frd(analysis%frd, model, options, files%frd, error)
       if (allocated(error)) return
-      if (any(model%steps%restart_frequency > 0)) call reopen_archive(analysis%archive, job_path(options, '.res'), &
+      if (any(model%steps%restart_frequency > 0)) call reopen_restart_file(analysis%archive, job_path(options, '.res'), &
         files%archive, error)
       if (allocated(error)) return
       analysis%has_files = .true.
@@ -162,7 +164,7 @@ contains
     call write_attempts(analysis, first, analysis%n_records - 1, error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
-      !$omp parallel sections num_threads(2) if(are_two())
+      !$omp parallel sections num_threads(2) if(has_two_threads())
       !$omp section
       call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
       !$omp section
@@ -171,12 +173,12 @@ contains
     end associate
     if (.not. allocated(error) .and. allocated(text_error)) call move_alloc(text_error, error)
     if (allocated(error)) return
-    call measure_printed(analysis%printed, analysis%lengths)
-    call measure_frd(analysis%frd, analysis%frd_counts)
+    call text_output_lengths(analysis%text_output, analysis%lengths)
+    call frd_file_counts(analysis%frd, analysis%frd_counts)
     call keep_state(analysis, analysis%records(analysis%n_records), error)
     if (allocated(error)) return
     analysis%is_guarded = .false.
-    if (is_guard_due(analysis)) call guard(analysis, .false., error)
+    if (is_checkpoint_due(analysis)) call save_checkpoint(analysis, .false., error)
   end subroutine write_committed
 
 
@@ -185,19 +187,19 @@ contains
     type(analysis_type), intent(inout) :: analysis
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
-    call print_increment(analysis%printed, record)
-    call print_fields(analysis%printed, analysis%model, analysis%state%old, record, error)
-    if (.not. allocated(error)) call check_printed(analysis%printed, error)
+    call print_increment(analysis%text_output, record)
+    call print_fields(analysis%text_output, analysis%model, analysis%state%old, record, error)
+    if (.not. allocated(error)) call check_text_output(analysis%text_output, error)
     if (.not. allocated(error)) call write_frd(analysis%frd, analysis%model, analysis%state%old, record, error)
   end subroutine write_texts
 
 
   !> Whether there are two threads: one for each kind of file. More share the packing and the conversion of each file.
-  logical function are_two()
+  logical function has_two_threads()
 !$  use omp_lib, only: omp_get_max_threads, omp_get_level
-    are_two = .false.
-!$  if (omp_get_level() == 0) are_two = omp_get_max_threads() == 2
-  end function are_two
+    has_two_threads = .false.
+!$  if (omp_get_level() == 0) has_two_threads = omp_get_max_threads() == 2
+  end function has_two_threads
 
 
   !> RESTART, WRITE: keeps the state of an increment if it is due: every n-th and the last of the step; under the calculix
@@ -216,7 +218,7 @@ contains
       if (.not. is_due) return
       call pack_state(analysis%model, analysis%snapshot, words)
       if (is_calculix .and. step%is_restart_overlay) analysis%archive%step = record%step   ! the last of all is replaced
-      call append_state(analysis%archive, label_type(step=record%step, increment=record%increment, &
+      call append_restart_state(analysis%archive, state_key_type(step=record%step, increment=record%increment, &
         is_step_done=analysis%is_step_start, step_time=record%step_time, total_time=record%total_time), words, &
         step%is_restart_overlay, error)
     end associate
@@ -230,14 +232,14 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     do i = 1, analysis%n_iterations
-      if (analysis%is_trial) call print_iteration(analysis%printed, analysis%iterations(i))
+      if (analysis%is_trial) call print_iteration(analysis%text_output, analysis%iterations(i))
       call write_iteration(analysis%results, analysis%iterations(i), error)
       if (allocated(error)) return
     end do
     analysis%n_iterations = 0
     do i = first, last
       if (analysis%is_trial .or. analysis%records(i)%is_converged) then   ! the others were told when they failed
-        call print_increment(analysis%printed, analysis%records(i))
+        call print_increment(analysis%text_output, analysis%records(i))
       end if
       call write_attempt(analysis%results, analysis%records(i), error)
       if (allocated(error)) return
@@ -247,27 +249,27 @@ contains
 
   !> Whether it is time for a checkpoint: at each commit, unless it would take more than its share of the time. At the end
   !! of a step it is always time.
-  logical function is_guard_due(analysis)
+  logical function is_checkpoint_due(analysis)
     type(analysis_type), intent(in) :: analysis
     integer(I64) :: now, rate
     call system_clock(now, rate)
-    is_guard_due = analysis%is_step_start .or. &
-      GUARD_SHARE * real(now - analysis%guard_clock, DP) / real(rate, DP) >= analysis%guard_seconds
-  end function is_guard_due
+    is_checkpoint_due = analysis%is_step_start .or. &
+      MAX_CHECKPOINT_SHARE * real(now - analysis%checkpoint_clock, DP) / real(rate, DP) >= analysis%checkpoint_seconds
+  end function is_checkpoint_due
 
 
   !> Writes the checkpoint, then lets the result file follow: at any moment either the last checkpoint and its result file
   !! are there, or the pages that lead to them are in the checkpoint.
-  subroutine guard(analysis, is_old, error)
+  subroutine save_checkpoint(analysis, is_old, error)
     type(analysis_type), intent(inout) :: analysis
     logical, intent(in) :: is_old                  !< .true.: the pages lead back to the last commit
     type(error_type), allocatable, intent(out) :: error
-    type(files_type) :: files
+    type(output_lengths_type) :: files
     integer(I64) :: start, rate
     if (.not. analysis%options%is_guarded) return
     call system_clock(start)
-    call take_result_pages(analysis%results, is_old, files%pages, error)
-    if (.not. (allocated(error) .or. is_old)) call sync_printed(analysis%printed, error)
+    call export_result_pages(analysis%results, is_old, files%pages, error)
+    if (.not. (allocated(error) .or. is_old)) call sync_text_output(analysis%text_output, error)
     if (.not. (allocated(error) .or. is_old)) call sync_frd(analysis%frd, error)
     files%lengths = analysis%lengths
     files%frd = analysis%frd_counts
@@ -275,11 +277,11 @@ contains
     if (.not. allocated(error)) call write_checkpoint(job_path(analysis%options, '.restart'), analysis%model, &
       analysis%snapshot, files, error)
     if (.not. allocated(error)) call apply_result_pages(analysis%results, error)
-    if (allocated(error)) call drop_results(analysis%results)
+    if (allocated(error)) call discard_results(analysis%results)
     analysis%is_guarded = .not. allocated(error)
-    call system_clock(analysis%guard_clock, rate)
-    analysis%guard_seconds = real(analysis%guard_clock - start, DP) / real(rate, DP)
-  end subroutine guard
+    call system_clock(analysis%checkpoint_clock, rate)
+    analysis%checkpoint_seconds = real(analysis%checkpoint_clock - start, DP) / real(rate, DP)
+  end subroutine save_checkpoint
 
 
   !> Writes what failed since the last commit and closes the files. The checkpoint then holds the way back to the last
@@ -289,13 +291,13 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(error_type), allocatable :: frd_error
     integer :: unit, status
-    call check_printed(analysis%printed, error)
+    call check_text_output(analysis%text_output, error)
     if (is_writing(analysis%results) .and. .not. allocated(error)) call close_result_file(analysis, error)
-    call close_printed(analysis%printed)
+    call close_text_output(analysis%text_output)
     call close_frd(analysis%frd, frd_error)
     if (.not. allocated(error)) call move_alloc(frd_error, error)
     if (allocated(error) .or. .not. analysis%options%is_guarded) return
-    if (.not. is_at_end(analysis) .or. analysis%model%keeps_restart) return
+    if (.not. is_at_end(analysis) .or. analysis%model%keeps_checkpoint) return
     open (newunit=unit, file=job_path(analysis%options, '.restart'), status='old', iostat=status)
     if (status == 0) close (unit, status='delete')
   end subroutine close_files
@@ -305,12 +307,12 @@ contains
   subroutine close_result_file(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
-    if (.not. analysis%is_guarded) call guard(analysis, .false., error)
+    if (.not. analysis%is_guarded) call save_checkpoint(analysis, .false., error)
     if (allocated(error)) return
     call write_attempts(analysis, analysis%n_committed + 1, analysis%n_records, error)
     if (.not. allocated(error)) call close_results(analysis%results, error)
-    if (.not. allocated(error)) call guard(analysis, .true., error)
-    call drop_results(analysis%results)
+    if (.not. allocated(error)) call save_checkpoint(analysis, .true., error)
+    call discard_results(analysis%results)
   end subroutine close_result_file
 
 end module amontons_job_files

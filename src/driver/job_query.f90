@@ -6,28 +6,29 @@
 module amontons_job_query
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
-  use amontons_text, only: squeezed, text_of, parse_integer, NUMBER_OK
-  use amontons_topology, only: kind_type, facet_kind_type, element_kind, facet_kind
+  use amontons_text, only: name_key, to_text, parse_integer, NUMBER_OK
+  use amontons_topology, only: element_kind_type, facet_kind_type, element_kind, facet_kind
   use amontons_mesh, only: mesh_extent
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
-  use amontons_state, only: history_row
+  use amontons_state, only: history_variable
   use amontons_constraints, only: condense_forces
-  use amontons_result_schema, only: column_type, rows_of, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_result_schema, only: result_column_type, field_rows, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_postprocess, only: nodal_slaves
   use amontons_results, only: point_fields
   use amontons_analysis, only: analysis_type, is_at_end
-  use amontons_driven_loads, only: set_driven, set_friction, loads_now, DRIVE_FORCE, DRIVE_DISPLACEMENT, DRIVE_PRESSURE, &
-    DRIVE_TEMPERATURE
+  use amontons_driven_loads, only: set_driven, set_friction, current_loads, DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, &
+    DRIVEN_TEMPERATURE
   implicit none
   private
-  public :: values_of, drive_values, names_of, step_of, time_in_step, step_left
+  public :: query_values, set_driven_values, query_names, current_step, time_in_step, time_left_in_step
 
-  !> What values_of knows besides the columns of the result file at nodes, for names_of.
-  character(16), parameter :: NUMBERS(*) = [character(16) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', 'ITERATIONS', &
+  !> What query_values knows besides the columns of the result file at nodes, for query_names.
+  character(16), parameter :: NUMBER_QUANTITIES(*) = [character(16) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', &
+    'ITERATIONS', &
     'IMBALANCE', 'EXTERNAL WORK', 'FRICTION WORK', 'DAMPED WORK', 'STRAIN ENERGY', 'FRICTION']
-  character(16), parameter :: FIELDS(*) = [character(16) :: 'NODES', 'X', 'INTERNAL FORCE', 'APPLIED FORCE', &
+  character(16), parameter :: FIELD_QUANTITIES(*) = [character(16) :: 'NODES', 'X', 'INTERNAL FORCE', 'APPLIED FORCE', &
     'CONTACT FORCE', 'RESIDUAL', 'CF', 'CF1', 'CF2', 'CF3', 'P', 'FACE CENTRES']
-  character(16), parameter :: POINTS(*) = [character(16) :: 'ELEMENT LABEL', 'POINT LABEL', 'POINT VOLUME', 'POINT S', &
+  character(16), parameter :: POINT_QUANTITIES(*) = [character(16) :: 'ELEMENT LABEL', 'POINT LABEL', 'POINT VOLUME', 'POINT S', &
     'POINT E', 'POINT ENERGY', 'POINT PEEQ', 'POINT SDV', 'ELEMENT VOLUME', 'ELEMENT S', 'ELEMENT E', 'ELEMENT ENERGY', &
     'ELEMENT PEEQ', 'ELEMENT SDV']
 
@@ -36,7 +37,7 @@ contains
   !> A quantity by name, one column per row of the set. The names are in doc/manual/library.md.
   !!
   !! Before: the job has begun. Errors: EXIT_USAGE.
-  subroutine values_of(analysis, quantity, set, values, error)
+  subroutine query_values(analysis, quantity, set, values, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: quantity           !< e.g. 'U', 'CPRESS', 'POINT S', 'TIME'
     character(*), intent(in) :: set                !< node set, surface, element set, label; '' means all
@@ -44,28 +45,28 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: nodes(:)
     logical :: is_known
-    call get_number(analysis, squeezed(quantity), set, values, is_known, error)
-    if (.not. (is_known .or. allocated(error))) call get_of_elements(analysis, squeezed(quantity), set, values, is_known, error)
+    call get_number(analysis, name_key(quantity), set, values, is_known, error)
+    if (.not. (is_known .or. allocated(error))) call get_of_elements(analysis, name_key(quantity), set, values, is_known, error)
     if (is_known .or. allocated(error)) return
-    select case (squeezed(quantity))
+    select case (name_key(quantity))
     case ('FACECENTRES')
       call get_face_centres(analysis, set, values, error)
       return
     case ('CF', 'CF1', 'CF2', 'CF3', 'P')
-      call get_loads(analysis, squeezed(quantity), set, values, error)
+      call get_loads(analysis, name_key(quantity), set, values, error)
       return
     end select
     call find_nodes(analysis, set, nodes, error)
     if (allocated(error)) return
-    call get_vector(analysis, squeezed(quantity), nodes, values, is_known)
-    if (.not. is_known) call get_column(analysis, squeezed(quantity), nodes, values, is_known)
+    call get_vector(analysis, name_key(quantity), nodes, values, is_known)
+    if (.not. is_known) call get_column(analysis, name_key(quantity), nodes, values, is_known)
     if (.not. is_known) call set_error(error, EXIT_USAGE, 'There is no quantity named ' // quantity // '.')
-  end subroutine values_of
+  end subroutine query_values
 
 
   !> The names that a job knows, of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS, and the QUANTITIES
-  !! that values_of gives. Errors: EXIT_USAGE.
-  subroutine names_of(analysis, kind, names, error)
+  !! that query_values gives. Errors: EXIT_USAGE.
+  subroutine query_names(analysis, kind, names, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: kind
     character(:), allocatable, intent(out) :: names(:)
@@ -73,7 +74,7 @@ contains
     integer, parameter :: LENGTH = 2 * NAME_LENGTH + 1   ! the name of an instance, a point, the name of a set
     integer :: i
     associate (model => analysis%model, mesh => analysis%model%mesh)
-      select case (squeezed(kind))
+      select case (name_key(kind))
       case ('NODESETS')
         allocate (character(LENGTH) :: names(size(mesh%node_sets)))
         do i = 1, size(names)
@@ -100,13 +101,13 @@ contains
           names(i) = model%materials(i)%name
         end do
       case ('QUANTITIES')
-        names = [character(LENGTH) :: NUMBERS, FIELDS, POINT_COLUMNS%name, POINTS]
+        names = [character(LENGTH) :: NUMBER_QUANTITIES, FIELD_QUANTITIES, POINT_COLUMNS%name, POINT_QUANTITIES]
       case default
         call set_error(error, EXIT_USAGE, 'There are no names of ' // kind // '; NODE SETS, ELEMENT SETS, SURFACES, ' // &
           'INTERACTIONS, MATERIALS and QUANTITIES have some.')
       end select
     end associate
-  end subroutine names_of
+  end subroutine query_names
 
 
   !> A single number.
@@ -127,7 +128,7 @@ contains
       case ('STEPTIME')
         value = new%step_time
       case ('TIMELEFT')
-        value = merge(0.0_DP, step_left(analysis), is_at_end(analysis))
+        value = merge(0.0_DP, time_left_in_step(analysis), is_at_end(analysis))
       case ('STEP')
         value = real(analysis%stepper%step, DP)
       case ('INCREMENTS')
@@ -135,13 +136,13 @@ contains
       case ('ITERATIONS')
         value = real(sum(analysis%records(:analysis%n_records)%n_iterations), DP)
       case ('IMBALANCE')
-        value = max(analysis%newton%progress%residual(0), analysis%newton%progress%law)
+        value = max(analysis%newton%measures%residual(0), analysis%newton%measures%residual_at_gap)
       case ('EXTERNALWORK')
         value = new%external_work
       case ('FRICTIONWORK')
         value = new%friction_work
       case ('DAMPEDWORK')
-        value = new%damped_work
+        value = new%stabilization_work
       case ('STRAINENERGY')
         value = 0.0_DP
         if (allocated(new%energy)) value = sum(new%energy * new%volume)
@@ -164,7 +165,7 @@ contains
     character(*), intent(in) :: set                !< surface
     real(DP), allocatable, intent(out) :: values(:, :)   !< (3, faces) [length]
     type(error_type), allocatable, intent(out) :: error
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: facet
     integer :: i, k, e, surface, corners(4)
     surface = surface_of(analysis, set)
@@ -232,11 +233,11 @@ contains
     integer :: i, rows(2)
     is_known = .false.
     do i = 1, size(POINT_COLUMNS)
-      is_known = squeezed(POINT_COLUMNS(i)%name) == quantity .or. (i == STRAIN_COLUMN .and. quantity == 'LE')
+      is_known = name_key(POINT_COLUMNS(i)%name) == quantity .or. (i == STRAIN_COLUMN .and. quantity == 'LE')
       if (is_known) exit
     end do
     if (.not. is_known) return
-    rows = rows_of(POINT_COLUMNS(i)%name)
+    rows = field_rows(POINT_COLUMNS(i)%name)
     associate (model => analysis%model)
       allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
       call point_fields(model, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
@@ -263,7 +264,7 @@ contains
     if (allocated(error)) return
     width = merge(3, 1, quantity == 'CF')
     associate (model => analysis%model, new => analysis%state%new)
-      values = reshape(loads_now(model, model%steps(max(1, analysis%stepper%step)), kind, items, &
+      values = reshape(current_loads(model, model%steps(max(1, analysis%stepper%step)), kind, items, &
         [new%total_time, new%step_time]), [width, size(items) / width])
     end associate
   end subroutine get_loads
@@ -342,7 +343,7 @@ contains
       case ('VOLUME')
         table = reshape(new%volume, [1, mesh%n_points])
       case ('PEEQ')
-        table = reshape(history_row(new, HISTORY_PEEQ), [1, mesh%n_points])
+        table = reshape(history_variable(new, HISTORY_PEEQ), [1, mesh%n_points])
       case ('SDV')
         is_known = size(new%history, 1) >= USER_STATE .and. any(analysis%model%materials%n_statev > 0)
         if (is_known) table = new%history(USER_STATE:, :)
@@ -366,7 +367,7 @@ contains
         return
       end if
       do i = 1, size(mesh%element_sets)
-        if (squeezed(mesh%element_sets(i)%name) /= squeezed(set)) cycle
+        if (name_key(mesh%element_sets(i)%name) /= name_key(set)) cycle
         elements = mesh%element_sets(i)%members
         return
       end do
@@ -382,7 +383,7 @@ contains
   !> Sets a quantity: FRICTION of an interaction; P of a surface; NT, CF, CF1 to CF3, U, U1 to U3 of a node set. One value
   !! per component, for all, or one per component and row. The manual says when it is reached: at the end of the
   !! increments solved next.
-  subroutine drive_values(analysis, quantity, set, values, error)
+  subroutine set_driven_values(analysis, quantity, set, values, error)
     type(analysis_type), intent(inout) :: analysis
     character(*), intent(in) :: quantity
     character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
@@ -394,19 +395,19 @@ contains
       call set_error(error, EXIT_USAGE, 'A value of ' // quantity // ' is not a finite number.')
       return
     end if
-    if (squeezed(quantity) == 'FRICTION') then
-      call drive_friction(analysis, set, values, error)
+    if (name_key(quantity) == 'FRICTION') then
+      call set_driven_friction(analysis, set, values, error)
       return
     end if
-    call find_items(analysis, squeezed(quantity), set, kind, items, error)
+    call find_items(analysis, name_key(quantity), set, kind, items, error)
     if (allocated(error)) return
     if (size(items) == 0) return
-    call drive_items(analysis, kind, items, quantity, values, error)
-  end subroutine drive_values
+    call set_driven_items(analysis, kind, items, quantity, values, error)
+  end subroutine set_driven_values
 
 
   !> Sets the coefficient of friction of an interaction.
-  subroutine drive_friction(analysis, set, values, error)
+  subroutine set_driven_friction(analysis, set, values, error)
     type(analysis_type), intent(inout) :: analysis
     character(*), intent(in) :: set                !< interaction
     real(DP), intent(in) :: values(:)              !< one [-]
@@ -415,17 +416,17 @@ contains
     call find_interaction(analysis, set, i, error)
     if (allocated(error)) return
     if (size(values) /= 1) then
-      call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of FRICTION were given; it takes 1.')
+      call set_error(error, EXIT_USAGE, to_text(size(values)) // ' values of FRICTION were given; it takes 1.')
     else if (values(1) < 0.0_DP) then
       call set_error(error, EXIT_USAGE, 'A coefficient of friction must not be negative.')
     else
-      call set_friction(analysis%drive, analysis%model, i, values(1))
+      call set_friction(analysis%driven_loads, analysis%model, i, values(1))
     end if
-  end subroutine drive_friction
+  end subroutine set_driven_friction
 
 
   !> Gives the values to the items: all the same, or as many as there are items, or one per component.
-  subroutine drive_items(analysis, kind, items, quantity, values, error)
+  subroutine set_driven_items(analysis, kind, items, quantity, values, error)
     type(analysis_type), intent(inout) :: analysis
     integer, intent(in) :: kind                    !< DRIVE_...
     integer, intent(in) :: items(:)
@@ -435,20 +436,20 @@ contains
     real(DP), allocatable :: now(:)
     integer :: width, i
     width = 1
-    if (kind /= DRIVE_PRESSURE .and. kind /= DRIVE_TEMPERATURE .and. &
-      len(squeezed(quantity)) == merge(2, 1, kind == DRIVE_FORCE)) width = 3
+    if (kind /= DRIVEN_PRESSURE .and. kind /= DRIVEN_TEMPERATURE .and. &
+      len(name_key(quantity)) == merge(2, 1, kind == DRIVEN_FORCE)) width = 3
     if (size(values) /= width .and. size(values) /= size(items)) then
-      call set_error(error, EXIT_USAGE, text_of(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
-        text_of(width) // ' or ' // text_of(size(items)) // '.')
+      call set_error(error, EXIT_USAGE, to_text(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
+        to_text(width) // ' or ' // to_text(size(items)) // '.')
       return
     end if
     now = [analysis%stepper%total_time, time_in_step(analysis)]
-    if (kind == DRIVE_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
-    if (kind == DRIVE_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
+    if (kind == DRIVEN_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
+    if (kind == DRIVEN_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
       (items(i) + 2) / 3), i=1, size(items))]]
-    call set_driven(analysis%drive, analysis%model, step_of(analysis), kind, items, &
+    call set_driven(analysis%driven_loads, analysis%model, current_step(analysis), kind, items, &
       [(values(mod(i - 1, size(values)) + 1), i=1, size(items))], now, error)
-  end subroutine drive_items
+  end subroutine set_driven_items
 
 
   !> What a quantity and a set mean for drive.f90.
@@ -461,9 +462,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: nodes(:)
     integer :: i, dof, surface
-    kind = DRIVE_FORCE
+    kind = DRIVEN_FORCE
     if (quantity == 'P') then
-      kind = DRIVE_PRESSURE
+      kind = DRIVEN_PRESSURE
       surface = surface_of(analysis, set)
       if (surface == 0) then
         call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
@@ -473,13 +474,13 @@ contains
       return
     end if
     if (quantity == 'NT' .or. quantity == 'TEMPERATURE') then
-      kind = DRIVE_TEMPERATURE
+      kind = DRIVEN_TEMPERATURE
       call find_nodes(analysis, set, items, error)
       return
     end if
     dof = findloc(['CF ', 'CF1', 'CF2', 'CF3'] == quantity, .true., dim=1) - 1
     if (dof < 0) then
-      kind = DRIVE_DISPLACEMENT
+      kind = DRIVEN_DISPLACEMENT
       dof = findloc(['U ', 'U1', 'U2', 'U3'] == quantity, .true., dim=1) - 1
     end if
     if (dof < 0) then
@@ -507,7 +508,7 @@ contains
         return
       end if
       do i = 1, size(mesh%node_sets)
-        if (squeezed(mesh%node_sets(i)%name) /= squeezed(set)) cycle
+        if (name_key(mesh%node_sets(i)%name) /= name_key(set)) cycle
         nodes = mesh%node_sets(i)%members
         return
       end do
@@ -530,7 +531,7 @@ contains
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: name
     do i = 1, size(analysis%model%surfaces)
-      if (squeezed(analysis%model%surfaces(i)%name) == squeezed(name)) return
+      if (name_key(analysis%model%surfaces(i)%name) == name_key(name)) return
     end do
     i = 0
   end function surface_of
@@ -546,7 +547,7 @@ contains
       i = 1
       if (len_trim(name) == 0 .and. size(interactions) == 1) return
       do i = 1, size(interactions)
-        if (squeezed(interactions(i)%name) == squeezed(name)) return
+        if (name_key(interactions(i)%name) == name_key(name)) return
       end do
     end associate
     call set_error(error, EXIT_USAGE, 'There is no interaction named ' // name // '.')
@@ -554,12 +555,12 @@ contains
 
 
   !> Index of the step in which the next increment runs.
-  pure integer function step_of(analysis) result(i_step)
+  pure integer function current_step(analysis) result(i_step)
     type(analysis_type), intent(in) :: analysis
     i_step = max(1, analysis%stepper%step)
     if (.not. analysis%is_step_start .or. analysis%stepper%step_time == 0.0_DP) return
     i_step = min(i_step + 1, size(analysis%model%steps))
-  end function step_of
+  end function current_step
 
 
   !> Time within that step.
@@ -570,9 +571,9 @@ contains
 
 
   !> Time left in that step.
-  pure real(DP) function step_left(analysis) result(time)
+  pure real(DP) function time_left_in_step(analysis) result(time)
     type(analysis_type), intent(in) :: analysis
-    time = analysis%model%steps(step_of(analysis))%period - time_in_step(analysis)
-  end function step_left
+    time = analysis%model%steps(current_step(analysis))%period - time_in_step(analysis)
+  end function time_left_in_step
 
 end module amontons_job_query

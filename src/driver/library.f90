@@ -9,49 +9,49 @@
 module amontons_library
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
-  use amontons_text, only: squeezed, text_of, NEWLINE
-  use amontons_posix, only: turn_type, take_turn
-  use amontons_logger, only: journal_type, listener_type, open_journal, PROGRESS_PLAIN
+  use amontons_text, only: name_key, to_text, NEWLINE
+  use amontons_posix, only: process_lock_type, acquire_lock
+  use amontons_logger, only: logger_type, log_sink_type, open_logger, PROGRESS_PLAIN
   use amontons_model, only: job_options_type
-  use amontons_increment_control, only: propose_time
-  use amontons_convergence, only: VERDICT_GO_ON, VERDICT_CONVERGED
-  use amontons_unsymmetric_tangent, only: with_skew
-  use amontons_sparse, only: sparse_type, full_of, multiply_transpose
+  use amontons_increment_control, only: propose_increment
+  use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
+  use amontons_unsymmetric_tangent, only: combine_with_skew
+  use amontons_sparse, only: sparse_type, full_from_upper, multiply_transpose
   use amontons_state, only: state_type
-  use amontons_slip_scenarios, only: classify_slip_scenarios, friction_limit, slip_point_type, slip_controls_type, &
-    slip_verdict_type, &
+  use amontons_slip_scenarios, only: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
+    slip_result_type, &
     STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
-  use amontons_user_routine_setup, only: end_routines
-  use amontons_equilibrium, only: evaluate, TROUBLE_NONE
-  use amontons_newton_step, only: linearise, tangent_matrix
+  use amontons_user_routine_setup, only: close_user_routines
+  use amontons_equilibrium, only: evaluate_equilibrium, OUTCOME_OK
+  use amontons_newton_step, only: linearize_equilibrium, assemble_tangent_matrix
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
-  use amontons_driven_loads, only: arm_drives, settle_drives
-  use amontons_job_query, only: values_of, drive_values, names_of, step_of, time_in_step, step_left
+  use amontons_driven_loads, only: activate_driven, finish_driven
+  use amontons_job_query, only: query_values, set_driven_values, query_names, current_step, time_in_step, time_left_in_step
   implicit none
   private
-  public :: job_type, job_options_type, listener_type, error_type, sparse_type
+  public :: job_type, job_options_type, log_sink_type, error_type, sparse_type
   public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job
-  public :: is_job_done, get_values, set_values, get_names, get_matrix, VERDICT_GO_ON, VERDICT_CONVERGED
+  public :: is_job_done, get_values, set_values, get_names, get_matrix, VERDICT_CONTINUE, VERDICT_CONVERGED
   ! For the nodes of a program that solves by itself: no job.
-  public :: classify_slip_scenarios, friction_limit, slip_point_type, slip_controls_type, slip_verdict_type
+  public :: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, slip_result_type
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
 
-  real(DP), parameter :: SNAP = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
+  real(DP), parameter :: TOL_TIME = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
 
   !> A job; what is in it is nobody else's.
   type :: job_type
     private
     type(analysis_type) :: analysis
-    type(journal_type) :: journal
+    type(logger_type) :: logger
     logical :: is_ready = .false.                  !< it has begun and was not finished
     logical :: is_begun = .false.                  !< begin_job was called and its attempt has not ended
   end type job_type
 
   !> Hears nothing.
-  type, extends(listener_type) :: deaf_type
+  type, extends(log_sink_type) :: deaf_type
   contains
-    procedure :: hear => hear_nothing
+    procedure :: write_lines => discard_line
   end type deaf_type
 
 contains
@@ -63,35 +63,35 @@ contains
     type(job_type), intent(inout) :: job
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    class(listener_type), intent(in), optional :: listener   !< hears what the program would print
+    class(log_sink_type), intent(in), optional :: listener   !< hears what the program would print
     type(job_options_type) :: whole
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     whole = options
     if (.not. allocated(whole%deck) .and. .not. allocated(whole%deck_text)) then
       call set_error(error, EXIT_USAGE, 'A job needs a deck: a file or a text.')
       return
     end if
-    if (.not. allocated(whole%job)) call name_job(whole)
+    if (.not. allocated(whole%job)) call derive_job_name(whole)
     if (present(listener)) then
-      call open_journal(job%journal, .false., PROGRESS_PLAIN, listener=listener)
+      call open_logger(job%logger, .false., PROGRESS_PLAIN, listener=listener)
     else
-      call open_journal(job%journal, .true., PROGRESS_PLAIN, listener=deaf_type())
+      call open_logger(job%logger, .true., PROGRESS_PLAIN, listener=deaf_type())
     end if
-    call start_analysis(job%analysis, whole, job%journal, error)
+    call start_analysis(job%analysis, whole, job%logger, error)
     job%is_ready = .not. (allocated(error) .or. job%analysis%options%is_check)
-    if (allocated(error)) call add_remarks(job, error)
+    if (allocated(error)) call append_deck_errors(job, error)
   end subroutine open_job
 
 
   !> The job is named after its deck, and its results lie beside it.
-  subroutine name_job(options)
+  subroutine derive_job_name(options)
     type(job_options_type), intent(inout) :: options
     options%job = 'job'
     if (.not. allocated(options%deck)) return
     if (.not. allocated(options%outdir)) options%outdir = folder_of(options%deck)
     options%job = name_of(options%deck)
-  end subroutine name_job
+  end subroutine derive_job_name
 
 
   !> The folder of a path.
@@ -113,7 +113,7 @@ contains
     first = index(path, '/', back=.true.) + 1
     last = len(path)
     if (last > first + 3) then
-      if (squeezed(path(last - 3:)) == '.INP') last = last - 4
+      if (name_key(path(last - 3:)) == '.INP') last = last - 4
     end if
     name = path(first:last)
     if (last < first) name = 'job'
@@ -121,18 +121,18 @@ contains
 
 
   !> The errors of a deck behind the message, one in a line.
-  subroutine add_remarks(job, error)
+  subroutine append_deck_errors(job, error)
     type(job_type), intent(in) :: job
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
     if (error%code /= EXIT_DECK) return
-    do i = 1, job%analysis%complaints%n_items
-      associate (item => job%analysis%complaints%items(i))
+    do i = 1, job%analysis%diagnostics%n_items
+      associate (item => job%analysis%diagnostics%items(i))
         if (item%is_warning) cycle
-        error%message = error%message // NEWLINE // item%file // ':' // text_of(item%line) // ': ' // item%text
+        error%message = error%message // NEWLINE // item%file // ':' // to_text(item%line) // ': ' // item%text
       end associate
     end do
-  end subroutine add_remarks
+  end subroutine append_deck_errors
 
 
   !> One increment, as long as the deck and the convergence so far say, committed. is_job_done tells the end.
@@ -140,13 +140,13 @@ contains
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
     logical :: is_done
-    type(turn_type) :: turn
-    call take_turn(turn)
-    call prepare(job, .false., error)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
+    call check_ready(job, .false., error)
     if (allocated(error)) return
-    call arm(job, next_length(job))
-    call advance_analysis(job%analysis, job%journal, is_done, error)
-    call settle(job, error)
+    call activate_targets(job, next_length(job))
+    call advance_analysis(job%analysis, job%logger, is_done, error)
+    call finish_commit(job, error)
   end subroutine advance_job
 
 
@@ -155,20 +155,20 @@ contains
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: total_time             !< [time]
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (.not. abs(total_time) <= huge(1.0_DP)) then
       call set_error(error, EXIT_USAGE, 'The time to advance to is not a finite number.')
       return
     end if
     do while (.not. is_job_done(job))
-      if (total_time - job%analysis%stepper%total_time <= SNAP * max(abs(total_time), step_left(job%analysis))) exit
-      call prepare(job, .false., error)
+      if (total_time - job%analysis%stepper%total_time <= TOL_TIME * max(abs(total_time), time_left_in_step(job%analysis))) exit
+      call check_ready(job, .false., error)
       if (allocated(error)) return
-      call arm(job, total_time - job%analysis%stepper%total_time)
-      call solve_increment(job%analysis, job%journal, end_in_step(job, total_time - job%analysis%stepper%total_time), error)
-      if (.not. allocated(error)) call commit_analysis(job%analysis, job%journal, error)
-      call settle(job, error)
+      call activate_targets(job, total_time - job%analysis%stepper%total_time)
+      call solve_increment(job%analysis, job%logger, end_in_step(job, total_time - job%analysis%stepper%total_time), error)
+      if (.not. allocated(error)) call commit_analysis(job%analysis, job%logger, error)
+      call finish_commit(job, error)
       if (allocated(error)) return
     end do
   end subroutine advance_job_to
@@ -181,23 +181,23 @@ contains
     real(DP), intent(in) :: dt                     !< [time]
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: end_time
-    type(turn_type) :: turn
-    call take_turn(turn)
-    call prepare(job, .true., error)
-    if (.not. allocated(error)) call judge_length(job, dt, error)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
+    call check_ready(job, .true., error)
+    if (.not. allocated(error)) call check_increment(job, dt, error)
     if (allocated(error)) return
     end_time = end_in_step(job, dt)
     associate (analysis => job%analysis)
       call enter_step(analysis, error)
       analysis%stepper%dt = end_time - time_in_step(job%analysis)
-      call arm(job, analysis%stepper%dt)
+      call activate_targets(job, analysis%stepper%dt)
       do while (.not. allocated(error))
-        call solve_increment(analysis, job%journal, end_time, error)
-        if (analysis%is_step_start .or. end_time - analysis%stepper%step_time <= SNAP * end_time) exit
-        call arm(job, end_time - analysis%stepper%step_time)
+        call solve_increment(analysis, job%logger, end_time, error)
+        if (analysis%is_step_start .or. end_time - analysis%stepper%step_time <= TOL_TIME * end_time) exit
+        call activate_targets(job, end_time - analysis%stepper%step_time)
       end do
     end associate
-    if (allocated(error)) call fall_back(job)
+    if (allocated(error)) call rollback_after_error(job)
   end subroutine try_job
 
 
@@ -207,34 +207,34 @@ contains
     real(DP), intent(in) :: dt                     !< [time]; cut off at the end of the step
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: length
-    type(turn_type) :: turn
-    call take_turn(turn)
-    call prepare(job, .true., error)
-    if (.not. allocated(error)) call judge_length(job, dt, error)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
+    call check_ready(job, .true., error)
+    if (.not. allocated(error)) call check_increment(job, dt, error)
     if (allocated(error)) return
     length = end_in_step(job, dt) - time_in_step(job%analysis)
-    call arm(job, length)
+    call activate_targets(job, length)
     call begin_trial(job%analysis, length, error)
     job%is_begun = .not. allocated(error)
   end subroutine begin_job
 
 
-  !> One Newton iteration. VERDICT_CONVERGED: commit it or roll it back. Neither that nor VERDICT_GO_ON: roll it back.
+  !> One Newton iteration. VERDICT_CONVERGED: commit it or roll it back. Neither that nor VERDICT_CONTINUE: roll it back.
   subroutine iterate_job(job, verdict, error)
     type(job_type), intent(inout) :: job
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
-    verdict = VERDICT_GO_ON
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
+    verdict = VERDICT_CONTINUE
     if (.not. job%is_begun) then
       call set_error(error, EXIT_USAGE, 'There is no increment to iterate: begin one first.')
       return
     end if
     call use_threads(job%analysis%options%n_threads)
-    call iterate_trial(job%analysis, job%journal, verdict, error)
-    if (allocated(error)) call fall_back(job)
-    if (verdict /= VERDICT_GO_ON) job%is_begun = .false.
+    call iterate_trial(job%analysis, job%logger, verdict, error)
+    if (allocated(error)) call rollback_after_error(job)
+    if (verdict /= VERDICT_CONTINUE) job%is_begun = .false.
   end subroutine iterate_job
 
 
@@ -242,8 +242,8 @@ contains
   subroutine commit_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (.not. job%is_ready) then
       call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
       return
@@ -254,8 +254,8 @@ contains
         return
       end if
     end if
-    call commit_analysis(job%analysis, job%journal, error)
-    call settle_drives(job%analysis%drive)
+    call commit_analysis(job%analysis, job%logger, error)
+    call finish_driven(job%analysis%driven_loads)
   end subroutine commit_job
 
 
@@ -263,8 +263,8 @@ contains
   subroutine rollback_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     job%is_begun = .false.
     if (job%is_ready) call rollback_analysis(job%analysis, error)
   end subroutine rollback_job
@@ -274,11 +274,11 @@ contains
   subroutine finish_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     job%is_ready = .false.
     job%is_begun = .false.
-    call finish_analysis(job%analysis, job%journal, error)
+    call finish_analysis(job%analysis, job%logger, error)
   end subroutine finish_job
 
 
@@ -286,10 +286,10 @@ contains
   subroutine close_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     call finish_job(job, error)
-    call end_routines(job%analysis%model)
+    call close_user_routines(job%analysis%model)
   end subroutine close_job
 
 
@@ -302,7 +302,7 @@ contains
 
 
   !> What every solving verb asks first.
-  subroutine prepare(job, is_trial, error)
+  subroutine check_ready(job, is_trial, error)
     type(job_type), intent(inout) :: job
     logical, intent(in) :: is_trial
     type(error_type), allocatable, intent(out) :: error
@@ -315,56 +315,56 @@ contains
     end if
     job%analysis%is_trial = is_trial
     call use_threads(job%analysis%options%n_threads)
-  end subroutine prepare
+  end subroutine check_ready
 
 
   !> A time step has to move the time: it is positive, and not lost beside the period of the step. Errors: EXIT_USAGE.
-  subroutine judge_length(job, dt, error)
+  subroutine check_increment(job, dt, error)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: dt                     !< [time]
     type(error_type), allocatable, intent(inout) :: error
-    if (.not. dt >= SNAP * job%analysis%model%steps(step_of(job%analysis))%period) call set_error(error, EXIT_USAGE, &
+    if (.not. dt >= TOL_TIME * job%analysis%model%steps(current_step(job%analysis))%period) call set_error(error, EXIT_USAGE, &
       'A time step must be positive, and at least 1e-9 of the period of the step.')
-  end subroutine judge_length
+  end subroutine check_increment
 
 
   !> After an error everything is as at the last commit.
-  subroutine fall_back(job)
+  subroutine rollback_after_error(job)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable :: second
     call rollback_job(job, second)
-  end subroutine fall_back
+  end subroutine rollback_after_error
 
 
   !> The end of a verb that commits.
-  subroutine settle(job, error)
+  subroutine finish_commit(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(in) :: error
     if (allocated(error)) then
-      if (error%code == EXIT_NOT_CONVERGED) call fall_back(job)
+      if (error%code == EXIT_NOT_CONVERGED) call rollback_after_error(job)
     else
-      call settle_drives(job%analysis%drive)
+      call finish_driven(job%analysis%driven_loads)
     end if
-  end subroutine settle
+  end subroutine finish_commit
 
 
   !> What was set is reached after a length of time.
-  subroutine arm(job, length)
+  subroutine activate_targets(job, length)
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: length                 !< [time]
     associate (now => job%analysis%stepper%total_time)
-      call arm_drives(job%analysis%drive, job%analysis%model, now, now + length)
+      call activate_driven(job%analysis%driven_loads, job%analysis%model, now, now + length)
     end associate
-  end subroutine arm
+  end subroutine activate_targets
 
 
   !> The step time after a length of time, at most that of the end of the step, which snaps.
   pure real(DP) function end_in_step(job, length) result(time)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: length                 !< [time]
-    associate (period => job%analysis%model%steps(step_of(job%analysis))%period)
+    associate (period => job%analysis%model%steps(current_step(job%analysis))%period)
       time = time_in_step(job%analysis) + length
-      if (time >= period * (1.0_DP - SNAP)) time = period
+      if (time >= period * (1.0_DP - TOL_TIME)) time = period
     end associate
   end function end_in_step
 
@@ -372,11 +372,11 @@ contains
   !> Length of the increment that the stepper will propose.
   pure real(DP) function next_length(job) result(length)
     type(job_type), intent(in) :: job
-    associate (step => job%analysis%model%steps(step_of(job%analysis)))
+    associate (step => job%analysis%model%steps(current_step(job%analysis)))
       if (job%analysis%is_step_start) then
         length = min(step%dt_initial, step%period)
       else
-        length = propose_time(job%analysis%stepper, step)
+        length = propose_increment(job%analysis%stepper, step)
       end if
     end associate
   end function next_length
@@ -389,27 +389,27 @@ contains
     character(*), intent(in) :: set                !< node set, surface, element set, or label; '' means all
     real(DP), allocatable, intent(out) :: values(:, :)   !< (components, rows)
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (allocated(job%analysis%state%new%u)) then
-      call values_of(job%analysis, quantity, set, values, error)
+      call query_values(job%analysis, quantity, set, values, error)
     else
       call set_error(error, EXIT_USAGE, 'The job has not begun.')
     end if
   end subroutine get_values
 
 
-  !> Sets a quantity by name. Which there are, and when they are reached, say `drive_values` and doc/manual/library.md.
+  !> Sets a quantity by name. Which there are, and when they are reached, say `set_driven_values` and doc/manual/library.md.
   subroutine set_values(job, quantity, set, values, error)
     type(job_type), intent(inout) :: job
     character(*), intent(in) :: quantity
     character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
     real(DP), intent(in) :: values(:)              !< component by component of each row
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (job%is_ready) then
-      call drive_values(job%analysis, quantity, set, values, error)
+      call set_driven_values(job%analysis, quantity, set, values, error)
     else
       call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
     end if
@@ -422,10 +422,10 @@ contains
     character(*), intent(in) :: kind
     character(:), allocatable, intent(out) :: names(:)
     type(error_type), allocatable, intent(out) :: error
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     if (allocated(job%analysis%state%new%u)) then
-      call names_of(job%analysis, kind, names, error)
+      call query_names(job%analysis, kind, names, error)
     else
       call set_error(error, EXIT_USAGE, 'The job has not begun.')
     end if
@@ -444,32 +444,33 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(state_type) :: state
     integer :: trouble
-    type(turn_type) :: turn
-    call take_turn(turn)
+    type(process_lock_type) :: turn
+    call acquire_lock(turn)
     associate (analysis => job%analysis, system => job%analysis%system, i_step => job%analysis%stepper%step)
       trouble = 1
       if (i_step > 0) then
         call use_threads(analysis%options%n_threads)
         state = analysis%state
-        call evaluate(system, analysis%model, analysis%model%steps(i_step), state, trouble, is_frozen=.true.)
-        if (trouble == TROUBLE_NONE) then
-          call linearise(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
+        call evaluate_equilibrium(system, analysis%model, analysis%model%steps(i_step), state, trouble, is_frozen=.true.)
+        if (trouble == OUTCOME_OK) then
+          call linearize_equilibrium(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
         end if
       end if
       if (allocated(error)) return
-      if (trouble /= TROUBLE_NONE) then
+      if (trouble /= OUTCOME_OK) then
         call set_error(error, EXIT_USAGE, 'There is no matrix yet: begin or solve an increment first.')
         return
       end if
-      allocate (residual(system%whole%n_free))
-      call multiply_transpose(system%whole%map, reshape(system%lawful, [size(system%lawful)]), residual)
-      select case (squeezed(name))
+      allocate (residual(system%constraints%n_free))
+      call multiply_transpose(system%constraints%transformation, reshape(system%residual_at_gap, [size(system%residual_at_gap)]), &
+        residual)
+      select case (name_key(name))
       case ('TANGENT')
-        call tangent_matrix(system, matrix, error)
+        call assemble_tangent_matrix(system, matrix, error)
       case ('MAP')
-        matrix = system%whole%map
+        matrix = system%constraints%transformation
       case ('STIFFNESS')
-        matrix = with_skew(full_of(system%assembly%stiffness), system%assembly%skew)
+        matrix = combine_with_skew(full_from_upper(system%assembly%stiffness), system%assembly%skew)
       case default
         call set_error(error, EXIT_USAGE, 'There is no matrix named ' // name // '; TANGENT, MAP and STIFFNESS are there.')
       end select
@@ -478,12 +479,12 @@ contains
 
 
   !> The journal of a job without a listener.
-  subroutine hear_nothing(self, text)
+  subroutine discard_line(self, text)
     class(deaf_type), intent(inout) :: self
     character(*), intent(in) :: text
     if (len(text) < 0) return
     associate (unused => self)
     end associate
-  end subroutine hear_nothing
+  end subroutine discard_line
 
 end module amontons_library

@@ -2,10 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
   use omp_lib, only: omp_get_max_threads
-  use amontons_errors, only: error_type, set_error, EXIT_DONE, EXIT_USAGE, EXIT_IO
-  use amontons_posix, only: begin_again, watch_end, watch_signals
+  use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_IO
+  use amontons_posix, only: restart_passive_threads, set_exit_handler, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
-  use amontons_logger, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
+  use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_card_table, only: list_cards
   use amontons_deck, only: explain_deck
@@ -31,53 +31,53 @@ contains
   !> From the command line to the exit code.
   subroutine run_command()
     type(command_type) :: command
-    type(journal_type) :: journal
+    type(logger_type) :: logger
     type(error_type), allocatable :: error
     character(:), allocatable :: cards
-    call watch_end(.true.)
-    call open_journal(journal, .false., PROGRESS_NONE)
+    call set_exit_handler(.true.)
+    call open_logger(logger, .false., PROGRESS_NONE)
     call read_command(command, error)
     if (.not. allocated(error)) then
-      if (command%action == ACTION_RUN) call share_wisely(command%job)
+      if (command%action == ACTION_RUN) call restart_with_passive_threads(command%job)
       select case (command%action)
       case (ACTION_HELP)
-        call print_help(journal)
+        call print_help(logger)
       case (ACTION_VERSION)
-        call journal%say('Amontons ' // VERSION)
+        call logger%say('Amontons ' // VERSION)
       case (ACTION_CARDS)
         call list_cards(cards)
-        call journal%say(cards)
+        call logger%say(cards)
       case (ACTION_EXPLAIN)
         call explain_deck(command%job, cards, error)
-        call journal%say(cards)
+        call logger%say(cards)
       case default
-        call open_journal(journal, command%is_quiet, command%progress)
-        call run_job(command%job, journal, error)
+        call open_logger(logger, command%is_quiet, command%progress)
+        call run_job(command%job, logger, error)
       end select
     end if
-    call watch_end(.false.)
-    if (.not. allocated(error)) stop EXIT_DONE, quiet=.true.
-    call journal%fail(error%message)
+    call set_exit_handler(.false.)
+    if (.not. allocated(error)) stop EXIT_SUCCESS, quiet=.true.
+    call logger%fail(error%message)
     stop error%code, quiet=.true.
   end subroutine run_command
 
 
   !> The three verbs. A job that fails on the way is finished all the same: what has converged stays on disk.
-  subroutine run_job(options, journal, error)
+  subroutine run_job(options, logger, error)
     type(job_options_type), intent(in) :: options
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     type(analysis_type) :: analysis
     type(error_type), allocatable :: last_error
     logical :: is_done
-    call watch_signals()
-    call start_analysis(analysis, options, journal, error)
+    call install_signal_handlers()
+    call start_analysis(analysis, options, logger, error)
     if (allocated(error) .or. .not. analysis%is_open) return   ! --check, NO ANALYSIS
     is_done = .false.
     do while (.not. (is_done .or. allocated(error)))
-      call advance_analysis(analysis, journal, is_done, error)
+      call advance_analysis(analysis, logger, is_done, error)
     end do
-    call finish_analysis(analysis, journal, last_error)
+    call finish_analysis(analysis, logger, last_error)
     if (.not. allocated(error)) call move_alloc(last_error, error)
   end subroutine run_job
 
@@ -89,7 +89,7 @@ contains
     integer :: i
     command%job%n_threads = 0
     command%job%is_guarded = .true.
-    command%job%heeds_signals = .true.
+    command%job%handles_signals = .true.
     i = 1
     do while (i <= command_argument_count() .and. any(command%action == [ACTION_RUN, ACTION_EXPLAIN]))
       call read_option(command, i, error)
@@ -122,11 +122,11 @@ contains
       i = i + 1
     end if
     if (is_with_value(name) .eqv. len(value) == 0) then
-      if (len(value) == 0) call wrong_usage(error, 'The option ' // name // ' needs a value.')
-      if (equals > 0) call wrong_usage(error, 'The option ' // name // ' takes no value.')
+      if (len(value) == 0) call set_usage_error(error, 'The option ' // name // ' needs a value.')
+      if (equals > 0) call set_usage_error(error, 'The option ' // name // ' takes no value.')
       if (allocated(error)) return
     end if
-    call take_option(command, name, value, error)
+    call apply_option(command, name, value, error)
   end subroutine read_option
 
 
@@ -140,7 +140,7 @@ contains
 
 
   !> What each option does.
-  subroutine take_option(command, name, value, error)
+  subroutine apply_option(command, name, value, error)
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: name, value
     type(error_type), allocatable, intent(out) :: error
@@ -164,11 +164,11 @@ contains
     case ('--quiet')
       command%is_quiet = .true.
     case ('--threads')
-      call take_threads(command%job, value, error)
+      call set_threads(command%job, value, error)
     case ('--progress')
-      call take_progress(command, value, error)
+      call set_progress(command, value, error)
     case ('--dialect')
-      call take_dialect(command%job, value, error)
+      call set_dialect(command%job, value, error)
     case ('--outdir')
       command%job%outdir = value
     case ('--user')
@@ -176,29 +176,29 @@ contains
     case ('--oldjob')
       command%job%old_job = value
     case ('-i', '--job')
-      call take_job(command%job, value, error)
+      call set_job(command%job, value, error)
     case default
       if (index(name, '-') == 1) then
-        call wrong_usage(error, 'There is no option ' // name // '.')
+        call set_usage_error(error, 'There is no option ' // name // '.')
       else
-        call take_job(command%job, name, error)
+        call set_job(command%job, name, error)
       end if
     end select
-  end subroutine take_option
+  end subroutine apply_option
 
 
   !> Where a job may have several threads, the program starts again with threads that do not wait for long.
-  subroutine share_wisely(options)
+  subroutine restart_with_passive_threads(options)
     type(job_options_type), intent(in) :: options
     integer :: n
     n = options%n_threads
     if (n == 0) n = omp_get_max_threads()
-    if (n > 1) call begin_again()
-  end subroutine share_wisely
+    if (n > 1) call restart_passive_threads()
+  end subroutine restart_with_passive_threads
 
 
   !> --threads N
-  subroutine take_threads(options, value, error)
+  subroutine set_threads(options, value, error)
     type(job_options_type), intent(inout) :: options
     character(*), intent(in) :: value
     type(error_type), allocatable, intent(out) :: error
@@ -206,13 +206,13 @@ contains
     status = verify(value, '0123456789')
     if (status == 0) read (value, *, iostat=status) options%n_threads
     if (status /= 0 .or. options%n_threads < 1) then
-      call wrong_usage(error, 'The number of threads is "' // value // '"; it must be 1 or more.')
+      call set_usage_error(error, 'The number of threads is "' // value // '"; it must be 1 or more.')
     end if
-  end subroutine take_threads
+  end subroutine set_threads
 
 
   !> --progress=auto|plain|none
-  subroutine take_progress(command, value, error)
+  subroutine set_progress(command, value, error)
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: value
     type(error_type), allocatable, intent(out) :: error
@@ -224,13 +224,13 @@ contains
     case ('none')
       command%progress = PROGRESS_NONE
     case default
-      call wrong_usage(error, 'The progress is "' // value // '"; it can be auto, plain or none.')
+      call set_usage_error(error, 'The progress is "' // value // '"; it can be auto, plain or none.')
     end select
-  end subroutine take_progress
+  end subroutine set_progress
 
 
   !> --dialect=abaqus|calculix
-  subroutine take_dialect(options, value, error)
+  subroutine set_dialect(options, value, error)
     type(job_options_type), intent(inout) :: options
     character(*), intent(in) :: value
     type(error_type), allocatable, intent(out) :: error
@@ -240,22 +240,22 @@ contains
     case ('calculix')
       options%dialect = DIALECT_CALCULIX
     case default
-      call wrong_usage(error, 'The dialect is "' // value // '"; it can be abaqus or calculix.')
+      call set_usage_error(error, 'The dialect is "' // value // '"; it can be abaqus or calculix.')
     end select
-  end subroutine take_dialect
+  end subroutine set_dialect
 
 
   !> The one word that is no option: the job.
-  subroutine take_job(options, value, error)
+  subroutine set_job(options, value, error)
     type(job_options_type), intent(inout) :: options
     character(*), intent(in) :: value
     type(error_type), allocatable, intent(out) :: error
     if (allocated(options%deck)) then
-      call wrong_usage(error, 'Two jobs are named, ' // options%deck // ' and ' // value // '; one at a time can run.')
+      call set_usage_error(error, 'Two jobs are named, ' // options%deck // ' and ' // value // '; one at a time can run.')
     else
       options%deck = value
     end if
-  end subroutine take_job
+  end subroutine set_job
 
 
   !> From the word of the user to the deck, the name of the job and the folder of the results (default: the deck's own).
@@ -265,7 +265,7 @@ contains
     character(:), allocatable :: folder
     logical :: is_there
     if (.not. allocated(options%deck)) then
-      call wrong_usage(error, 'No job is named.')
+      call set_usage_error(error, 'No job is named.')
       return
     end if
     if (.not. is_inp(options%deck)) options%deck = options%deck // '.inp'
@@ -304,11 +304,11 @@ contains
 
 
   !> A sentence and the line that tells the usage.
-  subroutine wrong_usage(error, sentence)
+  subroutine set_usage_error(error, sentence)
     type(error_type), allocatable, intent(out) :: error
     character(*), intent(in) :: sentence
     call set_error(error, EXIT_USAGE, sentence // new_line('a') // USAGE)
-  end subroutine wrong_usage
+  end subroutine set_usage_error
 
 
   !> The i-th word of the command line; empty if there is none.
@@ -323,8 +323,8 @@ contains
 
 
   !> What --help prints.
-  subroutine print_help(journal)
-    type(journal_type), intent(inout) :: journal
+  subroutine print_help(logger)
+    type(logger_type), intent(inout) :: logger
     character(*), parameter :: TEXT(*) = [character(112) :: &
       'Amontons ' // VERSION // ': ' // DESCRIPTION // '.', &
       '', &
@@ -364,7 +364,7 @@ contains
       'Amontons itself.']
     integer :: i
     do i = 1, size(TEXT)
-      call journal%say(trim(TEXT(i)))
+      call logger%say(trim(TEXT(i)))
     end do
   end subroutine print_help
 

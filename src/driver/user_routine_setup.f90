@@ -3,19 +3,21 @@
 module amontons_user_routine_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP, EXIT_USAGE, EXIT_NOT_CONVERGED
-  use amontons_logger, only: journal_type
+  use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
-  use amontons_user_routines, only: routines_type, open_routines, close_routines, has_routine, hear_routines, name_job_to, &
-    uamp_type, call_uamp, CALL_NAME, ROUTINE_NAMES, USER_UMAT, USER_UAMP, USER_DLOAD, USER_DISP, USER_FRIC, USER_UINTER, &
-    USER_SDVINI
+  use amontons_user_routines, only: user_library_type, open_routines, close_routines, has_routine, collect_user_messages, &
+    pass_job_name, &
+    uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
+    ROUTINE_UINTER, &
+    ROUTINE_SDVINI
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
-  use amontons_user_state, only: most_components
+  use amontons_user_state, only: max_stress_components
   use amontons_state, only: state_type, fields_type
-  use amontons_user_material, only: find_rest_tangent
+  use amontons_user_material, only: find_initial_tangent
   implicit none
   private
-  public :: start_routines, end_routines, heed_routines, ask_amplitudes, recall_amplitudes
+  public :: open_user_routines, close_user_routines, handle_user_messages, update_user_amplitudes, restore_user_amplitudes
 
 contains
 
@@ -23,7 +25,7 @@ contains
   !!
   !! Errors: EXIT_IO (not there, does not compile, cannot be loaded), EXIT_SETUP (a routine is missing), EXIT_USAGE (the
   !! deck needs some, and none were named).
-  subroutine start_routines(model, options, error)
+  subroutine open_user_routines(model, options, error)
     type(model_type), intent(inout) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -37,40 +39,40 @@ contains
       associate (material => model%materials(m))
         if (.not. material%is_user) cycle
         material%routines = model%routines
-        if (allocated(material%library)) call open_own(model, options, m, error)
+        if (allocated(material%library)) call open_material_library(model, options, m, error)
         if (allocated(error)) return
-        call need_routine(material%routines, file_of(material, options), USER_UMAT, 'The material ''' // material%name // &
+        call check_routine(material%routines, file_of(material, options), ROUTINE_UMAT, 'The material ''' // material%name // &
           '''', error)
         if (allocated(error)) return
-        if (model%has_sdvini .and. material%n_statev > 0) call need_routine(material%routines, file_of(material, options), &
-          USER_SDVINI, '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
+        if (model%has_sdvini .and. material%n_statev > 0) call check_routine(material%routines, file_of(material, options), &
+          ROUTINE_SDVINI, '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
         if (allocated(error)) return
-        call find_rest_tangent(material, most_components(model, m), first_increment(model), error)
+        call find_initial_tangent(material, max_stress_components(model, m), first_increment(model), error)
         if (allocated(error)) return
-        call hear_routines(material%routines, pnewdt, text, is_stopped)   ! at rest PNEWDT means nothing
+        call collect_user_messages(material%routines, pnewdt, text, is_stopped)   ! at rest PNEWDT means nothing
       end associate
     end do
-    call need_loads(model, options, error)
-    if (.not. allocated(error)) call need_contact(model, options, error)
-  end subroutine start_routines
+    call check_load_routines(model, options, error)
+    if (.not. allocated(error)) call check_contact_routines(model, options, error)
+  end subroutine open_user_routines
 
 
   !> Opens a file and tells it the job.
   subroutine open_named(path, options, routines, error)
     character(*), intent(in) :: path
     type(job_options_type), intent(in) :: options
-    type(routines_type), intent(out) :: routines
+    type(user_library_type), intent(out) :: routines
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: folder
     folder = '.'
     if (allocated(options%outdir)) folder = options%outdir
     call open_routines(path, routines, error)
-    if (.not. allocated(error)) call name_job_to(routines, folder, options%job)
+    if (.not. allocated(error)) call pass_job_name(routines, folder, options%job)
   end subroutine open_named
 
 
   !> Opens the file that LIBRARY names, once for all materials that name it; it is looked for beside the deck, then as it stands.
-  subroutine open_own(model, options, m, error)
+  subroutine open_material_library(model, options, m, error)
     type(model_type), intent(inout) :: model
     type(job_options_type), intent(in) :: options
     integer, intent(in) :: m                       !< material
@@ -86,21 +88,21 @@ contains
         return
       end do
       path = material%library
-      if (allocated(options%deck)) path = beside(options%deck, path)
+      if (allocated(options%deck)) path = path_beside(options%deck, path)
       inquire (file=path, exist=is_there)
       if (.not. is_there) path = material%library
       call open_named(path, options, material%routines, error)
     end associate
-  end subroutine open_own
+  end subroutine open_material_library
 
 
   !> A file in the folder of another one, unless its path is absolute.
-  pure function beside(place, path) result(joined)
+  pure function path_beside(place, path) result(joined)
     character(*), intent(in) :: place, path
     character(:), allocatable :: joined
     joined = path
     if (index(path, '/') /= 1) joined = place(:index(place, '/', back=.true.)) // path
-  end function beside
+  end function path_beside
 
 
   !> The file that should hold a material's routine; empty if none is named.
@@ -115,7 +117,7 @@ contains
 
 
   !> Closes all libraries; no call may follow.
-  subroutine end_routines(model)
+  subroutine close_user_routines(model)
     type(model_type), intent(inout) :: model
     integer :: m
     if (allocated(model%materials)) then
@@ -124,7 +126,7 @@ contains
       end do
     end if
     call close_routines(model%routines)
-  end subroutine end_routines
+  end subroutine close_user_routines
 
 
   !> Whether a material has a library of its own that none before it has.
@@ -141,7 +143,7 @@ contains
 
 
   !> The routines that loads need.
-  subroutine need_loads(model, options, error)
+  subroutine check_load_routines(model, options, error)
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -149,18 +151,19 @@ contains
     integer :: i
     path = ''
     if (allocated(options%user)) path = options%user
-    if (any(model%amplitudes%is_user)) call need_routine(model%routines, path, USER_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
+    if (any(model%amplitudes%is_user)) call check_routine(model%routines, path, ROUTINE_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
     do i = 1, size(model%steps)
       if (allocated(error)) return
-      if (any(model%steps(i)%distributed%is_user)) call need_routine(model%routines, path, USER_DLOAD, 'A load of the user', error)
+      if (any(model%steps(i)%distributed%is_user)) call check_routine(model%routines, path, ROUTINE_DLOAD, 'A load of the user', &
+        error)
       if (allocated(error)) return
-      if (any(model%steps(i)%prescribed%is_user)) call need_routine(model%routines, path, USER_DISP, '*BOUNDARY, USER', error)
+      if (any(model%steps(i)%prescribed%is_user)) call check_routine(model%routines, path, ROUTINE_DISP, '*BOUNDARY, USER', error)
     end do
-  end subroutine need_loads
+  end subroutine check_load_routines
 
 
   !> The routines that interactions need.
-  subroutine need_contact(model, options, error)
+  subroutine check_contact_routines(model, options, error)
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -173,19 +176,19 @@ contains
     do i = 1, size(model%steps)
       if (allocated(model%steps(i)%interactions)) laws = [laws, model%steps(i)%interactions]
     end do
-    if (any(laws%is_user_friction)) call need_routine(model%routines, path, USER_FRIC, '*FRICTION, USER', error)
+    if (any(laws%is_user_friction)) call check_routine(model%routines, path, ROUTINE_FRIC, '*FRICTION, USER', error)
     if (allocated(error)) return
-    if (any(laws%behavior == BEHAVIOR_USER)) call need_routine(model%routines, path, USER_UINTER, &
+    if (any(laws%behavior == BEHAVIOR_USER)) call check_routine(model%routines, path, ROUTINE_UINTER, &
       '*SURFACE INTERACTION, USER', error)
-  end subroutine need_contact
+  end subroutine check_contact_routines
 
 
   !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.
-  subroutine ask_amplitudes(model, state)
+  subroutine update_user_amplitudes(model, state)
     type(model_type), intent(inout) :: model       !< in: amplitudes; out: their factors
     type(state_type), intent(inout) :: state       !< old memory; new times, numbers; out: new memory
     type(uamp_type) :: values
-    character(CALL_NAME) :: name
+    character(USER_NAME_LENGTH) :: name
     integer :: i, first
     first = 1
     do i = 1, size(model%amplitudes)
@@ -209,12 +212,12 @@ contains
         first = first + 1 + amplitude%n_svars
       end associate
     end do
-    call recall_amplitudes(model, state%new)
-  end subroutine ask_amplitudes
+    call restore_user_amplitudes(model, state%new)
+  end subroutine update_user_amplitudes
 
 
   !> The factors that stand in the memory of some fields.
-  subroutine recall_amplitudes(model, fields)
+  subroutine restore_user_amplitudes(model, fields)
     type(model_type), intent(inout) :: model
     type(fields_type), intent(in) :: fields
     integer :: i, first
@@ -225,7 +228,7 @@ contains
       model%amplitudes(i)%factor = [fields%user_memory(first)]
       first = first + 1 + model%amplitudes(i)%n_svars
     end do
-  end subroutine recall_amplitudes
+  end subroutine restore_user_amplitudes
 
 
   !> The length of the first increment.
@@ -237,27 +240,29 @@ contains
 
 
   !> An error if a routine is not there.
-  subroutine need_routine(routines, path, which, who, error)
-    type(routines_type), intent(in) :: routines
+  subroutine check_routine(routines, path, which, caller, error)
+    type(user_library_type), intent(in) :: routines
     character(*), intent(in) :: path               !< file that should hold it; empty: none was named
     integer, intent(in) :: which                   !< USER_...
-    character(*), intent(in) :: who                !< what needs it
+    character(*), intent(in) :: caller                !< what needs it
     type(error_type), allocatable, intent(out) :: error
     if (has_routine(routines, which)) return
     if (path /= '') then
-      call set_error(error, EXIT_SETUP, who // ' needs the user routine ' // trim(ROUTINE_NAMES(which)) // ', which is not in ' // &
+      call set_error(error, EXIT_SETUP, caller // ' needs the user routine ' // trim(ROUTINE_NAMES(which)) &
+        // ', which is not in ' // &
         path // '.')
     else
-      call set_error(error, EXIT_USAGE, who // ' needs the user routine ' // trim(ROUTINE_NAMES(which)) // '; name the file ' // &
+      call set_error(error, EXIT_USAGE, caller // ' needs the user routine ' // trim(ROUTINE_NAMES(which)) // '; name the file ' &
+        // &
         'that holds it: amontons job user=file.f (or .f90, .for, .so).')
     end if
-  end subroutine need_routine
+  end subroutine check_routine
 
 
   !> Tells what the routines have said since the last call, takes the smallest PNEWDT, and ends the job after XIT.
-  subroutine heed_routines(model, journal, pnewdt, error)
+  subroutine handle_user_messages(model, logger, pnewdt, error)
     type(model_type), intent(in) :: model
-    type(journal_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     real(DP), intent(inout) :: pnewdt              !< smallest of this attempt [-]
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: text
@@ -267,17 +272,17 @@ contains
     has_stopped = .false.
     do m = 0, size(model%materials)
       if (m == 0) then
-        call hear_routines(model%routines, smallest, text, is_stopped)
+        call collect_user_messages(model%routines, smallest, text, is_stopped)
       else
         if (.not. is_first_of_library(model, m)) cycle
-        call hear_routines(model%materials(m)%routines, smallest, text, is_stopped)
+        call collect_user_messages(model%materials(m)%routines, smallest, text, is_stopped)
       end if
       pnewdt = min(pnewdt, smallest)
-      if (len(text) > 0) call journal%say('User routines: ' // text(:len(text) - 1))
+      if (len(text) > 0) call logger%say('User routines: ' // text(:len(text) - 1))
       has_stopped = has_stopped .or. is_stopped
     end do
     if (has_stopped) call set_error(error, EXIT_NOT_CONVERGED, 'A user routine has ended the job (XIT or STDB_ABQERR). ' // &
       'All converged increments are on disk.')
-  end subroutine heed_routines
+  end subroutine handle_user_messages
 
 end module amontons_user_routine_setup

@@ -5,95 +5,102 @@
 !! elements in `plane`, trusses and springs in `discrete`. The pressure on a facet is the same for all solids.
 module amontons_element
   use amontons_kinds, only: DP
-  use amontons_truss_spring_mass, only: truss_element, truss_volumes, truss_body_force, spring_element
+  use amontons_truss_spring_mass, only: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, &
+    evaluate_spring_element
   use amontons_materials, only: material_type
-  use amontons_plane_elements, only: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
-  use amontons_solid_elements, only: solid_element, solid_volumes, solid_body_force, solid_temperature_weights
-  use amontons_integration_points, only: points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_plane_elements, only: evaluate_plane_element, evaluate_plane_volumes, integrate_plane_body_force, &
+    set_plane_temperature_weights, integrate_edge_pressure
+  use amontons_solid_elements, only: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, &
+    set_solid_temperature_weights
+  use amontons_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, &
+    ELEMENT_DEGENERATE
   use amontons_shape_functions, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_NODES, MAX_POINTS, MAX_FACE_NODES, &
+  use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
+    MAX_FACE_NODES, &
     KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, N_SOLID_KINDS
   implicit none
   private
-  public :: points_type, element_forces, element_tangent
-  public :: element_volume, element_point_volumes, element_body_force, facet_pressure, edge_pressure
-  public :: find_temperature_weights
+  public :: integration_points_type, evaluate_element_forces, evaluate_element_tangent
+  public :: evaluate_element_volume, evaluate_point_volumes, integrate_body_force, integrate_facet_pressure, integrate_edge_pressure
+  public :: set_temperature_weights
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
 
 contains
 
   !> Internal force, point values and, if wanted, the tangent of an element: the one place where each kind finds its kernel.
-  pure subroutine element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+  pure subroutine evaluate_element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material    !< springs and masses: not looked at
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< internal force, zero past the nodes [force]
-    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< internal force, zero past the nodes [force]
+    type(integration_points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: plus skew)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u, symmetric (C3D8I:
+                                                                                                 !! plus skew)
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
-      call plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+      call evaluate_plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_T3D2, KIND_T3D3)
-      call truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+      call evaluate_truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_SPRINGA:KIND_GAPUNI)
-      call spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
+      call evaluate_spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_MASS)
       force = 0
       status = ELEMENT_OK
       if (present(stiffness)) stiffness(:3, :3) = 0
     case default
-      call solid_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+      call evaluate_solid_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     end select
-  end subroutine element_forces
+  end subroutine evaluate_element_forces
 
 
   !> The tangent of an element alone.
-  pure subroutine element_tangent(kind, material, X, u, is_nlgeom, stiffness, points, status)
+  pure subroutine evaluate_element_tangent(kind, material, X, u, is_nlgeom, stiffness, points, status)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
-    real(DP), intent(out) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u, symmetric (C3D8I: plus skew), to 3 * nodes
-    type(points_type), intent(inout) :: points     !< in: the past; out: the point values
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u, symmetric (C3D8I: plus
+                                                                                       !! skew), to 3 * nodes
+    type(integration_points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
-    real(DP) :: force(3, MAX_NODES)
-    call element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
-  end subroutine element_tangent
+    real(DP) :: force(3, MAX_ELEMENT_NODES)
+    call evaluate_element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+  end subroutine evaluate_element_tangent
 
 
   !> Volume of an element in the coordinates given, and whether it is positive everywhere. Springs and masses have none.
-  pure subroutine element_volume(kind, X, section, volume, status)
+  pure subroutine evaluate_element_volume(kind, X, section, volume, status)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length] or cross-section [length^2]
     real(DP), intent(out) :: volume                !< [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    real(DP) :: volumes(MAX_POINTS)
+    real(DP) :: volumes(MAX_ELEMENT_POINTS)
     integer :: n
-    call element_point_volumes(kind, X, section, n, volumes, status)
+    call evaluate_point_volumes(kind, X, section, n, volumes, status)
     volume = sum(volumes(:n))
-  end subroutine element_volume
+  end subroutine evaluate_element_volume
 
 
   !> The volume that each integration point of an element stands for.
-  pure subroutine element_point_volumes(kind, X, section, n, volumes, status)
+  pure subroutine evaluate_point_volumes(kind, X, section, n, volumes, status)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length] or cross-section [length^2]
     integer, intent(out) :: n                      !< integration points
-    real(DP), intent(out) :: volumes(:)            !< (MAX_POINTS) zero past n [length^3]
+    real(DP), intent(out) :: volumes(:)            !< (MAX_ELEMENT_POINTS) zero past n [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
     volumes = 0
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
-      call plane_volumes(kind, X, section, n, volumes, status)
+      call evaluate_plane_volumes(kind, X, section, n, volumes, status)
     case (KIND_T3D2, KIND_T3D3)
-      call truss_volumes(kind, X, section, n, volumes, status)
+      call evaluate_truss_volumes(kind, X, section, n, volumes, status)
     case (KIND_SPRINGA)
       n = 0
       status = merge(ELEMENT_OK, ELEMENT_DEGENERATE, norm2(X(:, 2) - X(:, 1)) > 0)
@@ -101,47 +108,47 @@ contains
       n = 0
       status = ELEMENT_OK
     case default
-      call solid_volumes(kind, X, n, volumes, status)
+      call evaluate_solid_volumes(kind, X, n, volumes, status)
     end select
-  end subroutine element_point_volumes
+  end subroutine evaluate_point_volumes
 
 
   !> Consistent nodal forces of a body force: force_a = sum over points of N_a b w.
-  pure subroutine element_body_force(kind, X, section, b, force)
+  pure subroutine integrate_body_force(kind, X, section, b, force)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length], cross-section [length^2] or mass [mass]
     real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3], or per mass [force/mass]
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< zero past the nodes [force]
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
     force = 0
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
-      call plane_body_force(kind, X, section, b, force)
+      call integrate_plane_body_force(kind, X, section, b, force)
     case (KIND_T3D2, KIND_T3D3)
-      call truss_body_force(kind, X, section, b, force)
+      call integrate_truss_body_force(kind, X, section, b, force)
     case (KIND_MASS)
       force(:, 1) = section * b
     case (:N_SOLID_KINDS)
-      call solid_body_force(kind, X, b, force)
+      call integrate_solid_body_force(kind, X, b, force)
     case default                                   ! a spring has no weight
     end select
-  end subroutine element_body_force
+  end subroutine integrate_body_force
 
 
   !> Weights of the nodal temperatures at the points of any kind; springs and masses have none.
-  pure subroutine find_temperature_weights(kind, weight)
+  pure subroutine set_temperature_weights(kind, weight)
     integer, intent(in) :: kind                    !< KIND_...
-    real(DP), intent(out) :: weight(MAX_NODES, MAX_POINTS)   !< [-]
+    real(DP), intent(out) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-]
     weight = 0
     select case (kind)
     case (:N_SOLID_KINDS)
-      call solid_temperature_weights(kind, weight)
+      call set_solid_temperature_weights(kind, weight)
     case (KIND_CPS3:KIND_CAX8R)
-      call plane_temperature_weights(kind, weight)
+      call set_plane_temperature_weights(kind, weight)
     case (KIND_T3D2, KIND_T3D3)
       weight(:2, :) = 0.5_DP
     end select
-  end subroutine find_temperature_weights
+  end subroutine set_temperature_weights
 
 
   !> Consistent nodal forces of a pressure on a facet in its current place, and their derivative, the load stiffness:
@@ -149,7 +156,7 @@ contains
   !! Positive pressure pushes against the normal of the right-hand rule. The derivative is not symmetric for an open
   !! surface. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
   !! section 8.5.
-  pure subroutine facet_pressure(facet_kind, x, pressure, force, stiffness, profile, rule)
+  pure subroutine integrate_facet_pressure(facet_kind, x, pressure, force, stiffness, profile, rule)
     integer, intent(in) :: facet_kind              !< FACET_...
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
     real(DP), intent(in) :: pressure               !< [stress]
@@ -159,7 +166,7 @@ contains
     integer, intent(in), optional :: rule          !< the kind of facet whose points are taken; absent: its own
     type(facet_kind_type) :: facet
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
-    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn(3, 3)
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn_matrix(3, 3)
     integer :: n_rule, p, a, b
     facet = topology_of_facet(facet_kind)
     force = 0
@@ -180,15 +187,15 @@ contains
       if (present(profile)) N = profile(p) * N
       do b = 1, facet%n_nodes
         force(:, b) = force(:, b) + N(b) * cross_product(along(:, 1), along(:, 2))
-        turn = cross_matrix(dN(1, b) * along(:, 2) - dN(2, b) * along(:, 1))
+        turn_matrix = cross_matrix(dN(1, b) * along(:, 2) - dN(2, b) * along(:, 1))
         do a = 1, facet%n_nodes
           associate (block => stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
-            block = block + N(a) * turn
+            block = block + N(a) * turn_matrix
           end associate
         end do
       end do
     end do
-  end subroutine facet_pressure
+  end subroutine integrate_facet_pressure
 
 
   !> The matrix with entries e_ijk y_k: its product with z is z x y.

@@ -15,49 +15,50 @@ module amontons_hex8_simd
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_shape_functions, only: shape_functions, quadrature
-  use amontons_elasticity, only: LARGEST_GRADIENT
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, MAX_NODES, MAX_POINTS
+  use amontons_elasticity, only: MAX_DISPLACEMENT_GRADIENT
+  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH, N_PAIRS
+  public :: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, evaluate_batch_forces, &
+    evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
 
-  integer, parameter :: WIDTH = 8                  !< elements of a batch
+  integer, parameter :: BATCH_WIDTH = 8                  !< elements of a batch
   integer, parameter :: N = 8                      !< nodes, and points, of an element
-  integer, parameter :: N_PAIRS = N * (N + 1) / 2  !< pairs of nodes a <= b, those of b = 1 first
+  integer, parameter :: N_NODE_PAIRS = N * (N + 1) / 2  !< pairs of nodes a <= b, those of b = 1 first
 
   !> Derivatives of the shape functions at the points, and the weights of these.
-  type :: rule_type
+  type :: batch_rule_type
     real(DP) :: dN(3, N, N)                        !< of node a at point p by xi [-]
     real(DP) :: w(N)                               !< [-]
-  end type rule_type
+  end type batch_rule_type
 
   !> Eight elements. Lanes that are not wanted hold a copy of another element.
   type :: batch_type
-    real(DP) :: X(WIDTH, 3, N)                     !< reference coordinates [length]
-    real(DP) :: u(WIDTH, 3, N)                     !< displacements [length]
-    real(DP) :: lambda(WIDTH), G(WIDTH)            !< Lame's constants [stress]
+    real(DP) :: X(BATCH_WIDTH, 3, N)                     !< reference coordinates [length]
+    real(DP) :: u(BATCH_WIDTH, 3, N)                     !< displacements [length]
+    real(DP) :: lambda(BATCH_WIDTH), G(BATCH_WIDTH)            !< Lame's constants [stress]
     logical :: is_sound                            !< .false.: an element is inverted or not finite: nothing below is to be used
-    real(DP) :: force(WIDTH, 3, N)                 !< [force]
-    real(DP) :: stiffness(WIDTH, 3, 3, N_PAIRS)    !< block of each pair [force/length]
-    real(DP) :: stress(WIDTH, 6, N)                !< Cauchy's [stress]
-    real(DP) :: strain(WIDTH, 6, N)                !< small, or Green's; tensor components [-]
-    real(DP) :: energy(WIDTH, N)                   !< per reference volume [stress]
-    real(DP) :: volume(WIDTH, N)                   !< reference volumes of the points [length^3]
+    real(DP) :: force(BATCH_WIDTH, 3, N)                 !< [force]
+    real(DP) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)    !< block of each pair [force/length]
+    real(DP) :: stress(BATCH_WIDTH, 6, N)                !< Cauchy's [stress]
+    real(DP) :: strain(BATCH_WIDTH, 6, N)                !< small, or Green's; tensor components [-]
+    real(DP) :: energy(BATCH_WIDTH, N)                   !< per reference volume [stress]
+    real(DP) :: volume(BATCH_WIDTH, N)                   !< reference volumes of the points [length^3]
   end type batch_type
 
   !> What has been found at one point of the eight elements.
-  type :: point_type
-    real(DP) :: g(WIDTH, 3, N)                     !< gradients [1/length]
-    real(DP) :: w(WIDTH)                           !< volumes [length^3]
-    real(DP) :: H(WIDTH, 3, 3)                     !< du_i/dX_j [-]
-  end type point_type
+  type :: batch_point_type
+    real(DP) :: g(BATCH_WIDTH, 3, N)                     !< gradients [1/length]
+    real(DP) :: w(BATCH_WIDTH)                           !< volumes [length^3]
+    real(DP) :: H(BATCH_WIDTH, 3, 3)                     !< du_i/dX_j [-]
+  end type batch_point_type
 
 contains
 
   !> The table of the rule.
-  pure function make_rule() result(rule)
-    type(rule_type) :: rule
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shape(MAX_NODES), dN(3, MAX_NODES)
+  pure function create_batch_rule() result(rule)
+    type(batch_rule_type) :: rule
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), shape(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     integer :: n_rule, p
     call quadrature(KIND_C3D8_FULL, n_rule, xi, w)
     rule%w = w(:N)
@@ -65,21 +66,21 @@ contains
       call shape_functions(KIND_C3D8_FULL, xi(:, p), shape, dN)
       rule%dN(:, :, p) = dN(:, :N)
     end do
-  end function make_rule
+  end function create_batch_rule
 
 
   !> Whether an element can be computed here.
-  pure logical function is_batched(kind, material, is_nlgeom)
+  pure logical function is_batch_kind(kind, material, is_nlgeom)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    is_batched = kind == KIND_C3D8_FULL .and. (.not. is_nlgeom .or. material%law == LAW_SAINT_VENANT)
-    is_batched = (is_batched .or. (kind == KIND_C3D8 .and. .not. is_nlgeom)) .and. material%is_plain
-  end function is_batched
+    is_batch_kind = kind == KIND_C3D8_FULL .and. (.not. is_nlgeom .or. material%law == LAW_SAINT_VENANT)
+    is_batch_kind = (is_batch_kind .or. (kind == KIND_C3D8 .and. .not. is_nlgeom)) .and. material%is_linear_isotropic
+  end function is_batch_kind
 
 
   !> Puts an element into a lane.
-  pure subroutine load_lane(batch, lane, material, X, u)
+  pure subroutine set_batch_lane(batch, lane, material, X, u)
     type(batch_type), intent(inout) :: batch
     integer, intent(in) :: lane
     type(material_type), intent(in) :: material
@@ -90,17 +91,17 @@ contains
       batch%G(lane) = E / (2 * (1 + nu))
       batch%lambda(lane) = E * nu / ((1 + nu) * (1 - 2 * nu))
     end associate
-  end subroutine load_lane
+  end subroutine set_batch_lane
 
 
   !> Forces and point values.
-  pure subroutine batch_forces(batch, rule, is_mean, is_nlgeom)
+  pure subroutine evaluate_batch_forces(batch, rule, is_mean, is_nlgeom)
     type(batch_type), intent(inout) :: batch
-    type(rule_type), intent(in) :: rule
+    type(batch_rule_type), intent(in) :: rule
     logical, intent(in) :: is_mean                 !< mean dilatation (with small displacements only)
     logical, intent(in) :: is_nlgeom
-    type(point_type) :: point
-    real(DP) :: P(WIDTH, 3, 3), mean(WIDTH, 3, N), lambda(WIDTH), pressure(WIDTH), divergence(WIDTH)
+    type(batch_point_type) :: point
+    real(DP) :: P(BATCH_WIDTH, 3, 3), mean(BATCH_WIDTH, 3, N), lambda(BATCH_WIDTH), pressure(BATCH_WIDTH), divergence(BATCH_WIDTH)
     integer :: k, a, i, v
     batch%is_sound = all(ieee_is_finite(batch%u))
     if (.not. batch%is_sound) return
@@ -108,23 +109,23 @@ contains
     lambda = batch%lambda
     if (is_mean) then
       lambda = -2 * batch%G / 3
-      call mean_gradients(batch, rule, mean, divergence)
+      call evaluate_mean_gradients(batch, rule, mean, divergence)
       pressure = (batch%lambda - lambda) * divergence
     end if
     do k = 1, N
-      call find_point(batch, rule, k, is_nlgeom, point)
+      call evaluate_batch_point(batch, rule, k, is_nlgeom, point)
       if (.not. batch%is_sound) return
       if (is_nlgeom) then
-        call stress_green(batch, k, point, P)
+        call evaluate_green_stress(batch, k, point, P)
       else
         if (.not. is_mean) divergence = point%H(:, 1, 1) + point%H(:, 2, 2) + point%H(:, 3, 3)
-        call stress_hooke(batch, k, point, divergence, P)
-        if (is_mean) call subtract_pressure(pressure, P)
+        call evaluate_small_stress(batch, k, point, divergence, P)
+        if (is_mean) call subtract_mean_pressure(pressure, P)
       end if
       do a = 1, N
         do i = 1, 3
           !$omp simd
-          do v = 1, WIDTH
+          do v = 1, BATCH_WIDTH
             batch%force(v, i, a) = batch%force(v, i, a) + point%w(v) * (P(v, i, 1) * point%g(v, 1, a) &
               + P(v, i, 2) * point%g(v, 2, a) + P(v, i, 3) * point%g(v, 3, a))
           end do
@@ -137,27 +138,27 @@ contains
         batch%force(:, i, a) = batch%force(:, i, a) + pressure * mean(:, i, a)
       end do
     end do
-  end subroutine batch_forces
+  end subroutine evaluate_batch_forces
 
 
   !> The part of the mean dilatation leaves the stress of a point: it acts on the mean gradients.
-  pure subroutine subtract_pressure(pressure, P)
-    real(DP), intent(in) :: pressure(WIDTH)        !< [stress]
-    real(DP), intent(inout) :: P(WIDTH, 3, 3)      !< [stress]
+  pure subroutine subtract_mean_pressure(pressure, P)
+    real(DP), intent(in) :: pressure(BATCH_WIDTH)        !< [stress]
+    real(DP), intent(inout) :: P(BATCH_WIDTH, 3, 3)      !< [stress]
     integer :: i
     do i = 1, 3
       P(:, i, i) = P(:, i, i) - pressure
     end do
-  end subroutine subtract_pressure
+  end subroutine subtract_mean_pressure
 
 
   !> The tangent.
-  pure subroutine batch_tangent(batch, rule, is_mean, is_nlgeom)
+  pure subroutine evaluate_batch_tangent(batch, rule, is_mean, is_nlgeom)
     type(batch_type), intent(inout) :: batch
-    type(rule_type), intent(in) :: rule
+    type(batch_rule_type), intent(in) :: rule
     logical, intent(in) :: is_mean, is_nlgeom
-    type(point_type) :: point
-    real(DP) :: mean(WIDTH, 3, N), lambda(WIDTH), divergence(WIDTH), volume(WIDTH)
+    type(batch_point_type) :: point
+    real(DP) :: mean(BATCH_WIDTH, 3, N), lambda(BATCH_WIDTH), divergence(BATCH_WIDTH), volume(BATCH_WIDTH)
     integer :: k
     batch%is_sound = all(ieee_is_finite(batch%u))
     if (.not. batch%is_sound) return
@@ -166,25 +167,25 @@ contains
     if (is_mean) lambda = -2 * batch%G / 3
     volume = 0
     do k = 1, N
-      call find_point(batch, rule, k, is_nlgeom, point)
+      call evaluate_batch_point(batch, rule, k, is_nlgeom, point)
       if (.not. batch%is_sound) return
       volume = volume + point%w
-      call add_point(batch, lambda, is_nlgeom, point)
+      call add_point_stiffness(batch, lambda, is_nlgeom, point)
     end do
     if (.not. is_mean) return
-    call mean_gradients(batch, rule, mean, divergence)
-    call add_mean(mean, (batch%lambda - lambda) / volume, batch%stiffness)
-  end subroutine batch_tangent
+    call evaluate_mean_gradients(batch, rule, mean, divergence)
+    call add_mean_dilatation_stiffness(mean, (batch%lambda - lambda) / volume, batch%stiffness)
+  end subroutine evaluate_batch_tangent
 
 
   !> Gradients, volumes and displacement gradients of one point. Displacements count from node 1: a translation gives nothing.
-  pure subroutine find_point(batch, rule, k, is_nlgeom, point)
+  pure subroutine evaluate_batch_point(batch, rule, k, is_nlgeom, point)
     type(batch_type), intent(inout) :: batch       !< volume of the point and is_sound are set
-    type(rule_type), intent(in) :: rule
+    type(batch_rule_type), intent(in) :: rule
     integer, intent(in) :: k                       !< point
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(out) :: point
-    real(DP) :: J(WIDTH, 3, 3), c(WIDTH, 3, 3), det(WIDTH)
+    type(batch_point_type), intent(out) :: point
+    real(DP) :: J(BATCH_WIDTH, 3, 3), c(BATCH_WIDTH, 3, 3), det(BATCH_WIDTH)
     integer :: a, i, m
     J = 0
     do a = 2, N
@@ -212,20 +213,21 @@ contains
         end do
       end do
     end do
-    batch%is_sound = all(abs(point%H) <= LARGEST_GRADIENT)
-    if (is_nlgeom) batch%is_sound = batch%is_sound .and. all(determinant(point%H) > 0)
-  end subroutine find_point
+    batch%is_sound = all(abs(point%H) <= MAX_DISPLACEMENT_GRADIENT)
+    if (is_nlgeom) batch%is_sound = batch%is_sound .and. all(batch_determinant(point%H) > 0)
+  end subroutine evaluate_batch_point
 
 
   !> Adjugate (the inverse times the determinant) and determinant.
   pure subroutine adjugate(A, c, det)
-    real(DP), intent(in) :: A(WIDTH, 3, 3)
-    real(DP), intent(out) :: c(WIDTH, 3, 3), det(WIDTH)
+    real(DP), intent(in) :: A(BATCH_WIDTH, 3, 3)
+    real(DP), intent(out) :: c(BATCH_WIDTH, 3, 3), det(BATCH_WIDTH)
     integer :: i, j
-    integer, parameter :: NEXT(3) = [2, 3, 1], AFTER(3) = [3, 1, 2]
+    integer, parameter :: NEXT_DIRECTION(3) = [2, 3, 1], PREVIOUS_DIRECTION(3) = [3, 1, 2]
     do j = 1, 3
       do i = 1, 3
-        c(:, i, j) = A(:, NEXT(j), NEXT(i)) * A(:, AFTER(j), AFTER(i)) - A(:, NEXT(j), AFTER(i)) * A(:, AFTER(j), NEXT(i))
+        c(:, i, j) = A(:, NEXT_DIRECTION(j), NEXT_DIRECTION(i)) * A(:, PREVIOUS_DIRECTION(j), PREVIOUS_DIRECTION(i)) - A(:, &
+          NEXT_DIRECTION(j), PREVIOUS_DIRECTION(i)) * A(:, PREVIOUS_DIRECTION(j), NEXT_DIRECTION(i))
       end do
     end do
     det = A(:, 1, 1) * c(:, 1, 1) + A(:, 1, 2) * c(:, 2, 1) + A(:, 1, 3) * c(:, 3, 1)
@@ -233,40 +235,40 @@ contains
 
 
   !> det(1 + H).
-  pure function determinant(H) result(det)
-    real(DP), intent(in) :: H(WIDTH, 3, 3)
-    real(DP) :: det(WIDTH), F(WIDTH, 3, 3), c(WIDTH, 3, 3)
-    F = deformation(H)
+  pure function batch_determinant(H) result(det)
+    real(DP), intent(in) :: H(BATCH_WIDTH, 3, 3)
+    real(DP) :: det(BATCH_WIDTH), F(BATCH_WIDTH, 3, 3), c(BATCH_WIDTH, 3, 3)
+    F = deformation_gradient(H)
     call adjugate(F, c, det)
-  end function determinant
+  end function batch_determinant
 
 
   !> F = 1 + H.
-  pure function deformation(H) result(F)
-    real(DP), intent(in) :: H(WIDTH, 3, 3)
-    real(DP) :: F(WIDTH, 3, 3)
+  pure function deformation_gradient(H) result(F)
+    real(DP), intent(in) :: H(BATCH_WIDTH, 3, 3)
+    real(DP) :: F(BATCH_WIDTH, 3, 3)
     integer :: i
     F = H
     do i = 1, 3
       F(:, i, i) = F(:, i, i) + 1
     end do
-  end function deformation
+  end function deformation_gradient
 
 
   !> Volume times mean gradients, and the mean of div u, over the reference volume.
-  pure subroutine mean_gradients(batch, rule, mean, divergence)
+  pure subroutine evaluate_mean_gradients(batch, rule, mean, divergence)
     type(batch_type), intent(inout) :: batch
-    type(rule_type), intent(in) :: rule
-    real(DP), intent(out) :: mean(WIDTH, 3, N)     !< [length^2]
-    real(DP), intent(out) :: divergence(WIDTH)     !< [-]
-    type(point_type) :: point
-    real(DP) :: volume(WIDTH)
+    type(batch_rule_type), intent(in) :: rule
+    real(DP), intent(out) :: mean(BATCH_WIDTH, 3, N)     !< [length^2]
+    real(DP), intent(out) :: divergence(BATCH_WIDTH)     !< [-]
+    type(batch_point_type) :: point
+    real(DP) :: volume(BATCH_WIDTH)
     integer :: k, a, i
     mean = 0
     volume = 0
     divergence = 0
     do k = 1, N
-      call find_point(batch, rule, k, .false., point)
+      call evaluate_batch_point(batch, rule, k, .false., point)
       if (.not. batch%is_sound) return
       volume = volume + point%w
       divergence = divergence + point%w * (point%H(:, 1, 1) + point%H(:, 2, 2) + point%H(:, 3, 3))
@@ -277,81 +279,81 @@ contains
       end do
     end do
     divergence = divergence / volume
-  end subroutine mean_gradients
+  end subroutine evaluate_mean_gradients
 
 
   !> Small displacements: strain with its dilatation replaced by the one given, stress, energy.
-  pure subroutine stress_hooke(batch, k, point, divergence, P)
+  pure subroutine evaluate_small_stress(batch, k, point, divergence, P)
     type(batch_type), intent(inout) :: batch
     integer, intent(in) :: k
-    type(point_type), intent(in) :: point
-    real(DP), intent(in) :: divergence(WIDTH)      !< [-]
-    real(DP), intent(out) :: P(WIDTH, 3, 3)        !< [stress]
-    real(DP) :: lack(WIDTH), e(WIDTH, 6)
+    type(batch_point_type), intent(in) :: point
+    real(DP), intent(in) :: divergence(BATCH_WIDTH)      !< [-]
+    real(DP), intent(out) :: P(BATCH_WIDTH, 3, 3)        !< [stress]
+    real(DP) :: dilatation_change(BATCH_WIDTH), e(BATCH_WIDTH, 6)
     integer :: i
     associate (H => point%H)
-      lack = (divergence - (H(:, 1, 1) + H(:, 2, 2) + H(:, 3, 3))) / 3
+      dilatation_change = (divergence - (H(:, 1, 1) + H(:, 2, 2) + H(:, 3, 3))) / 3
       do i = 1, 3
-        e(:, i) = H(:, i, i) + lack
+        e(:, i) = H(:, i, i) + dilatation_change
       end do
       e(:, 4) = 0.5_DP * (H(:, 1, 2) + H(:, 2, 1))
       e(:, 5) = 0.5_DP * (H(:, 2, 3) + H(:, 3, 2))
       e(:, 6) = 0.5_DP * (H(:, 1, 3) + H(:, 3, 1))
     end associate
     batch%strain(:, :, k) = e
-    call hooke(batch, e, batch%stress(:, :, k), batch%energy(:, k))
-    call unpack_voigt(batch%stress(:, :, k), P)
-  end subroutine stress_hooke
+    call evaluate_hooke_stress(batch, e, batch%stress(:, :, k), batch%energy(:, k))
+    call unpack_batch_voigt(batch%stress(:, :, k), P)
+  end subroutine evaluate_small_stress
 
 
   !> Finite displacements, Saint-Venant's law: Green's strain, Cauchy's stress, and P = F S.
-  pure subroutine stress_green(batch, k, point, P)
+  pure subroutine evaluate_green_stress(batch, k, point, P)
     type(batch_type), intent(inout) :: batch
     integer, intent(in) :: k
-    type(point_type), intent(in) :: point
-    real(DP), intent(out) :: P(WIDTH, 3, 3)        !< [stress]
-    real(DP) :: e(WIDTH, 6), s(WIDTH, 6), full(WIDTH, 3, 3), F(WIDTH, 3, 3), det(WIDTH)
+    type(batch_point_type), intent(in) :: point
+    real(DP), intent(out) :: P(BATCH_WIDTH, 3, 3)        !< [stress]
+    real(DP) :: e(BATCH_WIDTH, 6), s(BATCH_WIDTH, 6), full(BATCH_WIDTH, 3, 3), F(BATCH_WIDTH, 3, 3), det(BATCH_WIDTH)
     integer :: i, j
-    integer, parameter :: ROW(6) = [1, 2, 3, 1, 2, 1], COLUMN(6) = [1, 2, 3, 2, 3, 3]
-    call green_strain(point%H, e)
+    integer, parameter :: VOIGT_ROW(6) = [1, 2, 3, 1, 2, 1], VOIGT_COLUMN(6) = [1, 2, 3, 2, 3, 3]
+    call evaluate_green_strain(point%H, e)
     batch%strain(:, :, k) = e
-    call hooke(batch, e, s, batch%energy(:, k))
-    call unpack_voigt(s, full)
-    F = deformation(point%H)
+    call evaluate_hooke_stress(batch, e, s, batch%energy(:, k))
+    call unpack_batch_voigt(s, full)
+    F = deformation_gradient(point%H)
     do j = 1, 3
       do i = 1, 3
         P(:, i, j) = F(:, i, 1) * full(:, 1, j) + F(:, i, 2) * full(:, 2, j) + F(:, i, 3) * full(:, 3, j)
       end do
     end do
-    det = determinant(point%H)
+    det = batch_determinant(point%H)
     do j = 1, 6
-      batch%stress(:, j, k) = (P(:, ROW(j), 1) * F(:, COLUMN(j), 1) + P(:, ROW(j), 2) * F(:, COLUMN(j), 2) &
-        + P(:, ROW(j), 3) * F(:, COLUMN(j), 3)) / det
+      batch%stress(:, j, k) = (P(:, VOIGT_ROW(j), 1) * F(:, VOIGT_COLUMN(j), 1) + P(:, VOIGT_ROW(j), 2) * F(:, VOIGT_COLUMN(j), 2) &
+        + P(:, VOIGT_ROW(j), 3) * F(:, VOIGT_COLUMN(j), 3)) / det
     end do
-  end subroutine stress_green
+  end subroutine evaluate_green_stress
 
 
   !> Green's strain, formed so that nothing cancels: the symmetric part of H, and half of H'H.
-  pure subroutine green_strain(H, e)
-    real(DP), intent(in) :: H(WIDTH, 3, 3)
-    real(DP), intent(out) :: e(WIDTH, 6)
+  pure subroutine evaluate_green_strain(H, e)
+    real(DP), intent(in) :: H(BATCH_WIDTH, 3, 3)
+    real(DP), intent(out) :: e(BATCH_WIDTH, 6)
     integer :: k, i, j
-    integer, parameter :: ROW(6) = [1, 2, 3, 1, 2, 1], COLUMN(6) = [1, 2, 3, 2, 3, 3]
+    integer, parameter :: VOIGT_ROW(6) = [1, 2, 3, 1, 2, 1], VOIGT_COLUMN(6) = [1, 2, 3, 2, 3, 3]
     do k = 1, 6
-      i = ROW(k)
-      j = COLUMN(k)
+      i = VOIGT_ROW(k)
+      j = VOIGT_COLUMN(k)
       e(:, k) = 0.5_DP * (H(:, i, j) + H(:, j, i) + H(:, 1, i) * H(:, 1, j) + H(:, 2, i) * H(:, 2, j) + H(:, 3, i) * H(:, 3, j))
     end do
-  end subroutine green_strain
+  end subroutine evaluate_green_strain
 
 
   !> lambda tr(e) 1 + 2 G e, and the energy.
-  pure subroutine hooke(batch, e, s, energy)
+  pure subroutine evaluate_hooke_stress(batch, e, s, energy)
     type(batch_type), intent(in) :: batch
-    real(DP), intent(in) :: e(WIDTH, 6)
-    real(DP), intent(out) :: s(WIDTH, 6)           !< [stress]
-    real(DP), intent(out) :: energy(WIDTH)         !< [stress]
-    real(DP) :: part(WIDTH)
+    real(DP), intent(in) :: e(BATCH_WIDTH, 6)
+    real(DP), intent(out) :: s(BATCH_WIDTH, 6)           !< [stress]
+    real(DP), intent(out) :: energy(BATCH_WIDTH)         !< [stress]
+    real(DP) :: part(BATCH_WIDTH)
     integer :: i
     part = batch%lambda * (e(:, 1) + e(:, 2) + e(:, 3))
     do i = 1, 6
@@ -360,40 +362,40 @@ contains
     end do
     energy = 0.5_DP * (s(:, 1) * e(:, 1) + s(:, 2) * e(:, 2) + s(:, 3) * e(:, 3)) &
       + s(:, 4) * e(:, 4) + s(:, 5) * e(:, 5) + s(:, 6) * e(:, 6)
-  end subroutine hooke
+  end subroutine evaluate_hooke_stress
 
 
   !> xx yy zz xy yz xz as a matrix.
-  pure subroutine unpack_voigt(s, full)
-    real(DP), intent(in) :: s(WIDTH, 6)
-    real(DP), intent(out) :: full(WIDTH, 3, 3)
+  pure subroutine unpack_batch_voigt(s, full)
+    real(DP), intent(in) :: s(BATCH_WIDTH, 6)
+    real(DP), intent(out) :: full(BATCH_WIDTH, 3, 3)
     integer :: i, j
-    integer, parameter :: PLACE(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
+    integer, parameter :: VOIGT_INDEX(3, 3) = reshape([1, 4, 6, 4, 2, 5, 6, 5, 3], [3, 3])
     do j = 1, 3
       do i = 1, 3
-        full(:, i, j) = s(:, PLACE(i, j))
+        full(:, i, j) = s(:, VOIGT_INDEX(i, j))
       end do
     end do
-  end subroutine unpack_voigt
+  end subroutine unpack_batch_voigt
 
 
   !> What a point adds to the blocks of all pairs.
-  pure subroutine add_point(batch, lambda, is_nlgeom, point)
+  pure subroutine add_point_stiffness(batch, lambda, is_nlgeom, point)
     type(batch_type), intent(inout) :: batch
-    real(DP), intent(in) :: lambda(WIDTH)          !< [stress]
+    real(DP), intent(in) :: lambda(BATCH_WIDTH)          !< [stress]
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(in) :: point
-    real(DP), dimension(WIDTH, 3, N) :: q, lambda_q, G_q, t
-    real(DP), dimension(WIDTH, 3, 3) :: F, b, full
-    real(DP) :: s(WIDTH, 6), e(WIDTH, 6), energy(WIDTH)
+    type(batch_point_type), intent(in) :: point
+    real(DP), dimension(BATCH_WIDTH, 3, N) :: q, lambda_q, G_q, t
+    real(DP), dimension(BATCH_WIDTH, 3, 3) :: F, b, full
+    real(DP) :: s(BATCH_WIDTH, 6), e(BATCH_WIDTH, 6), energy(BATCH_WIDTH)
     integer :: a, i, j
     if (is_nlgeom) then
-      F = deformation(point%H)
-      call green_strain(point%H, e)
-      call hooke(batch, e, s, energy)
-      call unpack_voigt(s, full)
+      F = deformation_gradient(point%H)
+      call evaluate_green_strain(point%H, e)
+      call evaluate_hooke_stress(batch, e, s, energy)
+      call unpack_batch_voigt(s, full)
     else
-      F = deformation(0 * point%H)
+      F = deformation_gradient(0 * point%H)
       full = 0
     end if
     do j = 1, 3
@@ -410,15 +412,15 @@ contains
         G_q(:, i, a) = point%w * batch%G * q(:, i, a)
       end do
     end do
-    call add_pairs(point%g, q, lambda_q, G_q, t, b, point%w * batch%G, batch%stiffness)
-  end subroutine add_point
+    call add_pair_blocks(point%g, q, lambda_q, G_q, t, b, point%w * batch%G, batch%stiffness)
+  end subroutine add_point_stiffness
 
 
   !> The innermost loops of the tangent: K_ab = K_ab + (g_a . t_b) 1 + l_a q_b' + q_b m_a' + G (g_a . g_b) b, l = lambda q, m = G q.
-  pure subroutine add_pairs(g, q, l, m, t, b, G_w, stiffness)
-    real(DP), dimension(WIDTH, 3, N), intent(in) :: g, q, l, m, t
-    real(DP), intent(in) :: b(WIDTH, 3, 3), G_w(WIDTH)
-    real(DP), intent(inout) :: stiffness(WIDTH, 3, 3, N_PAIRS)
+  pure subroutine add_pair_blocks(g, q, l, m, t, b, G_w, stiffness)
+    real(DP), dimension(BATCH_WIDTH, 3, N), intent(in) :: g, q, l, m, t
+    real(DP), intent(in) :: b(BATCH_WIDTH, 3, 3), G_w(BATCH_WIDTH)
+    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)
     real(DP) :: geometric, shear
     integer :: k, i, j, v
     k = 0
@@ -427,7 +429,7 @@ contains
         k = k + 1
         associate (block => stiffness(:, :, :, k))
           !$omp simd private(geometric, shear)
-          do v = 1, WIDTH
+          do v = 1, BATCH_WIDTH
             geometric = g(v, 1, i) * t(v, 1, j) + g(v, 2, i) * t(v, 2, j) + g(v, 3, i) * t(v, 3, j)
             shear = G_w(v) * (g(v, 1, i) * g(v, 1, j) + g(v, 2, i) * g(v, 2, j) + g(v, 3, i) * g(v, 3, j))
             block(v, 1, 1) = block(v, 1, 1) + l(v, 1, i) * q(v, 1, j) + q(v, 1, j) * m(v, 1, i) + shear * b(v, 1, 1) + geometric
@@ -443,14 +445,14 @@ contains
         end associate
       end do
     end do
-  end subroutine add_pairs
+  end subroutine add_pair_blocks
 
 
   !> The part of the mean dilatation: k gm_a gm_b', with gm the mean gradients times the volume and k over the volume.
-  pure subroutine add_mean(mean, k, stiffness)
-    real(DP), intent(in) :: mean(WIDTH, 3, N)      !< [length^2]
-    real(DP), intent(in) :: k(WIDTH)               !< [stress/length^3]
-    real(DP), intent(inout) :: stiffness(WIDTH, 3, 3, N_PAIRS)
+  pure subroutine add_mean_dilatation_stiffness(mean, k, stiffness)
+    real(DP), intent(in) :: mean(BATCH_WIDTH, 3, N)      !< [length^2]
+    real(DP), intent(in) :: k(BATCH_WIDTH)               !< [stress/length^3]
+    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)
     integer :: pair, a, b, i, j
     pair = 0
     do b = 1, N
@@ -463,6 +465,6 @@ contains
         end do
       end do
     end do
-  end subroutine add_mean
+  end subroutine add_mean_dilatation_stiffness
 
 end module amontons_hex8_simd

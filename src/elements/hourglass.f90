@@ -23,16 +23,16 @@
 module amontons_hourglass
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, invert, VOIGT_ROW, VOIGT_COLUMN
-  use amontons_topology, only: MAX_NODES
+  use amontons_topology, only: MAX_ELEMENT_NODES
   implicit none
   private
-  public :: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
+  public :: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
 
-  integer, parameter :: MAX_CORNERS = 8, MAX_MODES = 4
-  real(DP), parameter :: SOFTNESS = 0.0005_DP      !< of CalculiX's hourglass stiffness [-]
+  integer, parameter :: MAX_ELEMENT_CORNERS = 8, MAX_MODES = 4
+  real(DP), parameter :: ARTIFICIAL_HOURGLASS_FACTOR = 0.0005_DP      !< of CalculiX's hourglass stiffness [-]
 
   ! Signs of the corners: xi, eta, zeta.
-  real(DP), parameter :: CORNER(3, 8) = reshape([real(DP) :: &
+  real(DP), parameter :: CORNER_SIGNS(3, 8) = reshape([real(DP) :: &
     -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
 
   !> What the hourglass energy of one element needs.
@@ -40,22 +40,22 @@ module amontons_hourglass
     integer :: d = 3                                    !< 3 in space, 2 in the plane
     integer :: n = 8                                    !< corners
     integer :: m = 4                                    !< modes of each component: 4 or 1
-    real(DP) :: gamma(MAX_CORNERS, MAX_MODES) = 0       !< [-]
-    real(DP) :: gradient(MAX_CORNERS, 3) = 0            !< mean dN_a/dX_j [1/length]
+    real(DP) :: gamma(MAX_ELEMENT_CORNERS, MAX_MODES) = 0       !< [-]
+    real(DP) :: gradient(MAX_ELEMENT_CORNERS, 3) = 0            !< mean dN_a/dX_j [1/length]
     real(DP) :: matrix(3 * MAX_MODES, 3 * MAX_MODES) = 0   !< M; (i, alpha) is i + d (alpha - 1) [force/length]
   end type hourglass_type
 
 contains
 
   !> The hourglass vectors and the matrix M of an element.
-  pure subroutine prepare_hourglass(d, X, gradient, volume, c, hourglass)
+  pure subroutine set_physical_hourglass(d, X, gradient, volume, c, hourglass)
     integer, intent(in) :: d                       !< 3: hexahedron of 8 nodes, 2: square of 4
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: gradient(:, :)         !< (nodes, d) mean dN_a/dX_j [1/length]
     real(DP), intent(in) :: volume                 !< [length^3]
     real(DP), intent(in) :: c(6, 6)                !< elastic tangent at rest, engineering shears [stress]
     type(hourglass_type), intent(out) :: hourglass
-    real(DP) :: base(MAX_CORNERS, MAX_MODES), J(3, 3)
+    real(DP) :: base(MAX_ELEMENT_CORNERS, MAX_MODES), J(3, 3)
     integer :: n, m, i, alpha
     hourglass%d = d
     n = 2**d
@@ -63,17 +63,17 @@ contains
     hourglass%n = n
     hourglass%m = m
     hourglass%gradient(:n, :d) = gradient(:n, :d)
-    base(:, 1) = CORNER(1, :) * CORNER(2, :)
+    base(:, 1) = CORNER_SIGNS(1, :) * CORNER_SIGNS(2, :)
     if (d == 3) then
       base(:, 3) = base(:, 1)
-      base(:, 1) = CORNER(2, :) * CORNER(3, :)
-      base(:, 2) = CORNER(3, :) * CORNER(1, :)
-      base(:, 4) = base(:, 1) * CORNER(1, :)
+      base(:, 1) = CORNER_SIGNS(2, :) * CORNER_SIGNS(3, :)
+      base(:, 2) = CORNER_SIGNS(3, :) * CORNER_SIGNS(1, :)
+      base(:, 4) = base(:, 1) * CORNER_SIGNS(1, :)
     end if
     J = 0
     J(3, 3) = 1
     do i = 1, d
-      J(:d, i) = matmul(X(:d, :n), CORNER(i, :n)) / real(n, DP)
+      J(:d, i) = matmul(X(:d, :n), CORNER_SIGNS(i, :n)) / real(n, DP)
     end do
     do alpha = 1, m
       hourglass%gamma(:n, alpha) = base(:n, alpha)
@@ -84,27 +84,28 @@ contains
     end do
     if (d == 3) call set_solid_matrix(J, volume, c, hourglass%matrix)
     if (d == 2) call set_plane_matrix(J, volume, c, hourglass%matrix)
-  end subroutine prepare_hourglass
+  end subroutine set_physical_hourglass
 
 
   !> Puts CalculiX's stiffness in place of M. A plane element is a hexahedron of one layer there: its mode moves both sides
   !! alike, and it has gradients across.
-  pure subroutine soften_hourglass(hourglass, volume, c, across, n_sectors)
+  pure subroutine set_artificial_hourglass(hourglass, volume, c, thickness_gradients, n_sectors)
     type(hourglass_type), intent(inout) :: hourglass
     real(DP), intent(in) :: volume                 !< [length^3]
     real(DP), intent(in) :: c(6, 6)                !< elastic tangent at rest [stress]
-    real(DP), intent(in) :: across(:)              !< plane: (nodes) mean gradients along the third axis, of either side [1/length]
+    real(DP), intent(in) :: thickness_gradients(:)              !< plane: (nodes) mean gradients along the third axis, of either
+                                                                !! side [1/length]
     real(DP), intent(in) :: n_sectors              !< of the circle, 1 for all but axisymmetric elements
     real(DP) :: k
     integer :: i
     k = sum(hourglass%gradient(:hourglass%n, :hourglass%d)**2)
-    if (hourglass%d == 2) k = 0.5_DP * k + 2 * sum(across**2)
-    k = SOFTNESS * uniaxial_modulus(c, 1, 2, 3) * (volume / n_sectors) * k
+    if (hourglass%d == 2) k = 0.5_DP * k + 2 * sum(thickness_gradients**2)
+    k = ARTIFICIAL_HOURGLASS_FACTOR * uniaxial_modulus(c, 1, 2, 3) * (volume / n_sectors) * k
     hourglass%matrix = 0
     do i = 1, 3 * MAX_MODES
       hourglass%matrix(i, i) = 64 * k * n_sectors
     end do
-  end subroutine soften_hourglass
+  end subroutine set_artificial_hourglass
 
 
   !> M of the hexahedron. With P_alpha = J^T p_alpha the strains in natural components are
@@ -122,15 +123,15 @@ contains
     real(DP), intent(in) :: volume                 !< [length^3]
     real(DP), intent(in) :: c(6, 6)                !< [stress]
     real(DP), intent(out) :: matrix(12, 12)
-    integer, parameter :: NEXT(3) = [2, 3, 1], SHEAR(3) = [5, 6, 4]   ! Voigt place of 23, 31, 12
+    integer, parameter :: NEXT_DIRECTION(3) = [2, 3, 1], SHEAR_COMPONENT(3) = [5, 6, 4]   ! Voigt place of 23, 31, 12
     real(DP) :: natural(6, 6), block(3, 3), map(3, 12), jacobians(12, 12)
     integer :: i, k, l, alpha
     natural = natural_tangent(J, c)
     matrix = 0
     do i = 1, 3
-      k = NEXT(i)
-      l = NEXT(k)
-      block = condensed(natural, i, [k, l, SHEAR(i)])
+      k = NEXT_DIRECTION(i)
+      l = NEXT_DIRECTION(k)
+      block = condense_strain(natural, i, [k, l, SHEAR_COMPONENT(i)])
       map = 0                                      ! columns: component + 3 (mode - 1)
       map(1, k + 3 * (l - 1)) = 1
       map(2, l + 3 * (k - 1)) = 1
@@ -185,7 +186,7 @@ contains
 
 
   !> The part of a tangent for three strains when a fourth makes its own stress zero and the rest are zero.
-  pure function condensed(c, free, kept) result(block)
+  pure function condense_strain(c, free, kept) result(block)
     real(DP), intent(in) :: c(6, 6)
     integer, intent(in) :: free, kept(3)
     real(DP) :: block(3, 3)
@@ -195,7 +196,7 @@ contains
         block(i, j) = c(kept(i), kept(j)) - c(kept(i), free) * c(free, kept(j)) / c(free, free)
       end do
     end do
-  end function condensed
+  end function condense_strain
 
 
   !> The modulus of one normal strain when the other two make their own stresses zero.
@@ -209,14 +210,14 @@ contains
 
 
   !> Adds force and, if wanted, stiffness of the hourglass energy.
-  pure subroutine add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+  pure subroutine add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, stiffness)
     type(hourglass_type), intent(in) :: hourglass
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: energy                !< W [energy]
-    real(DP), intent(inout) :: force(3, MAX_NODES) !< [force]
-    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< [force/length]
-    real(DP) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES), s(3 * MAX_MODES), slope(3 * MAX_MODES, 3 * MAX_CORNERS)
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES) !< [force]
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< [force/length]
+    real(DP) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES), s(3 * MAX_MODES), slope(3 * MAX_MODES, 3 * MAX_ELEMENT_CORNERS)
     integer :: a, i, k, alpha, rows
     associate (d => hourglass%d, gamma => hourglass%gamma)
       rows = d * hourglass%m
@@ -238,7 +239,7 @@ contains
       end do
       s(:rows) = matmul(hourglass%matrix(:rows, :rows), p(:rows))
       energy = 0.5_DP * dot_product(p(:rows), s(:rows))
-      call set_slope(hourglass, F, q, is_nlgeom, slope)
+      call set_strain_derivative(hourglass, F, q, is_nlgeom, slope)
       do a = 1, hourglass%n
         do k = 1, d
           force(k, a) = force(k, a) + dot_product(s(:rows), slope(:rows, d * (a - 1) + k))
@@ -246,15 +247,15 @@ contains
       end do
     end associate
     if (present(stiffness)) call add_stiffness(hourglass, slope, s, is_nlgeom, stiffness)
-  end subroutine add_hourglass
+  end subroutine add_hourglass_forces
 
 
   !> The derivative of p by the displacements: gamma F^T, and under NLGEOM the change of F times q.
-  pure subroutine set_slope(hourglass, F, q, is_nlgeom, slope)
+  pure subroutine set_strain_derivative(hourglass, F, q, is_nlgeom, slope)
     type(hourglass_type), intent(in) :: hourglass
     real(DP), intent(in) :: F(3, 3), q(3, MAX_MODES)
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: slope(3 * MAX_MODES, 3 * MAX_CORNERS)
+    real(DP), intent(out) :: slope(3 * MAX_MODES, 3 * MAX_ELEMENT_CORNERS)
     integer :: a, i, k, alpha
     associate (d => hourglass%d)
       do a = 1, hourglass%n
@@ -266,17 +267,17 @@ contains
         end do
       end do
     end associate
-  end subroutine set_slope
+  end subroutine set_strain_derivative
 
 
   !> The second derivative of W: slope^T M slope, and under NLGEOM the change of the slope times s. Written to both
   !! sides of the diagonal: symmetric to the last bit.
   pure subroutine add_stiffness(hourglass, slope, s, is_nlgeom, stiffness)
     type(hourglass_type), intent(in) :: hourglass
-    real(DP), intent(in) :: slope(3 * MAX_MODES, 3 * MAX_CORNERS), s(3 * MAX_MODES)
+    real(DP), intent(in) :: slope(3 * MAX_MODES, 3 * MAX_ELEMENT_CORNERS), s(3 * MAX_MODES)
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
-    real(DP) :: product(3 * MAX_MODES, 3 * MAX_CORNERS), sb(MAX_CORNERS, MAX_MODES), term
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP) :: product(3 * MAX_MODES, 3 * MAX_ELEMENT_CORNERS), sb(MAX_ELEMENT_CORNERS, MAX_MODES), term
     integer :: a, b, i, j, r, c, alpha, rows
     associate (d => hourglass%d, n => hourglass%n, m => hourglass%m)
       rows = d * m

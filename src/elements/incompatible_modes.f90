@@ -15,84 +15,84 @@
 module amontons_incompatible_modes
   use amontons_kinds, only: DP
   use amontons_tensor, only: invert
-  use amontons_topology, only: MAX_NODES
+  use amontons_topology, only: MAX_ELEMENT_NODES
   implicit none
   private
-  public :: modes_type, incompatible_gradients, improve_modes, condense_modes, add_skew
+  public :: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, condense_mode_amplitudes, add_mode_skew_part
   public :: N_MODES
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
 
-  real(DP), parameter :: SHORTEST = 0.05_DP        !< a correction that is cut shorter is taken [-]
-  real(DP), parameter :: ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
+  real(DP), parameter :: MIN_STEP_LENGTH = 0.05_DP        !< a correction that is cut shorter is taken [-]
+  real(DP), parameter :: TOL_AMPLITUDE_ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
 
   !> The search for the amplitudes of an element.
-  type :: modes_type
+  type :: mode_iteration_type
     real(DP) :: correction(3, N_MODES) = 0         !< the last [length]
     real(DP) :: share = 0                          !< what was taken of it [-]
     real(DP) :: slope = 0                          !< of the energy along it, where it began [energy]
-  end type modes_type
+  end type mode_iteration_type
 
 contains
 
   !> The gradients of the modes at the integration points.
-  pure subroutine incompatible_gradients(X, xi, determinants, gradients)
+  pure subroutine evaluate_mode_gradients(X, xi, determinants, gradients)
     real(DP), intent(in) :: X(:, :)                !< (3, 8) reference coordinates [length]
     real(DP), intent(in) :: xi(:, :)               !< (3, points) natural coordinates of the points [-]
     real(DP), intent(in) :: determinants(:)        !< (points) of the Jacobian there [length^3]
     real(DP), intent(out) :: gradients(:, :, :)    !< (N_MODES, 3, points) [1/length]
-    real(DP), parameter :: CORNER(3, 8) = reshape([real(DP) :: &
+    real(DP), parameter :: CORNER_SIGNS(3, 8) = reshape([real(DP) :: &
       -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
     real(DP) :: J(3, 3), inverse(3, 3), det
     integer :: m, p
-    J = matmul(X(:, :8), transpose(CORNER)) / 8
+    J = matmul(X(:, :8), transpose(CORNER_SIGNS)) / 8
     call invert(J, inverse, det)
     do p = 1, size(determinants)
       do m = 1, N_MODES
         gradients(m, :, p) = (xi(m, p) * det / determinants(p)) * inverse(m, :)
       end do
     end do
-  end subroutine incompatible_gradients
+  end subroutine evaluate_mode_gradients
 
 
   !> Better amplitudes: a Newton correction, or, where the last one went past the least energy, back to where the secant has it.
   !! Without that an element that flows and unloads in turn would go to and fro.
-  pure subroutine improve_modes(search, n, force, stiffness, u, is_exact, is_regular)
-    type(modes_type), intent(inout) :: search
+  pure subroutine update_mode_amplitudes(iteration, n, force, stiffness, u, is_exact, is_regular)
+    type(mode_iteration_type), intent(inout) :: iteration
     integer, intent(in) :: n                       !< nodes of the element
-    real(DP), intent(in) :: force(3, MAX_NODES)    !< of the n nodes and the N_MODES amplitudes [force]
-    real(DP), intent(in) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< likewise [force/length]
+    real(DP), intent(in) :: force(3, MAX_ELEMENT_NODES)    !< of the n nodes and the N_MODES amplitudes [force]
+    real(DP), intent(in) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< likewise [force/length]
     real(DP), intent(inout) :: u(:, :)             !< (3, n + N_MODES) displacements and amplitudes [length]
     logical, intent(out) :: is_exact               !< the correction would be rounding: u is as it was
     logical, intent(out) :: is_regular             !< .false.: K_mm is singular
-    real(DP) :: slope, before
+    real(DP) :: slope, previous_slope
     is_exact = .false.
     is_regular = .true.
     associate (modes => force(:, n + 1:n + N_MODES), amplitudes => u(:, n + 1:n + N_MODES))
-      slope = sum(modes * search%correction)
-      if (search%share > SHORTEST .and. slope > abs(search%slope)) then
-        before = search%share
-        search%share = before * abs(search%slope) / (abs(search%slope) + slope)
-        amplitudes = amplitudes + (search%share - before) * search%correction
+      slope = sum(modes * iteration%correction)
+      if (iteration%share > MIN_STEP_LENGTH .and. slope > abs(iteration%slope)) then
+        previous_slope = iteration%share
+        iteration%share = previous_slope * abs(iteration%slope) / (abs(iteration%slope) + slope)
+        amplitudes = amplitudes + (iteration%share - previous_slope) * iteration%correction
         return
       end if
-      call correct_modes(n, force, stiffness, search%correction, is_regular)
+      call find_mode_correction(n, force, stiffness, iteration%correction, is_regular)
       if (.not. is_regular) return
-      is_exact = maxval(abs(search%correction)) <= ROUNDING * max(maxval(abs(amplitudes)), &
+      is_exact = maxval(abs(iteration%correction)) <= TOL_AMPLITUDE_ROUNDING * max(maxval(abs(amplitudes)), &
         maxval(abs(u(:, 2:n) - spread(u(:, 1), 2, n - 1))))
       if (is_exact) return
-      search%share = 1
-      search%slope = sum(modes * search%correction)
-      amplitudes = amplitudes + search%correction
+      iteration%share = 1
+      iteration%slope = sum(modes * iteration%correction)
+      amplitudes = amplitudes + iteration%correction
     end associate
-  end subroutine improve_modes
+  end subroutine update_mode_amplitudes
 
 
   !> The Newton correction of the amplitudes, which are the last nodes of the element: -K_mm^-1 f_m.
-  pure subroutine correct_modes(n, force, stiffness, correction, is_regular)
+  pure subroutine find_mode_correction(n, force, stiffness, correction, is_regular)
     integer, intent(in) :: n                       !< nodes of the element
-    real(DP), intent(in) :: force(3, MAX_NODES)    !< of the n nodes and the N_MODES amplitudes [force]
-    real(DP), intent(in) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< likewise [force/length]
+    real(DP), intent(in) :: force(3, MAX_ELEMENT_NODES)    !< of the n nodes and the N_MODES amplitudes [force]
+    real(DP), intent(in) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< likewise [force/length]
     real(DP), intent(out) :: correction(3, N_MODES)
     logical, intent(out) :: is_regular             !< .false.: K_mm is singular
     real(DP) :: A(3 * N_MODES, 3 * N_MODES), b(3 * N_MODES, 1)
@@ -100,18 +100,18 @@ contains
       A = stiffness(first:last, first:last)
     end associate
     b(:, 1) = -reshape(force(:, n + 1:n + N_MODES), [3 * N_MODES])
-    call solve(A, b, is_regular)
+    call solve_with_pivoting(A, b, is_regular)
     correction = reshape(b(:, 1), [3, N_MODES])
-  end subroutine correct_modes
+  end subroutine find_mode_correction
 
 
   !> Adds what an unsymmetric law brings: the sum of V B' w B over the points, B the strains of nodes and modes.
-  pure subroutine add_skew(n, gradients, volume, w, stiffness)
+  pure subroutine add_mode_skew_part(n, gradients, volume, w, stiffness)
     integer, intent(in) :: n                       !< nodes and modes
     real(DP), intent(in) :: gradients(:, :, :)     !< (>= n, 3, >= points) of the present configuration [1/length]
     real(DP), intent(in) :: volume(:)              !< (points) at rest [length^3]
     real(DP), intent(in) :: w(:, :, :)             !< (6, 6, >= points) (c - c')/2, engineering shears [stress]
-    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 n [force/length]
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 n [force/length]
     real(DP) :: B(6, 3 * n), g(3)
     integer :: p, a
     do p = 1, size(volume)
@@ -124,23 +124,23 @@ contains
       end do
       stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) + volume(p) * matmul(transpose(B), matmul(w(:, :, p), B))
     end do
-  end subroutine add_skew
+  end subroutine add_mode_skew_part
 
 
   !> Takes the amplitudes out of the tangent: K = K_uu - K_um K_mm^-1 K_mu, and out of the forces, where they are zero.
-  pure subroutine condense_modes(n, is_symmetric, force, stiffness, is_regular)
+  pure subroutine condense_mode_amplitudes(n, is_symmetric, force, stiffness, is_regular)
     integer, intent(in) :: n                       !< nodes of the element
     logical, intent(in) :: is_symmetric            !< the tangent is; then it stays so to the last bit
-    real(DP), intent(inout) :: force(3, MAX_NODES) !< [force]
-    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< set up to 3 n [force/length]
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES) !< [force]
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 n [force/length]
     logical, intent(out) :: is_regular             !< .false.: K_mm is singular
-    real(DP) :: A(3 * N_MODES, 3 * N_MODES), b(3 * N_MODES, 3 * MAX_NODES), left(3 * N_MODES, 3 * n)
+    real(DP) :: A(3 * N_MODES, 3 * N_MODES), b(3 * N_MODES, 3 * MAX_ELEMENT_NODES), left(3 * N_MODES, 3 * n)
     integer :: i, j
     associate (first => 3 * n + 1, last => 3 * (n + N_MODES))
       A = stiffness(first:last, first:last)
       b(:, :3 * n) = stiffness(first:last, :3 * n)
       left = transpose(stiffness(:3 * n, first:last))
-      call solve(A, b(:, :3 * n), is_regular)
+      call solve_with_pivoting(A, b(:, :3 * n), is_regular)
       do j = 1, 3 * n
         do i = j, 3 * n
           stiffness(i, j) = stiffness(i, j) - dot_product(left(:, i), b(:, j))
@@ -153,11 +153,11 @@ contains
       end do
     end associate
     force(:, n + 1:) = 0
-  end subroutine condense_modes
+  end subroutine condense_mode_amplitudes
 
 
   !> Solves A x = b by elimination with row exchanges; both are spoiled, b becomes x.
-  pure subroutine solve(A, b, is_regular)
+  pure subroutine solve_with_pivoting(A, b, is_regular)
     real(DP), intent(inout) :: A(:, :), b(:, :)
     logical, intent(out) :: is_regular
     real(DP) :: row(size(A, 2)), right(size(b, 2))
@@ -184,6 +184,6 @@ contains
       end do
       b(k, :) = b(k, :) / A(k, k)
     end do
-  end subroutine solve
+  end subroutine solve_with_pivoting
 
 end module amontons_incompatible_modes

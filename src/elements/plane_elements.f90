@@ -13,74 +13,78 @@
 module amontons_plane_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, PI
-  use amontons_zero_stress_condition, only: stress_under, tangent_at_rest, CONDITION_NONE, CONDITION_PLANE_STRESS
-  use amontons_hourglass, only: hourglass_type, prepare_hourglass, soften_hourglass, add_hourglass
-  use amontons_material_point, only: point_type
+  use amontons_zero_stress_condition, only: solve_zero_stress, evaluate_initial_tangent, CONDITION_NONE, CONDITION_PLANE_STRESS
+  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
-  use amontons_integration_points, only: points_type, begin_point, end_point, split_tangent, ELEMENT_OK, ELEMENT_INVERTED, &
+  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_output, split_unsymmetric_tangent, &
+    ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, LARGEST_GRADIENT, logarithm_1p
+  use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT, log1p
   use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_topology, only: element_kind, kind_type, KIND_CPE4_FULL, KIND_CAX4R, KIND_CPS4R, KIND_CPE4R, &
-    FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  use amontons_topology, only: element_kind, element_kind_type, KIND_CPE4_FULL, KIND_CAX4R, KIND_CPS4R, KIND_CPE4R, &
+    FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   implicit none
   private
-  public :: plane_element, plane_volumes, plane_body_force, plane_temperature_weights, edge_pressure
+  public :: evaluate_plane_element, evaluate_plane_volumes, integrate_plane_body_force, set_plane_temperature_weights, &
+    integrate_edge_pressure
 
-  integer, parameter :: N_MOST = 8                    !< most nodes
-  real(DP), parameter :: SECTORS = 180                !< of CalculiX's expansion in the circle
-  integer, parameter :: P_MOST = 9                    !< most points
-  integer, parameter :: PLANE(4) = [1, 2, 3, 4]       !< xx yy zz xy among the six
+  integer, parameter :: MAX_PLANE_NODES = 8                    !< most nodes
+  real(DP), parameter :: N_CIRCLE_SECTORS = 180                !< of CalculiX's expansion in the circle
+  integer, parameter :: MAX_PLANE_POINTS = 9                    !< most points
+  integer, parameter :: PLANE_COMPONENTS(4) = [1, 2, 3, 4]       !< xx yy zz xy among the six
 
   !> The geometry of one element.
-  type :: strip_type
+  type :: plane_geometry_type
     integer :: n = 0                                  !< nodes
     integer :: m = 0                                  !< points
-    real(DP) :: N_a(N_MOST, P_MOST)                   !< shape functions [-]
-    real(DP) :: weight(N_MOST, P_MOST)                !< of the nodal temperatures [-]
-    real(DP) :: gradient(N_MOST, 2, P_MOST)           !< dN_a/dX, later dN_a/dx [1/length]
-    real(DP) :: hoop(N_MOST, P_MOST)                  !< N_a/X, later N_a/x; 0 but for axisymmetric kinds [1/length]
-    real(DP) :: reference(P_MOST)                     !< reference volumes of the points [length^3]
-    real(DP) :: current(P_MOST)                       !< current volumes [length^3]
-    real(DP) :: H(3, 3, P_MOST)                       !< displacement gradient, or that of F-bar [-]
-    real(DP) :: j(P_MOST)                             !< det(1 + H) - 1 [-]
-    real(DP) :: mean(2 * N_MOST)                      !< mean of B^T 1 over the (current) volume [1/length]
-    real(DP) :: at_rest(N_MOST, 2)                    !< dN_a/dX of the first point [1/length]
-    real(DP) :: at_rest_hoop(4)                       !< N_a/X of the first point [1/length]
-  end type strip_type
+    real(DP) :: N_a(MAX_PLANE_NODES, MAX_PLANE_POINTS)                   !< shape functions [-]
+    real(DP) :: weight(MAX_PLANE_NODES, MAX_PLANE_POINTS)                !< of the nodal temperatures [-]
+    real(DP) :: gradient(MAX_PLANE_NODES, 2, MAX_PLANE_POINTS)           !< dN_a/dX, later dN_a/dx [1/length]
+    real(DP) :: hoop(MAX_PLANE_NODES, MAX_PLANE_POINTS)                  !< N_a/X, later N_a/x; 0 but for axisymmetric kinds
+                                                                         !! [1/length]
+    real(DP) :: reference(MAX_PLANE_POINTS)                     !< reference volumes of the points [length^3]
+    real(DP) :: current(MAX_PLANE_POINTS)                       !< current volumes [length^3]
+    real(DP) :: H(3, 3, MAX_PLANE_POINTS)                       !< displacement gradient, or that of F-bar [-]
+    real(DP) :: j(MAX_PLANE_POINTS)                             !< det(1 + H) - 1 [-]
+    real(DP) :: mean(2 * MAX_PLANE_NODES)                      !< mean of B^T 1 over the (current) volume [1/length]
+    real(DP) :: at_rest(MAX_PLANE_NODES, 2)                    !< dN_a/dX of the first point [1/length]
+    real(DP) :: reference_hoop(4)                       !< N_a/X of the first point [1/length]
+  end type plane_geometry_type
 
 contains
 
   !> Internal force, point values and, if wanted, the tangent of an element.
-  pure subroutine plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+  pure subroutine evaluate_plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_CPS..., KIND_CPE..., KIND_CAX...
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements; the third is not looked at [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
-    type(points_type), intent(inout) :: points     !< in: section, the past; out: the point values
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< [force]
+    type(integration_points_type), intent(inout) :: points     !< in: section, the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
-    type(strip_type) :: strip
-    type(kind_type) :: entry
-    real(DP) :: tau(4, P_MOST), c(4, 4, P_MOST), B(4, 2 * N_MOST, P_MOST), f(2 * N_MOST)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u [force/length]
+    type(plane_geometry_type) :: geometry
+    type(element_kind_type) :: entry
+    real(DP) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS), B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS), &
+      f(2 * MAX_PLANE_NODES)
     entry = element_kind(kind)
     force = 0
-    call set_reference(kind, entry, X, points%section, strip, status)
-    if (status == ELEMENT_OK) call move(entry, u, is_nlgeom, strip, B, status)
-    if (status == ELEMENT_OK) call set_stresses(entry, material, is_nlgeom, strip, tau, c, points, status)
+    call set_reference(kind, entry, X, points%section_value, geometry, status)
+    if (status == ELEMENT_OK) call update_kinematics(entry, u, is_nlgeom, geometry, B, status)
+    if (status == ELEMENT_OK) call evaluate_stresses(entry, material, is_nlgeom, geometry, tau, c, points, status)
     if (status /= ELEMENT_OK) return
-    call add_forces(entry%is_mean_dilatation, strip, B, tau, f)
-    force(:2, :strip%n) = reshape(f(:2 * strip%n), [2, strip%n])
+    call integrate_forces(entry%is_mean_dilatation, geometry, B, tau, f)
+    force(:2, :geometry%n) = reshape(f(:2 * geometry%n), [2, geometry%n])
     if (present(stiffness)) then
       if (.not. is_nlgeom) tau = 0
-      stiffness(:3 * strip%n, :3 * strip%n) = 0
-      call set_stiffness(entry%is_mean_dilatation, strip, B, tau, c, stiffness)
+      stiffness(:3 * geometry%n, :3 * geometry%n) = 0
+      call integrate_stiffness(entry%is_mean_dilatation, geometry, B, tau, c, stiffness)
     end if
-    if (is_one_point(kind)) call hold_hourglass(entry, material, X, u, is_nlgeom, strip, force, points, stiffness)
-  end subroutine plane_element
+    if (is_one_point(kind)) call add_hourglass_control(entry, material, X, u, is_nlgeom, geometry, force, points, stiffness)
+  end subroutine evaluate_plane_element
 
 
   !> The kinds of one point and four nodes.
@@ -92,270 +96,270 @@ contains
 
   !> Gradients, hoop terms and volumes in the reference configuration. A kind of one point takes their mean over the
   !! element, by the rule of four points.
-  pure subroutine set_reference(kind, entry, X, section, strip, status)
+  pure subroutine set_reference(kind, entry, X, section, geometry, status)
     integer, intent(in) :: kind
-    type(kind_type), intent(in) :: entry
+    type(element_kind_type), intent(in) :: entry
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) [length]
     real(DP), intent(in) :: section                !< thickness [length]
-    type(strip_type), intent(out) :: strip
+    type(plane_geometry_type), intent(out) :: geometry
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     real(DP) :: J(2, 2), det, radius
     integer :: rule, p, a
     status = ELEMENT_OK
     rule = kind
     if (is_one_point(kind)) rule = KIND_CPE4_FULL
-    strip%n = entry%n_nodes
-    strip%hoop = 0
-    call quadrature(rule, strip%m, xi, w)
-    do p = 1, strip%m
+    geometry%n = entry%n_nodes
+    geometry%hoop = 0
+    call quadrature(rule, geometry%m, xi, w)
+    do p = 1, geometry%m
       call shape_functions(rule, xi(:, p), N, dN)
       J = 0
-      do a = 2, strip%n
+      do a = 2, geometry%n
         J(:, 1) = J(:, 1) + (X(:2, a) - X(:2, 1)) * dN(1, a)
         J(:, 2) = J(:, 2) + (X(:2, a) - X(:2, 1)) * dN(2, a)
       end do
       det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-      strip%N_a(:, p) = N(:N_MOST)
-      strip%reference(p) = w(p) * det * section
+      geometry%N_a(:, p) = N(:MAX_PLANE_NODES)
+      geometry%reference(p) = w(p) * det * section
       if (.not. abs(det) > 0) det = 1
-      strip%gradient(:, 1, p) = (dN(1, :N_MOST) * J(2, 2) - dN(2, :N_MOST) * J(2, 1)) / det
-      strip%gradient(:, 2, p) = (dN(2, :N_MOST) * J(1, 1) - dN(1, :N_MOST) * J(1, 2)) / det
+      geometry%gradient(:, 1, p) = (dN(1, :MAX_PLANE_NODES) * J(2, 2) - dN(2, :MAX_PLANE_NODES) * J(2, 1)) / det
+      geometry%gradient(:, 2, p) = (dN(2, :MAX_PLANE_NODES) * J(1, 1) - dN(1, :MAX_PLANE_NODES) * J(1, 2)) / det
       if (entry%family == FAMILY_AXISYMMETRIC) then
-        radius = dot_product(N(:strip%n), X(1, :strip%n))
-        strip%reference(p) = w(p) * det * 2 * PI * radius
-        strip%hoop(:strip%n, p) = N(:strip%n) / merge(radius, 1.0_DP, abs(radius) > 0)
+        radius = dot_product(N(:geometry%n), X(1, :geometry%n))
+        geometry%reference(p) = w(p) * det * 2 * PI * radius
+        geometry%hoop(:geometry%n, p) = N(:geometry%n) / merge(radius, 1.0_DP, abs(radius) > 0)
       end if
-      if (.not. strip%reference(p) > 0) status = ELEMENT_DEGENERATE
+      if (.not. geometry%reference(p) > 0) status = ELEMENT_DEGENERATE
     end do
-    if (is_one_point(kind) .and. status == ELEMENT_OK) call take_mean(strip)
-    call set_weights(entry, xi, strip)
-    strip%at_rest = strip%gradient(:, :, 1)
-    strip%at_rest_hoop = strip%hoop(:4, 1)
-    strip%current = strip%reference
+    if (is_one_point(kind) .and. status == ELEMENT_OK) call average_gradients(geometry)
+    call set_point_temperature_weights(entry, xi, geometry)
+    geometry%at_rest = geometry%gradient(:, :, 1)
+    geometry%reference_hoop = geometry%hoop(:4, 1)
+    geometry%current = geometry%reference
   end subroutine set_reference
 
 
   !> Weights of the nodal temperatures at the points of a plane or axisymmetric element.
-  pure subroutine plane_temperature_weights(kind, weight)
+  pure subroutine set_plane_temperature_weights(kind, weight)
     integer, intent(in) :: kind
-    real(DP), intent(inout) :: weight(:, :)        !< (MAX_NODES, MAX_POINTS), zero [-]
-    type(strip_type) :: strip
-    type(kind_type) :: entry
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    real(DP), intent(inout) :: weight(:, :)        !< (MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), zero [-]
+    type(plane_geometry_type) :: geometry
+    type(element_kind_type) :: entry
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     entry = element_kind(kind)
-    strip%n = entry%n_nodes
-    call quadrature(kind, strip%m, xi, w)
-    call set_weights(entry, xi, strip)
-    weight(:strip%n, :strip%m) = strip%weight(:strip%n, :strip%m)
-  end subroutine plane_temperature_weights
+    geometry%n = entry%n_nodes
+    call quadrature(kind, geometry%m, xi, w)
+    call set_point_temperature_weights(entry, xi, geometry)
+    weight(:geometry%n, :geometry%m) = geometry%weight(:geometry%n, :geometry%m)
+  end subroutine set_plane_temperature_weights
 
 
   !> Weights of the nodal temperatures, one degree below the displacements: the mean in linear elements, linear from the
   !! corners in quadratic ones.
-  pure subroutine set_weights(entry, xi, strip)
-    type(kind_type), intent(in) :: entry
-    real(DP), intent(in) :: xi(3, MAX_POINTS)      !< of the points
-    type(strip_type), intent(inout) :: strip
+  pure subroutine set_point_temperature_weights(entry, xi, geometry)
+    type(element_kind_type), intent(in) :: entry
+    real(DP), intent(in) :: xi(3, MAX_ELEMENT_POINTS)      !< of the points
+    type(plane_geometry_type), intent(inout) :: geometry
     real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: p
-    strip%weight = 0
+    geometry%weight = 0
     if (entry%n_nodes == entry%n_faces) then
-      strip%weight(:strip%n, :) = 1 / real(strip%n, DP)
+      geometry%weight(:geometry%n, :) = 1 / real(geometry%n, DP)
       return
     end if
-    do p = 1, strip%m
+    do p = 1, geometry%m
       call facet_shapes(merge(FACET_TRI3, FACET_QUAD4, entry%n_faces == 3), xi(:2, p), N, dN, ddN)
-      strip%weight(:entry%n_faces, p) = N(:entry%n_faces)
+      geometry%weight(:entry%n_faces, p) = N(:entry%n_faces)
     end do
-  end subroutine set_weights
+  end subroutine set_point_temperature_weights
 
 
   !> Puts the mean over all points into the first and only one.
-  pure subroutine take_mean(strip)
-    type(strip_type), intent(inout) :: strip
+  pure subroutine average_gradients(geometry)
+    type(plane_geometry_type), intent(inout) :: geometry
     real(DP) :: volume
     integer :: i
-    associate (m => strip%m, weight => strip%reference(:strip%m))
+    associate (m => geometry%m, weight => geometry%reference(:geometry%m))
       volume = sum(weight)
       do i = 1, 2
-        strip%gradient(:, i, 1) = matmul(strip%gradient(:, i, :m), weight) / volume
+        geometry%gradient(:, i, 1) = matmul(geometry%gradient(:, i, :m), weight) / volume
       end do
-      strip%hoop(:, 1) = matmul(strip%hoop(:, :m), weight) / volume
-      strip%N_a(:, 1) = matmul(strip%N_a(:, :m), weight) / volume
+      geometry%hoop(:, 1) = matmul(geometry%hoop(:, :m), weight) / volume
+      geometry%N_a(:, 1) = matmul(geometry%N_a(:, :m), weight) / volume
     end associate
-    strip%m = 1
-    strip%reference(1) = volume
-  end subroutine take_mean
+    geometry%m = 1
+    geometry%reference(1) = volume
+  end subroutine average_gradients
 
 
   !> Displacement gradients; under NLGEOM current gradients and volumes; B; with mean dilatation its mean and F-bar.
-  pure subroutine move(entry, u, is_nlgeom, strip, B, status)
-    type(kind_type), intent(in) :: entry
+  pure subroutine update_kinematics(entry, u, is_nlgeom, geometry, B, status)
+    type(element_kind_type), intent(in) :: entry
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
     logical, intent(in) :: is_nlgeom
-    type(strip_type), intent(inout) :: strip
-    real(DP), intent(out) :: B(4, 2 * N_MOST, P_MOST)
+    type(plane_geometry_type), intent(inout) :: geometry
+    real(DP), intent(out) :: B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS)
     integer, intent(out) :: status                 !< ELEMENT_...
     integer :: p, a
     status = ELEMENT_NOT_FINITE
-    if (.not. all(ieee_is_finite(u(:2, :strip%n)))) return
+    if (.not. all(ieee_is_finite(u(:2, :geometry%n)))) return
     status = ELEMENT_OK
-    do p = 1, strip%m
-      strip%H(:, :, p) = 0
-      do a = 1, strip%n
-        strip%H(:2, 1, p) = strip%H(:2, 1, p) + (u(:2, a) - u(:2, 1)) * strip%gradient(a, 1, p)
-        strip%H(:2, 2, p) = strip%H(:2, 2, p) + (u(:2, a) - u(:2, 1)) * strip%gradient(a, 2, p)
-        strip%H(3, 3, p) = strip%H(3, 3, p) + u(1, a) * strip%hoop(a, p)
+    do p = 1, geometry%m
+      geometry%H(:, :, p) = 0
+      do a = 1, geometry%n
+        geometry%H(:2, 1, p) = geometry%H(:2, 1, p) + (u(:2, a) - u(:2, 1)) * geometry%gradient(a, 1, p)
+        geometry%H(:2, 2, p) = geometry%H(:2, 2, p) + (u(:2, a) - u(:2, 1)) * geometry%gradient(a, 2, p)
+        geometry%H(3, 3, p) = geometry%H(3, 3, p) + u(1, a) * geometry%hoop(a, p)
       end do
-      if (is_nlgeom) call push_forward(strip, p, status)
+      if (is_nlgeom) call push_forward(geometry, p, status)
       if (status /= ELEMENT_OK) return
-      do a = 1, strip%n
-        B(:, 2 * a - 1, p) = [strip%gradient(a, 1, p), 0.0_DP, strip%hoop(a, p), strip%gradient(a, 2, p)]
-        B(:, 2 * a, p) = [0.0_DP, strip%gradient(a, 2, p), 0.0_DP, strip%gradient(a, 1, p)]
+      do a = 1, geometry%n
+        B(:, 2 * a - 1, p) = [geometry%gradient(a, 1, p), 0.0_DP, geometry%hoop(a, p), geometry%gradient(a, 2, p)]
+        B(:, 2 * a, p) = [0.0_DP, geometry%gradient(a, 2, p), 0.0_DP, geometry%gradient(a, 1, p)]
       end do
     end do
     if (.not. entry%is_mean_dilatation) return
-    strip%mean = 0
-    do p = 1, strip%m
-      strip%mean = strip%mean + strip%current(p) * (B(1, :, p) + B(2, :, p) + B(3, :, p))
+    geometry%mean = 0
+    do p = 1, geometry%m
+      geometry%mean = geometry%mean + geometry%current(p) * (B(1, :, p) + B(2, :, p) + B(3, :, p))
     end do
-    strip%mean = strip%mean / sum(strip%current(:strip%m))
-    call set_mean_dilatation(is_nlgeom, strip)
-  end subroutine move
+    geometry%mean = geometry%mean / sum(geometry%current(:geometry%m))
+    call set_mean_dilatation(is_nlgeom, geometry)
+  end subroutine update_kinematics
 
 
   !> Turns the gradients and the volume of a point into current ones.
-  pure subroutine push_forward(strip, p, status)
-    type(strip_type), intent(inout) :: strip
+  pure subroutine push_forward(geometry, p, status)
+    type(plane_geometry_type), intent(inout) :: geometry
     integer, intent(in) :: p                       !< point
     integer, intent(out) :: status                 !< ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE
-    real(DP) :: F(2, 2), det, x(N_MOST)
+    real(DP) :: F(2, 2), det, x(MAX_PLANE_NODES)
     status = ELEMENT_NOT_FINITE
-    if (.not. all(abs(strip%H(:, :, p)) <= LARGEST_GRADIENT)) return
+    if (.not. all(abs(geometry%H(:, :, p)) <= MAX_DISPLACEMENT_GRADIENT)) return
     status = ELEMENT_INVERTED
-    strip%j(p) = determinant_minus_one(strip%H(:, :, p))
-    F = IDENTITY(:2, :2) + strip%H(:2, :2, p)
+    geometry%j(p) = determinant_minus_one(geometry%H(:, :, p))
+    F = IDENTITY(:2, :2) + geometry%H(:2, :2, p)
     det = F(1, 1) * F(2, 2) - F(1, 2) * F(2, 1)
-    if (.not. (strip%j(p) > -1 .and. det > 0)) return
+    if (.not. (geometry%j(p) > -1 .and. det > 0)) return
     status = ELEMENT_OK
-    strip%current(p) = (1 + strip%j(p)) * strip%reference(p)
-    x = (strip%gradient(:, 1, p) * F(2, 2) - strip%gradient(:, 2, p) * F(2, 1)) / det
-    strip%gradient(:, 2, p) = (strip%gradient(:, 2, p) * F(1, 1) - strip%gradient(:, 1, p) * F(1, 2)) / det
-    strip%gradient(:, 1, p) = x
-    strip%hoop(:, p) = strip%hoop(:, p) / (1 + strip%H(3, 3, p))
+    geometry%current(p) = (1 + geometry%j(p)) * geometry%reference(p)
+    x = (geometry%gradient(:, 1, p) * F(2, 2) - geometry%gradient(:, 2, p) * F(2, 1)) / det
+    geometry%gradient(:, 2, p) = (geometry%gradient(:, 2, p) * F(1, 1) - geometry%gradient(:, 1, p) * F(1, 2)) / det
+    geometry%gradient(:, 1, p) = x
+    geometry%hoop(:, p) = geometry%hoop(:, p) / (1 + geometry%H(3, 3, p))
   end subroutine push_forward
 
 
   !> Replaces the change of volume of each point by that of the element: B-bar, or F-bar with r^3 = Jbar/J.
-  pure subroutine set_mean_dilatation(is_nlgeom, strip)
+  pure subroutine set_mean_dilatation(is_nlgeom, geometry)
     logical, intent(in) :: is_nlgeom
-    type(strip_type), intent(inout) :: strip       !< H and j change
-    real(DP) :: change(P_MOST), mean, cube, r
+    type(plane_geometry_type), intent(inout) :: geometry       !< H and j change
+    real(DP) :: change(MAX_PLANE_POINTS), mean, cube, r
     integer :: p
-    do p = 1, strip%m
-      change(p) = strip%H(1, 1, p) + strip%H(2, 2, p) + strip%H(3, 3, p)
-      if (is_nlgeom) change(p) = strip%j(p)
+    do p = 1, geometry%m
+      change(p) = geometry%H(1, 1, p) + geometry%H(2, 2, p) + geometry%H(3, 3, p)
+      if (is_nlgeom) change(p) = geometry%j(p)
     end do
-    associate (weight => strip%reference(:strip%m))
-      mean = sum(change(:strip%m) * weight) / sum(weight)
+    associate (weight => geometry%reference(:geometry%m))
+      mean = sum(change(:geometry%m) * weight) / sum(weight)
     end associate
-    do p = 1, strip%m
+    do p = 1, geometry%m
       if (is_nlgeom) then
-        cube = (mean - strip%j(p)) / (1 + strip%j(p))
-        r = exp(logarithm_1p(cube) / 3)
-        strip%H(:, :, p) = strip%H(:, :, p) + (cube / (1 + r + r * r)) * (IDENTITY + strip%H(:, :, p))
-        strip%j(p) = mean
+        cube = (mean - geometry%j(p)) / (1 + geometry%j(p))
+        r = exp(log1p(cube) / 3)
+        geometry%H(:, :, p) = geometry%H(:, :, p) + (cube / (1 + r + r * r)) * (IDENTITY + geometry%H(:, :, p))
+        geometry%j(p) = mean
       else
-        strip%H(:, :, p) = strip%H(:, :, p) + ((mean - change(p)) / 3) * IDENTITY
+        geometry%H(:, :, p) = geometry%H(:, :, p) + ((mean - change(p)) / 3) * IDENTITY
       end if
     end do
   end subroutine set_mean_dilatation
 
 
   !> Stress, tangent and point values at all points.
-  pure subroutine set_stresses(entry, material, is_nlgeom, strip, tau, c, points, status)
-    type(kind_type), intent(in) :: entry
+  pure subroutine evaluate_stresses(entry, material, is_nlgeom, geometry, tau, c, points, status)
+    type(element_kind_type), intent(in) :: entry
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(strip_type), intent(in) :: strip
-    real(DP), intent(out) :: tau(4, P_MOST), c(4, 4, P_MOST)
-    type(points_type), intent(inout) :: points
+    type(plane_geometry_type), intent(in) :: geometry
+    real(DP), intent(out) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS)
+    type(integration_points_type), intent(inout) :: points
     integer, intent(out) :: status                 !< ELEMENT_...
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: p
     status = ELEMENT_OK
-    do p = 1, strip%m
-      call begin_point(material, points, p, strip%weight(:strip%n, p), point)
-      point%H = strip%H(:, :, p)
-      call stress_under(condition_of(entry), material, is_nlgeom, point, status)
+    do p = 1, geometry%m
+      call set_point_input(material, points, p, geometry%weight(:geometry%n, p), point)
+      point%H = geometry%H(:, :, p)
+      call solve_zero_stress(stress_condition(entry), material, is_nlgeom, point, status)
       if (status /= STRESS_OK) exit
-      call split_tangent(material, point, points, p)
-      tau(:, p) = point%stress(PLANE)
-      c(:, :, p) = point%tangent(PLANE, PLANE)
-      call end_point(material, is_nlgeom, point, points, p)
-      points%volume(p) = strip%reference(p)
+      call split_unsymmetric_tangent(material, point, points, p)
+      tau(:, p) = point%stress(PLANE_COMPONENTS)
+      c(:, :, p) = point%tangent(PLANE_COMPONENTS, PLANE_COMPONENTS)
+      call store_point_output(material, is_nlgeom, point, points, p)
+      points%volume(p) = geometry%reference(p)
     end do
     if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)
-  end subroutine set_stresses
+  end subroutine evaluate_stresses
 
 
   !> Plane stress leaves the normal strain across free.
-  pure integer function condition_of(entry)
-    type(kind_type), intent(in) :: entry
-    condition_of = merge(CONDITION_PLANE_STRESS, CONDITION_NONE, entry%family == FAMILY_PLANE_STRESS)
-  end function condition_of
+  pure integer function stress_condition(entry)
+    type(element_kind_type), intent(in) :: entry
+    stress_condition = merge(CONDITION_PLANE_STRESS, CONDITION_NONE, entry%family == FAMILY_PLANE_STRESS)
+  end function stress_condition
 
 
   !> Internal forces: sum of V B^T tau; with mean dilatation sum of V B^T (tau - p 1) + (sum of V p) mean.
-  pure subroutine add_forces(is_mean_dilatation, strip, B, tau, f)
+  pure subroutine integrate_forces(is_mean_dilatation, geometry, B, tau, f)
     logical, intent(in) :: is_mean_dilatation
-    type(strip_type), intent(in) :: strip
-    real(DP), intent(in) :: B(4, 2 * N_MOST, P_MOST), tau(4, P_MOST)
-    real(DP), intent(out) :: f(2 * N_MOST)
+    type(plane_geometry_type), intent(in) :: geometry
+    real(DP), intent(in) :: B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS), tau(4, MAX_PLANE_POINTS)
+    real(DP), intent(out) :: f(2 * MAX_PLANE_NODES)
     real(DP) :: t(4), pressure, total
     integer :: p
     f = 0
     total = 0
-    do p = 1, strip%m
-      t = strip%reference(p) * tau(:, p)
+    do p = 1, geometry%m
+      t = geometry%reference(p) * tau(:, p)
       if (is_mean_dilatation) then
         pressure = sum(t(:3)) / 3
         t(:3) = t(:3) - pressure
         total = total + pressure
       end if
-      f(:2 * strip%n) = f(:2 * strip%n) + matmul(t, B(:, :2 * strip%n, p))
+      f(:2 * geometry%n) = f(:2 * geometry%n) + matmul(t, B(:, :2 * geometry%n, p))
     end do
-    if (is_mean_dilatation) f(:2 * strip%n) = f(:2 * strip%n) + total * strip%mean(:2 * strip%n)
-  end subroutine add_forces
+    if (is_mean_dilatation) f(:2 * geometry%n) = f(:2 * geometry%n) + total * geometry%mean(:2 * geometry%n)
+  end subroutine integrate_forces
 
 
   !> The tangent: sum of B^T c B and the geometric part. The terms of the mean dilatation are folded into c and tau but
   !! for three products of vectors, as for the solids (doc/theory/elements.md, "Mean dilatation: the tangent").
-  pure subroutine set_stiffness(is_mean_dilatation, strip, B, tau, c, stiffness)
+  pure subroutine integrate_stiffness(is_mean_dilatation, geometry, B, tau, c, stiffness)
     logical, intent(in) :: is_mean_dilatation
-    type(strip_type), intent(in) :: strip
-    real(DP), intent(in) :: B(4, 2 * N_MOST, P_MOST)
-    real(DP), intent(inout) :: tau(4, P_MOST), c(4, 4, P_MOST)   !< spoiled
-    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< zero on entry up to 3 n
-    real(DP) :: K(2 * N_MOST, 2 * N_MOST), r(2 * N_MOST), factor
+    type(plane_geometry_type), intent(in) :: geometry
+    real(DP), intent(in) :: B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS)
+    real(DP), intent(inout) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS)   !< spoiled
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< zero on entry up to 3 n
+    real(DP) :: K(2 * MAX_PLANE_NODES, 2 * MAX_PLANE_NODES), r(2 * MAX_PLANE_NODES), factor
     integer :: p, i, j, row, column
-    associate (n => 2 * strip%n, mean => strip%mean)
+    associate (n => 2 * geometry%n, mean => geometry%mean)
       K = 0
       if (is_mean_dilatation) then
-        call fold_mean_dilatation(strip, B, tau, c, r, factor)
+        call fold_mean_dilatation(geometry, B, tau, c, r, factor)
         do j = 1, n
           K(:n, j) = (r(j) + factor * mean(j)) * mean(:n) + mean(j) * r(:n)
         end do
       else
-        do p = 1, strip%m
-          c(:, :, p) = strip%reference(p) * c(:, :, p)
-          tau(:, p) = strip%reference(p) * tau(:, p)
+        do p = 1, geometry%m
+          c(:, :, p) = geometry%reference(p) * c(:, :, p)
+          tau(:, p) = geometry%reference(p) * tau(:, p)
         end do
       end if
-      do p = 1, strip%m
+      do p = 1, geometry%m
         K(:n, :n) = K(:n, :n) + matmul(transpose(B(:, :n, p)), matmul(c(:, :, p), B(:, :n, p)))
-        call add_geometric(strip, p, tau(:, p), K)
+        call add_geometric(geometry, p, tau(:, p), K)
       end do
       do j = 1, n
         do i = j, n                                 ! one half, and its mirror image: symmetric to the last bit
@@ -366,21 +370,21 @@ contains
         end do
       end do
     end associate
-  end subroutine set_stiffness
+  end subroutine integrate_stiffness
 
 
   !> (g_a . tau g_b) 1, and the hoop's part in the radial direction.
-  pure subroutine add_geometric(strip, p, tau, K)
-    type(strip_type), intent(in) :: strip
+  pure subroutine add_geometric(geometry, p, tau, K)
+    type(plane_geometry_type), intent(in) :: geometry
     integer, intent(in) :: p                       !< point
     real(DP), intent(in) :: tau(4)                 !< times the volume [force length]
-    real(DP), intent(inout) :: K(2 * N_MOST, 2 * N_MOST)
+    real(DP), intent(inout) :: K(2 * MAX_PLANE_NODES, 2 * MAX_PLANE_NODES)
     real(DP) :: t(2), term
     integer :: a, b
-    do b = 1, strip%n
-      associate (g => strip%gradient(:, :, p), hoop => strip%hoop(:, p))
+    do b = 1, geometry%n
+      associate (g => geometry%gradient(:, :, p), hoop => geometry%hoop(:, p))
         t = [tau(1) * g(b, 1) + tau(4) * g(b, 2), tau(4) * g(b, 1) + tau(2) * g(b, 2)]
-        do a = b, strip%n
+        do a = b, geometry%n
           term = g(a, 1) * t(1) + g(a, 2) * t(2)
           K(2 * a - 1, 2 * b - 1) = K(2 * a - 1, 2 * b - 1) + term + hoop(a) * tau(3) * hoop(b)
           K(2 * a, 2 * b) = K(2 * a, 2 * b) + term
@@ -392,22 +396,22 @@ contains
 
   !> Folds the terms of the mean dilatation into tangent and stress (both times the volumes), and gives what is left:
   !! r and k of  mean r^T + r mean^T + k mean mean^T.
-  pure subroutine fold_mean_dilatation(strip, B, tau, c, r, factor)
-    type(strip_type), intent(in) :: strip
-    real(DP), intent(in) :: B(4, 2 * N_MOST, P_MOST)
-    real(DP), intent(inout) :: tau(4, P_MOST), c(4, 4, P_MOST)
-    real(DP), intent(out) :: r(2 * N_MOST), factor
+  pure subroutine fold_mean_dilatation(geometry, B, tau, c, r, factor)
+    type(plane_geometry_type), intent(in) :: geometry
+    real(DP), intent(in) :: B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS)
+    real(DP), intent(inout) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS)
+    real(DP), intent(out) :: r(2 * MAX_PLANE_NODES), factor
     real(DP), parameter :: TWICE_SYMMETRIC(4) = [real(DP) :: 2, 2, 2, 1]
     real(DP) :: total, w, q(4), beta, omega, dilatation
     integer :: p, i
-    associate (volumes => strip%reference(:strip%m))
-      total = sum(volumes * (tau(1, :strip%m) + tau(2, :strip%m) + tau(3, :strip%m))) / 3
+    associate (volumes => geometry%reference(:geometry%m))
+      total = sum(volumes * (tau(1, :geometry%m) + tau(2, :geometry%m) + tau(3, :geometry%m))) / 3
     end associate
     factor = -total
     r = 0
-    do p = 1, strip%m
-      w = strip%reference(p)
-      dilatation = total * strip%current(p) / sum(strip%current(:strip%m))
+    do p = 1, geometry%m
+      w = geometry%reference(p)
+      dilatation = total * geometry%current(p) / sum(geometry%current(:geometry%m))
       omega = w * sum(tau(:3, p)) / 3 - dilatation
       q = w * (c(:, 1, p) + c(:, 2, p) + c(:, 3, p) + 2 * tau(:, p)) / 3
       beta = sum(q(:3)) / 3
@@ -424,81 +428,82 @@ contains
       tau(:, p) = w * tau(:, p)
       tau(:3, p) = tau(:3, p) - omega
       q(:3) = q(:3) - beta
-      r(:2 * strip%n) = r(:2 * strip%n) + matmul(q, B(:, :2 * strip%n, p))
+      r(:2 * geometry%n) = r(:2 * geometry%n) + matmul(q, B(:, :2 * geometry%n, p))
     end do
   end subroutine fold_mean_dilatation
 
 
   !> Force, energy and stiffness of the hourglass mode of a kind with one point. The energy goes to that point.
-  pure subroutine hold_hourglass(entry, material, X, u, is_nlgeom, strip, force, points, stiffness)
-    type(kind_type), intent(in) :: entry
+  pure subroutine add_hourglass_control(entry, material, X, u, is_nlgeom, geometry, force, points, stiffness)
+    type(element_kind_type), intent(in) :: entry
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
-    type(strip_type), intent(in) :: strip
-    real(DP), intent(inout) :: force(3, MAX_NODES)
-    type(points_type), intent(inout) :: points
-    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    type(plane_geometry_type), intent(in) :: geometry
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type), intent(inout) :: points
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
     type(hourglass_type) :: hourglass
     real(DP) :: energy, c(6, 6)
-    call tangent_at_rest(condition_of(entry), material, is_nlgeom, 4, points, c)
-    call prepare_hourglass(2, X, strip%at_rest, strip%reference(1), c, hourglass)
+    call evaluate_initial_tangent(stress_condition(entry), material, is_nlgeom, 4, points, c)
+    call set_physical_hourglass(2, X, geometry%at_rest, geometry%reference(1), c, hourglass)
     if (material%law == LAW_SAINT_VENANT) then
-      call tangent_at_rest(CONDITION_NONE, material, is_nlgeom, 4, points, c)
+      call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 4, points, c)
       if (entry%family == FAMILY_AXISYMMETRIC) then
-        call soften_hourglass(hourglass, strip%reference(1), c, SECTORS / (2 * PI) * strip%at_rest_hoop, SECTORS)
+        call set_artificial_hourglass(hourglass, geometry%reference(1), c, N_CIRCLE_SECTORS / (2 * PI) * geometry%reference_hoop, &
+          N_CIRCLE_SECTORS)
       else
-        call soften_hourglass(hourglass, strip%reference(1), c, strip%N_a(:4, 1) / points%section, 1.0_DP)
+        call set_artificial_hourglass(hourglass, geometry%reference(1), c, geometry%N_a(:4, 1) / points%section_value, 1.0_DP)
       end if
-      call add_hourglass(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
+      call add_hourglass_forces(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
     else
-      call add_hourglass(hourglass, u, is_nlgeom, energy, force, stiffness)
+      call add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, stiffness)
     end if
-    points%energy(1) = points%energy(1) + energy / strip%reference(1)
-  end subroutine hold_hourglass
+    points%energy(1) = points%energy(1) + energy / geometry%reference(1)
+  end subroutine add_hourglass_control
 
 
   !> The reference volumes of the points of an element.
-  pure subroutine plane_volumes(kind, X, section, n, volumes, status)
+  pure subroutine evaluate_plane_volumes(kind, X, section, n, volumes, status)
     integer, intent(in) :: kind                    !< KIND_CPS..., KIND_CPE..., KIND_CAX...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     real(DP), intent(in) :: section                !< thickness; of no meaning for axisymmetric kinds [length]
     integer, intent(out) :: n                      !< points
     real(DP), intent(out) :: volumes(:)            !< the first n are set [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    type(strip_type) :: strip
-    call set_reference(kind, element_kind(kind), X, section, strip, status)
-    n = strip%m
-    volumes(:n) = strip%reference(:n)
+    type(plane_geometry_type) :: geometry
+    call set_reference(kind, element_kind(kind), X, section, geometry, status)
+    n = geometry%m
+    volumes(:n) = geometry%reference(:n)
     if (status == ELEMENT_OK .or. .not. is_one_point(kind)) return
-    volumes(1) = sum(strip%reference(:n))
+    volumes(1) = sum(geometry%reference(:n))
     n = 1
-  end subroutine plane_volumes
+  end subroutine evaluate_plane_volumes
 
 
   !> Consistent nodal forces of a body force in the plane.
-  pure subroutine plane_body_force(kind, X, section, b, force)
+  pure subroutine integrate_plane_body_force(kind, X, section, b, force)
     integer, intent(in) :: kind                    !< KIND_CPS..., KIND_CPE..., KIND_CAX...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: section                !< thickness; of no meaning for axisymmetric kinds [length]
     real(DP), intent(in) :: b(3)                   !< force per reference volume; the third is not used [force/length^3]
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< zero past the nodes [force]
-    type(strip_type) :: strip
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
+    type(plane_geometry_type) :: geometry
     integer :: p, a, status
     force = 0
-    call set_reference(kind, element_kind(kind), X, section, strip, status)
-    do p = 1, strip%m
-      do a = 1, strip%n
-        force(:2, a) = force(:2, a) + (strip%N_a(a, p) * strip%reference(p)) * b(:2)
+    call set_reference(kind, element_kind(kind), X, section, geometry, status)
+    do p = 1, geometry%m
+      do a = 1, geometry%n
+        force(:2, a) = force(:2, a) + (geometry%N_a(a, p) * geometry%reference(p)) * b(:2)
       end do
     end do
-  end subroutine plane_body_force
+  end subroutine integrate_plane_body_force
 
 
   !> Nodal forces of a pressure on an edge in its current place, and their derivative:
   !! force_a = -pressure * integral of N_a (dy/dxi, -dx/dxi) times the thickness or 2 pi x.
   !! Edges run counterclockwise: the normal is to their right. The thickness is that of the reference configuration.
-  pure subroutine edge_pressure(family, edge, x, section, pressure, force, stiffness, rule)
+  pure subroutine integrate_edge_pressure(family, edge, x, section, pressure, force, stiffness, rule)
     integer, intent(in) :: family                  !< FAMILY_...
     integer, intent(in) :: edge                    !< FACET_LINE2, FACET_LINE3
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
@@ -535,6 +540,6 @@ contains
         end do
       end do
     end do
-  end subroutine edge_pressure
+  end subroutine integrate_edge_pressure
 
 end module amontons_plane_elements

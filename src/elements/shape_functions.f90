@@ -6,34 +6,35 @@
 !! zero. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
 module amontons_shape_functions
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
+  use amontons_topology, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
     KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
-    FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+    FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
+    MAX_FACE_NODES
   implicit none
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
-  public :: face_rule
-  public :: facet_shapes, facet_quadrature, facet_node_coordinates, shape_of
+  public :: choose_face_rule
+  public :: facet_shapes, facet_quadrature, facet_node_coordinates, facet_shape_kind
   public :: MAX_FACET_POINTS
 
   integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the kinds of facets
   integer, parameter :: MAX_FACET_POINTS = 9       !< most integration points of a facet
 
   ! Corners of the hexahedron, then the middles of its edges, as signs.
-  real(DP), parameter :: HEXAHEDRON(3, 20) = reshape([real(DP) :: &
+  real(DP), parameter :: HEXAHEDRON_NODES(3, 20) = reshape([real(DP) :: &
     -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1, &
     0, -1, -1, 1, 0, -1, 0, 1, -1, -1, 0, -1, 0, -1, 1, 1, 0, 1, 0, 1, 1, -1, 0, 1, &
     -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], [3, 20])
-  real(DP), parameter :: TETRAHEDRON(3, 10) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, &
+  real(DP), parameter :: TETRAHEDRON_NODES(3, 10) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, &
     0.5_DP, 0, 0, 0.5_DP, 0.5_DP, 0, 0, 0.5_DP, 0, 0, 0, 0.5_DP, 0.5_DP, 0, 0.5_DP, 0, 0.5_DP, 0.5_DP], [3, 10])
-  real(DP), parameter :: WEDGE(3, 15) = reshape([real(DP) :: &
+  real(DP), parameter :: WEDGE_NODES(3, 15) = reshape([real(DP) :: &
     0, 0, -1, 1, 0, -1, 0, 1, -1, 0, 0, 1, 1, 0, 1, 0, 1, 1, &
     0.5_DP, 0, -1, 0.5_DP, 0.5_DP, -1, 0, 0.5_DP, -1, 0.5_DP, 0, 1, 0.5_DP, 0.5_DP, 1, 0, 0.5_DP, 1, &
     0, 0, 0, 1, 0, 0, 0, 1, 0], [3, 15])
-  real(DP), parameter :: SQUARE(2, 8) = reshape([real(DP) :: &
+  real(DP), parameter :: QUAD_NODES(2, 8) = reshape([real(DP) :: &
     -1, -1, 1, -1, 1, 1, -1, 1, 0, -1, 1, 0, 0, 1, -1, 0], [2, 8])
-  real(DP), parameter :: TRIANGLE(2, 6) = reshape([real(DP) :: &
+  real(DP), parameter :: TRIANGLE_NODES(2, 6) = reshape([real(DP) :: &
     0, 0, 1, 0, 0, 1, 0.5_DP, 0, 0.5_DP, 0.5_DP, 0, 0.5_DP], [2, 6])
 
   ! The two corners of each mid-side node.
@@ -56,8 +57,8 @@ contains
   pure subroutine shape_functions(kind, xi, N, dN)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: xi(3)                  !< natural coordinates [-]
-    real(DP), intent(out) :: N(MAX_NODES)          !< values [-]
-    real(DP), intent(out) :: dN(3, MAX_NODES)      !< derivatives by xi, eta, zeta [-]
+    real(DP), intent(out) :: N(MAX_ELEMENT_NODES)          !< values [-]
+    real(DP), intent(out) :: dN(3, MAX_ELEMENT_NODES)      !< derivatives by xi, eta, zeta [-]
     N = 0
     dN = 0
     select case (kind)
@@ -65,15 +66,15 @@ contains
       N(:4) = [1 - xi(1) - xi(2) - xi(3), xi(1), xi(2), xi(3)]
       dN(:, :4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
     case (KIND_C3D6)
-      call wedge_shapes(xi, N(:6), dN(:, :6))
+      call wedge6_shapes(xi, N(:6), dN(:, :6))
     case (KIND_C3D15)
-      call quadratic_wedge_shapes(xi, N(:15), dN(:, :15))
+      call wedge15_shapes(xi, N(:15), dN(:, :15))
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R)
       call trilinear_shapes(xi, N(:8), dN(:, :8))
     case (KIND_C3D10)
-      call tetrahedron_shapes(xi, N(:10), dN(:, :10))
+      call tet10_shapes(xi, N(:10), dN(:, :10))
     case (KIND_C3D20, KIND_C3D20R)
-      call serendipity_shapes(xi, N, dN)
+      call hex20_shapes(xi, N, dN)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_shapes(kind, xi, N, dN)
     case default                                   ! no such kind: nothing is set
@@ -85,22 +86,22 @@ contains
   pure subroutine embedded_shapes(kind, xi, N, dN)
     integer, intent(in) :: kind                    !< a plane kind or a truss
     real(DP), intent(in) :: xi(3)
-    real(DP), intent(inout) :: N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP), intent(inout) :: N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     real(DP) :: along(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
-    call facet_shapes(shape_of(kind), xi(:2), N(:MAX_FACE_NODES), along, ddN)
+    call facet_shapes(facet_shape_kind(kind), xi(:2), N(:MAX_FACE_NODES), along, ddN)
     dN(:2, :MAX_FACE_NODES) = along
   end subroutine embedded_shapes
 
 
   !> The facet kind that has the shape of a plane kind or of a truss.
-  pure function shape_of(kind) result(facet)
+  pure function facet_shape_kind(kind) result(facet)
     integer, intent(in) :: kind                    !< a plane kind or a truss
     integer :: facet
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer, parameter :: OF_NODES(2:8) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4, 0, FACET_TRI6, 0, FACET_QUAD8]
     entry = element_kind(kind)
     facet = merge(FACET_LINE3, OF_NODES(entry%n_nodes), kind == KIND_T3D3)
-  end function shape_of
+  end function facet_shape_kind
 
 
   !> N = 1/8 (1 + xi_a xi)(1 + eta_a eta)(1 + zeta_a zeta).
@@ -110,25 +111,25 @@ contains
     real(DP) :: x, y, z
     integer :: a
     do a = 1, 8
-      x = 1 + HEXAHEDRON(1, a) * xi(1)
-      y = 1 + HEXAHEDRON(2, a) * xi(2)
-      z = 1 + HEXAHEDRON(3, a) * xi(3)
+      x = 1 + HEXAHEDRON_NODES(1, a) * xi(1)
+      y = 1 + HEXAHEDRON_NODES(2, a) * xi(2)
+      z = 1 + HEXAHEDRON_NODES(3, a) * xi(3)
       N(a) = 0.125_DP * x * y * z
-      dN(1, a) = 0.125_DP * HEXAHEDRON(1, a) * y * z
-      dN(2, a) = 0.125_DP * HEXAHEDRON(2, a) * x * z
-      dN(3, a) = 0.125_DP * HEXAHEDRON(3, a) * x * y
+      dN(1, a) = 0.125_DP * HEXAHEDRON_NODES(1, a) * y * z
+      dN(2, a) = 0.125_DP * HEXAHEDRON_NODES(2, a) * x * z
+      dN(3, a) = 0.125_DP * HEXAHEDRON_NODES(3, a) * x * y
     end do
   end subroutine trilinear_shapes
 
 
   !> Corners: the trilinear function times (xi_a xi + eta_a eta + zeta_a zeta - 2); mid-sides: a parabola on the edge.
-  pure subroutine serendipity_shapes(xi, N, dN)
+  pure subroutine hex20_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(20), dN(3, 20)
     real(DP) :: s(3), f(3), df(3), t
     integer :: a
     do a = 1, 8
-      s = HEXAHEDRON(:, a)
+      s = HEXAHEDRON_NODES(:, a)
       f = 1 + s * xi
       t = f(1) + f(2) + f(3) - 5
       N(a) = 0.125_DP * f(1) * f(2) * f(3) * t
@@ -137,7 +138,7 @@ contains
       dN(3, a) = 0.125_DP * s(3) * f(1) * f(2) * (t + f(3))
     end do
     do a = 9, 20
-      s = HEXAHEDRON(:, a)
+      s = HEXAHEDRON_NODES(:, a)
       f = merge(1 - xi**2, 1 + s * xi, abs(s) < 0.5_DP)
       df = merge(-2 * xi, s, abs(s) < 0.5_DP)
       N(a) = 0.25_DP * f(1) * f(2) * f(3)
@@ -145,80 +146,80 @@ contains
       dN(2, a) = 0.25_DP * f(1) * df(2) * f(3)
       dN(3, a) = 0.25_DP * f(1) * f(2) * df(3)
     end do
-  end subroutine serendipity_shapes
+  end subroutine hex20_shapes
 
 
   !> Area coordinate of the triangle times 1/2 (1 + zeta_a zeta).
-  pure subroutine wedge_shapes(xi, N, dN)
+  pure subroutine wedge6_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(6), dN(3, 6)
-    real(DP), parameter :: SLOPE(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    real(DP), parameter :: BARYCENTRIC_GRADIENT(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
     real(DP) :: area(3), z
     integer :: a, corner
     area = [1 - xi(1) - xi(2), xi(1), xi(2)]
     do a = 1, 6
       corner = 1 + mod(a - 1, 3)
-      z = WEDGE(3, a)
+      z = WEDGE_NODES(3, a)
       N(a) = 0.5_DP * area(corner) * (1 + z * xi(3))
-      dN(:2, a) = 0.5_DP * SLOPE(:, corner) * (1 + z * xi(3))
+      dN(:2, a) = 0.5_DP * BARYCENTRIC_GRADIENT(:, corner) * (1 + z * xi(3))
       dN(3, a) = 0.5_DP * area(corner) * z
     end do
-  end subroutine wedge_shapes
+  end subroutine wedge6_shapes
 
 
   !> Corners: 1/2 L (1 + z_a z)(2 L - 2 + z_a z); mid-sides of the triangles: 2 L_i L_j (1 + z_a z); between them:
   !! L (1 - z^2); with the area coordinates L and z = zeta.
-  pure subroutine quadratic_wedge_shapes(xi, N, dN)
+  pure subroutine wedge15_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(15), dN(3, 15)
-    real(DP), parameter :: SLOPE(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    real(DP), parameter :: BARYCENTRIC_GRADIENT(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
     real(DP) :: area(3), z, s
     integer :: a, i, j
     area = [1 - xi(1) - xi(2), xi(1), xi(2)]
     z = xi(3)
     do a = 1, 6
       i = 1 + mod(a - 1, 3)
-      s = WEDGE(3, a)
+      s = WEDGE_NODES(3, a)
       N(a) = 0.5_DP * area(i) * (1 + s * z) * (2 * area(i) - 2 + s * z)
-      dN(:2, a) = 0.5_DP * SLOPE(:, i) * (1 + s * z) * (4 * area(i) - 2 + s * z)
+      dN(:2, a) = 0.5_DP * BARYCENTRIC_GRADIENT(:, i) * (1 + s * z) * (4 * area(i) - 2 + s * z)
       dN(3, a) = 0.5_DP * area(i) * s * (2 * area(i) - 1 + 2 * s * z)
     end do
     do a = 7, 12
       i = 1 + mod(WEDGE_EDGES(1, a) - 1, 3)
       j = 1 + mod(WEDGE_EDGES(2, a) - 1, 3)
-      s = WEDGE(3, a)
+      s = WEDGE_NODES(3, a)
       N(a) = 2 * area(i) * area(j) * (1 + s * z)
-      dN(:2, a) = 2 * (SLOPE(:, i) * area(j) + area(i) * SLOPE(:, j)) * (1 + s * z)
+      dN(:2, a) = 2 * (BARYCENTRIC_GRADIENT(:, i) * area(j) + area(i) * BARYCENTRIC_GRADIENT(:, j)) * (1 + s * z)
       dN(3, a) = 2 * area(i) * area(j) * s
     end do
     do a = 13, 15
       i = a - 12
       N(a) = area(i) * (1 - z * z)
-      dN(:2, a) = SLOPE(:, i) * (1 - z * z)
+      dN(:2, a) = BARYCENTRIC_GRADIENT(:, i) * (1 - z * z)
       dN(3, a) = -2 * area(i) * z
     end do
-  end subroutine quadratic_wedge_shapes
+  end subroutine wedge15_shapes
 
 
   !> Corners: L (2 L - 1); mid-sides: 4 L_i L_j, with the volume coordinates L.
-  pure subroutine tetrahedron_shapes(xi, N, dN)
+  pure subroutine tet10_shapes(xi, N, dN)
     real(DP), intent(in) :: xi(3)
     real(DP), intent(out) :: N(10), dN(3, 10)
-    real(DP), parameter :: SLOPE(3, 4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
+    real(DP), parameter :: BARYCENTRIC_GRADIENT(3, 4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
     real(DP) :: volume(4)
     integer :: a, i, j
     volume = [1 - xi(1) - xi(2) - xi(3), xi(1), xi(2), xi(3)]
     do a = 1, 4
       N(a) = volume(a) * (2 * volume(a) - 1)
-      dN(:, a) = SLOPE(:, a) * (4 * volume(a) - 1)
+      dN(:, a) = BARYCENTRIC_GRADIENT(:, a) * (4 * volume(a) - 1)
     end do
     do a = 5, 10
       i = TETRAHEDRON_EDGES(1, a)
       j = TETRAHEDRON_EDGES(2, a)
       N(a) = 4 * volume(i) * volume(j)
-      dN(:, a) = 4 * (SLOPE(:, i) * volume(j) + volume(i) * SLOPE(:, j))
+      dN(:, a) = 4 * (BARYCENTRIC_GRADIENT(:, i) * volume(j) + volume(i) * BARYCENTRIC_GRADIENT(:, j))
     end do
-  end subroutine tetrahedron_shapes
+  end subroutine tet10_shapes
 
 
   !> Integration points and weights of an element. The weights add up to the volume of the parent element.
@@ -229,8 +230,8 @@ contains
   pure subroutine quadrature(kind, n, xi, w)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< number of points
-    real(DP), intent(out) :: xi(3, MAX_POINTS)     !< natural coordinates [-], zero past n
-    real(DP), intent(out) :: w(MAX_POINTS)         !< weights [-], zero past n
+    real(DP), intent(out) :: xi(3, MAX_ELEMENT_POINTS)     !< natural coordinates [-], zero past n
+    real(DP), intent(out) :: w(MAX_ELEMENT_POINTS)         !< weights [-], zero past n
     xi = 0
     w = 0
     n = 0
@@ -259,10 +260,10 @@ contains
       w(1) = 8
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D20R)
       n = 8
-      call tensor_rule([-GAUSS_2, GAUSS_2], [1.0_DP, 1.0_DP], xi, w)
+      call tensor_product_rule([-GAUSS_2, GAUSS_2], [1.0_DP, 1.0_DP], xi, w)
     case (KIND_C3D20)
       n = 27
-      call tensor_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
+      call tensor_product_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
     case default                                   ! no such kind: nothing is set
@@ -272,10 +273,10 @@ contains
 
   !> Three points of the triangle at three heights.
   pure subroutine wedge_rule(xi, w)
-    real(DP), intent(inout) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     real(DP) :: flat(2, 3), weight(3)
     integer :: k
-    call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat, weight)
+    call set_triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat, weight)
     do k = 1, 3
       xi(:2, 3 * k - 2:3 * k) = flat
       xi(3, 3 * k - 2:3 * k) = real(k - 2, DP) * GAUSS_3
@@ -288,13 +289,13 @@ contains
   pure subroutine embedded_rule(kind, n, xi, w)
     integer, intent(in) :: kind                    !< a plane kind or a truss
     integer, intent(out) :: n
-    real(DP), intent(inout) :: xi(3, MAX_POINTS), w(MAX_POINTS)
-    type(kind_type) :: entry
+    real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
+    type(element_kind_type) :: entry
     real(DP) :: flat(2, MAX_FACET_POINTS), weight(MAX_FACET_POINTS)
     entry = element_kind(kind)
     n = entry%n_points
     flat = 0
-    select case (shape_of(kind))
+    select case (facet_shape_kind(kind))
     case (FACET_LINE2, FACET_LINE3)
       weight(:n) = 2 / real(n, DP)
       if (n == 2) flat(1, :2) = [-GAUSS_2, GAUSS_2]
@@ -302,7 +303,7 @@ contains
       flat(:, 1) = 1.0_DP / 3
       weight(1) = 0.5_DP
     case (FACET_TRI6)
-      call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat(:, :3), weight(:3))
+      call set_triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat(:, :3), weight(:3))
     case default
       weight(1) = 4
       if (n == 4) call facet_quadrature(FACET_QUAD4, n, flat, weight)
@@ -315,7 +316,7 @@ contains
 
   !> The rule by which CalculiX integrates over the faces of elements, a facet kind or RULE_...; it has fewer points than ours
   !! on wedges, on triangles, and on elements of reduced integration.
-  pure integer function face_rule(kind, facet, is_calculix) result(rule)
+  pure integer function choose_face_rule(kind, facet, is_calculix) result(rule)
     integer, intent(in) :: kind                    !< KIND_... of the element
     integer, intent(in) :: facet                   !< FACET_... of the face
     logical, intent(in) :: is_calculix             !< .false.: the rule of the facet's own kind
@@ -337,14 +338,14 @@ contains
     case (KIND_CPS3, KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R)
       rule = RULE_LINE1
     end select
-  end function face_rule
+  end function choose_face_rule
 
 
   !> The product rule on the cube, xi fastest.
-  pure subroutine tensor_rule(x, weight, xi, w)
+  pure subroutine tensor_product_rule(x, weight, xi, w)
     real(DP), intent(in) :: x(:)                   !< points on the line
     real(DP), intent(in) :: weight(:)              !< their weights
-    real(DP), intent(inout) :: xi(3, MAX_POINTS), w(MAX_POINTS)
+    real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     integer :: i, j, k, p
     p = 0
     do k = 1, size(x)
@@ -356,30 +357,30 @@ contains
         end do
       end do
     end do
-  end subroutine tensor_rule
+  end subroutine tensor_product_rule
 
 
   !> Natural coordinates of the nodes of an element.
   pure subroutine node_coordinates(kind, xi)
     integer, intent(in) :: kind                    !< KIND_...
-    real(DP), intent(out) :: xi(3, MAX_NODES)      !< [-], zero past its nodes
+    real(DP), intent(out) :: xi(3, MAX_ELEMENT_NODES)      !< [-], zero past its nodes
     real(DP) :: flat(2, MAX_FACE_NODES)
     xi = 0
     select case (kind)
     case (KIND_C3D4)
-      xi(:, :4) = TETRAHEDRON(:, :4)
+      xi(:, :4) = TETRAHEDRON_NODES(:, :4)
     case (KIND_C3D10)
-      xi(:, :10) = TETRAHEDRON
+      xi(:, :10) = TETRAHEDRON_NODES
     case (KIND_C3D6)
-      xi(:, :6) = WEDGE(:, :6)
+      xi(:, :6) = WEDGE_NODES(:, :6)
     case (KIND_C3D15)
-      xi(:, :15) = WEDGE
+      xi(:, :15) = WEDGE_NODES
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R)
-      xi(:, :8) = HEXAHEDRON(:, :8)
+      xi(:, :8) = HEXAHEDRON_NODES(:, :8)
     case (KIND_C3D20, KIND_C3D20R)
-      xi = HEXAHEDRON
+      xi = HEXAHEDRON_NODES
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
-      call facet_node_coordinates(shape_of(kind), flat)
+      call facet_node_coordinates(facet_shape_kind(kind), flat)
       xi(:2, :MAX_FACE_NODES) = flat
     case default                                   ! no such kind: nothing is set
     end select
@@ -403,17 +404,17 @@ contains
   !! | T3D3            | linear through 2 points                             | mean of the 2 ends    |
   pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points)
     integer, intent(in) :: kind                    !< KIND_...
-    real(DP), intent(out) :: matrix(MAX_NODES, MAX_POINTS)   !< [-], zero past n_nodes, n_points
+    real(DP), intent(out) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-], zero past n_nodes, n_points
     integer, intent(out) :: n_nodes, n_points
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     n_nodes = entry%n_nodes
     n_points = entry%n_points
     matrix = 0
     select case (kind)
     case (KIND_C3D6)
-      matrix(:6, 1) = 0.5_DP * (1 - WEDGE(3, :6) / GAUSS_2)
-      matrix(:6, 2) = 0.5_DP * (1 + WEDGE(3, :6) / GAUSS_2)
+      matrix(:6, 1) = 0.5_DP * (1 - WEDGE_NODES(3, :6) / GAUSS_2)
+      matrix(:6, 2) = 0.5_DP * (1 + WEDGE_NODES(3, :6) / GAUSS_2)
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D20R)
       call extrapolate_trilinear(n_nodes, matrix)
     case (KIND_C3D10)
@@ -432,15 +433,15 @@ contains
 
   !> Linear in the triangle through three points, times a linear least squares fit over three heights.
   pure subroutine extrapolate_wedge(matrix)
-    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     real(DP) :: area(3)
     integer :: a, i, k
     do a = 1, 15
-      area = [1 - WEDGE(1, a) - WEDGE(2, a), WEDGE(1, a), WEDGE(2, a)]
+      area = [1 - WEDGE_NODES(1, a) - WEDGE_NODES(2, a), WEDGE_NODES(1, a), WEDGE_NODES(2, a)]
       do k = 1, 3
         do i = 1, 3
           matrix(a, 3 * k - 3 + i) = (2 * area(i) - 1.0_DP / 3) &
-            * (1 + 1.5_DP * WEDGE(3, a) * real(k - 2, DP) / GAUSS_3) / 3
+            * (1 + 1.5_DP * WEDGE_NODES(3, a) * real(k - 2, DP) / GAUSS_3) / 3
         end do
       end do
     end do
@@ -451,8 +452,8 @@ contains
   pure subroutine extrapolate_embedded(kind, n_nodes, n_points, matrix)
     integer, intent(in) :: kind                    !< a plane kind or a truss
     integer, intent(in) :: n_nodes, n_points
-    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
-    real(DP) :: at(3, MAX_NODES), xi(3, MAX_POINTS), w(MAX_POINTS), area(3)
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    real(DP) :: at(3, MAX_ELEMENT_NODES), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), area(3)
     integer :: a, p, n
     call node_coordinates(kind, at)
     call quadrature(kind, n, xi, w)
@@ -477,12 +478,12 @@ contains
   !! corners.
   pure subroutine extrapolate_trilinear(n_nodes, matrix)
     integer, intent(in) :: n_nodes
-    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
-    integer, parameter :: CORNER(8) = [1, 2, 4, 3, 5, 6, 8, 7]   ! the corner next to each point
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    integer, parameter :: NEAREST_CORNER(8) = [1, 2, 4, 3, 5, 6, 8, 7]   ! the corner next to each point
     integer :: a, p
     do p = 1, 8
       do a = 1, n_nodes
-        matrix(a, p) = 0.125_DP * product(1 + HEXAHEDRON(:, CORNER(p)) * HEXAHEDRON(:, a) / GAUSS_2)
+        matrix(a, p) = 0.125_DP * product(1 + HEXAHEDRON_NODES(:, NEAREST_CORNER(p)) * HEXAHEDRON_NODES(:, a) / GAUSS_2)
       end do
     end do
   end subroutine extrapolate_trilinear
@@ -490,7 +491,7 @@ contains
 
   !> Linear through the four points; the matrix TETRA_A + (TETRA_B - TETRA_A) delta inverted in closed form.
   pure subroutine extrapolate_tetrahedron(matrix)
-    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     integer :: a
     matrix(:4, :4) = -TETRA_A / (TETRA_B - TETRA_A)
     do a = 1, 4
@@ -506,9 +507,10 @@ contains
   pure subroutine extrapolate_serendipity(kind, n_nodes, n_points, matrix)
     integer, intent(in) :: kind                    !< KIND_C3D20 or a square of eight nodes and nine points
     integer, intent(in) :: n_nodes, n_points
-    real(DP), intent(inout) :: matrix(MAX_NODES, MAX_POINTS)
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shapes(MAX_NODES, MAX_POINTS), dN(3, MAX_NODES), &
-      L(MAX_NODES, MAX_NODES)
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), shapes(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), dN(3, &
+      MAX_ELEMENT_NODES), &
+      L(MAX_ELEMENT_NODES, MAX_ELEMENT_NODES)
     integer :: p, n, i, j
     shapes = 0
     call quadrature(kind, n, xi, w)
@@ -555,9 +557,9 @@ contains
     case (FACET_QUAD4)
       call bilinear_shapes(xi, N(:4), dN(:, :4), ddN(:, :4))
     case (FACET_TRI6)
-      call triangle_shapes(xi, N(:6), dN(:, :6), ddN(:, :6))
+      call tri6_shapes(xi, N(:6), dN(:, :6), ddN(:, :6))
     case (FACET_QUAD8)
-      call square_shapes(xi, N, dN, ddN)
+      call quad8_shapes(xi, N, dN, ddN)
     case (FACET_LINE2)
       N(:2) = 0.5_DP * [1 - xi(1), 1 + xi(1)]
       dN(1, :2) = [-0.5_DP, 0.5_DP]
@@ -577,49 +579,49 @@ contains
     real(DP) :: x, y
     integer :: a
     do a = 1, 4
-      x = 1 + SQUARE(1, a) * xi(1)
-      y = 1 + SQUARE(2, a) * xi(2)
+      x = 1 + QUAD_NODES(1, a) * xi(1)
+      y = 1 + QUAD_NODES(2, a) * xi(2)
       N(a) = 0.25_DP * x * y
-      dN(:, a) = 0.25_DP * [SQUARE(1, a) * y, x * SQUARE(2, a)]
-      ddN(:, a) = [0.0_DP, 0.0_DP, 0.25_DP * SQUARE(1, a) * SQUARE(2, a)]
+      dN(:, a) = 0.25_DP * [QUAD_NODES(1, a) * y, x * QUAD_NODES(2, a)]
+      ddN(:, a) = [0.0_DP, 0.0_DP, 0.25_DP * QUAD_NODES(1, a) * QUAD_NODES(2, a)]
     end do
   end subroutine bilinear_shapes
 
 
   !> Corners: L (2 L - 1); mid-sides: 4 L_i L_j, with the area coordinates L.
-  pure subroutine triangle_shapes(xi, N, dN, ddN)
+  pure subroutine tri6_shapes(xi, N, dN, ddN)
     real(DP), intent(in) :: xi(2)
     real(DP), intent(out) :: N(6), dN(2, 6), ddN(3, 6)
-    real(DP), parameter :: SLOPE(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
+    real(DP), parameter :: BARYCENTRIC_GRADIENT(2, 3) = reshape([real(DP) :: -1, -1, 1, 0, 0, 1], [2, 3])
     integer, parameter :: EDGES(2, 4:6) = reshape([1, 2, 2, 3, 3, 1], [2, 3])
     real(DP) :: area(3), p(2), q(2)
     integer :: a
     area = [1 - xi(1) - xi(2), xi(1), xi(2)]
     do a = 1, 3
-      p = SLOPE(:, a)
+      p = BARYCENTRIC_GRADIENT(:, a)
       N(a) = area(a) * (2 * area(a) - 1)
       dN(:, a) = p * (4 * area(a) - 1)
       ddN(:, a) = 4 * [p(1) * p(1), p(2) * p(2), p(1) * p(2)]
     end do
     do a = 4, 6
-      p = SLOPE(:, EDGES(1, a))
-      q = SLOPE(:, EDGES(2, a))
+      p = BARYCENTRIC_GRADIENT(:, EDGES(1, a))
+      q = BARYCENTRIC_GRADIENT(:, EDGES(2, a))
       N(a) = 4 * area(EDGES(1, a)) * area(EDGES(2, a))
       dN(:, a) = 4 * (p * area(EDGES(2, a)) + q * area(EDGES(1, a)))
       ddN(:, a) = 4 * [2 * p(1) * q(1), 2 * p(2) * q(2), p(1) * q(2) + p(2) * q(1)]
     end do
-  end subroutine triangle_shapes
+  end subroutine tri6_shapes
 
 
   !> The serendipity functions of the square.
-  pure subroutine square_shapes(xi, N, dN, ddN)
+  pure subroutine quad8_shapes(xi, N, dN, ddN)
     real(DP), intent(in) :: xi(2)
     real(DP), intent(out) :: N(8), dN(2, 8), ddN(3, 8)
     real(DP) :: s, t, x, y
     integer :: a
     do a = 1, 8
-      s = SQUARE(1, a)
-      t = SQUARE(2, a)
+      s = QUAD_NODES(1, a)
+      t = QUAD_NODES(2, a)
       x = 1 + s * xi(1)
       y = 1 + t * xi(2)
       if (a <= 4) then
@@ -636,7 +638,7 @@ contains
         ddN(:, a) = [0.0_DP, -x, -xi(2) * s]
       end if
     end do
-  end subroutine square_shapes
+  end subroutine quad8_shapes
 
 
   !> Integration points and weights of a facet, enough to integrate N times the normal of any (curved) facet exactly.
@@ -644,12 +646,12 @@ contains
   !!   tri3 3 points (degree 2), quad4 2x2 (degree 3 each way), tri6 6 points (degree 4), quad8 3x3 (degree 5 each way);
   !!   edges: 2 points (degree 3), 3 points (degree 5), enough for N times the normal times the radius too
   pure subroutine facet_quadrature(facet_kind, n, xi, w)
-    integer, intent(in) :: facet_kind              !< FACET_... or a rule of face_rule
+    integer, intent(in) :: facet_kind              !< FACET_... or a rule of choose_face_rule
     integer, intent(out) :: n                      !< number of points
     real(DP), intent(out) :: xi(2, MAX_FACET_POINTS)   !< natural coordinates [-], zero past n
     real(DP), intent(out) :: w(MAX_FACET_POINTS)   !< weights [-], zero past n; sum 1/2 (triangles), 4 (squares), 2 (edges)
-    real(DP), parameter :: THREE(3) = [-GAUSS_3, 0.0_DP, GAUSS_3]
-    real(DP), parameter :: WEIGHT(3) = [5.0_DP, 8.0_DP, 5.0_DP] / 9
+    real(DP), parameter :: GAUSS_3_POINTS(3) = [-GAUSS_3, 0.0_DP, GAUSS_3]
+    real(DP), parameter :: GAUSS_3_WEIGHTS(3) = [5.0_DP, 8.0_DP, 5.0_DP] / 9
     integer :: p, i, j
     xi = 0
     w = 0
@@ -667,23 +669,23 @@ contains
       w(1) = 2
     case (FACET_TRI3)
       n = 3
-      call triangle_orbit(1.0_DP / 6, 1.0_DP / 6, xi(:, 1:3), w(1:3))
+      call set_triangle_orbit(1.0_DP / 6, 1.0_DP / 6, xi(:, 1:3), w(1:3))
     case (FACET_TRI6)
       n = 6
-      call triangle_orbit(COWPER_A, COWPER_WA, xi(:, 1:3), w(1:3))
-      call triangle_orbit(COWPER_B, COWPER_WB, xi(:, 4:6), w(4:6))
+      call set_triangle_orbit(COWPER_A, COWPER_WA, xi(:, 1:3), w(1:3))
+      call set_triangle_orbit(COWPER_B, COWPER_WB, xi(:, 4:6), w(4:6))
     case (FACET_QUAD4)
       n = 4
-      xi(1, :4) = GAUSS_2 * SQUARE(1, [1, 2, 4, 3])
-      xi(2, :4) = GAUSS_2 * SQUARE(2, [1, 2, 4, 3])
+      xi(1, :4) = GAUSS_2 * QUAD_NODES(1, [1, 2, 4, 3])
+      xi(2, :4) = GAUSS_2 * QUAD_NODES(2, [1, 2, 4, 3])
       w(:4) = 1
     case (FACET_QUAD8)
       n = 9
       do p = 1, n
         i = 1 + mod(p - 1, 3)
         j = 1 + (p - 1) / 3
-        xi(:, p) = [THREE(i), THREE(j)]
-        w(p) = WEIGHT(i) * WEIGHT(j)
+        xi(:, p) = [GAUSS_3_POINTS(i), GAUSS_3_POINTS(j)]
+        w(p) = GAUSS_3_WEIGHTS(i) * GAUSS_3_WEIGHTS(j)
       end do
     case (FACET_LINE2)
       n = 2
@@ -691,22 +693,22 @@ contains
       w(:2) = 1
     case (FACET_LINE3)
       n = 3
-      xi(1, :3) = THREE
-      w(:3) = WEIGHT
+      xi(1, :3) = GAUSS_3_POINTS
+      w(:3) = GAUSS_3_WEIGHTS
     case default                                   ! no such kind: nothing is set
     end select
   end subroutine facet_quadrature
 
 
   !> The three points of a triangle with area coordinates a, a, 1 - 2 a.
-  pure subroutine triangle_orbit(a, weight, xi, w)
+  pure subroutine set_triangle_orbit(a, weight, xi, w)
     real(DP), intent(in) :: a, weight
     real(DP), intent(out) :: xi(2, 3), w(3)
     xi = a
     xi(1, 2) = 1 - 2 * a
     xi(2, 3) = 1 - 2 * a
     w = weight
-  end subroutine triangle_orbit
+  end subroutine set_triangle_orbit
 
 
   !> Natural coordinates of the nodes of a facet.
@@ -716,13 +718,13 @@ contains
     xi = 0
     select case (facet_kind)
     case (FACET_TRI3)
-      xi(:, :3) = TRIANGLE(:, :3)
+      xi(:, :3) = TRIANGLE_NODES(:, :3)
     case (FACET_TRI6)
-      xi(:, :6) = TRIANGLE
+      xi(:, :6) = TRIANGLE_NODES
     case (FACET_QUAD4)
-      xi(:, :4) = SQUARE(:, :4)
+      xi(:, :4) = QUAD_NODES(:, :4)
     case (FACET_QUAD8)
-      xi = SQUARE
+      xi = QUAD_NODES
     case (FACET_LINE2, FACET_LINE3)
       xi(1, :2) = [-1.0_DP, 1.0_DP]
     case default                                   ! no such kind: nothing is set

@@ -7,18 +7,19 @@
 module amontons_truss_spring_mass
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, PI
-  use amontons_zero_stress_condition, only: stress_under, CONDITION_UNIAXIAL
-  use amontons_material_point, only: point_type
-  use amontons_materials, only: material_type, spring_type, curve_type, evaluate_curve, evaluate_table, find_interval, &
+  use amontons_zero_stress_condition, only: solve_zero_stress, CONDITION_UNIAXIAL
+  use amontons_material_point, only: material_point_type
+  use amontons_materials, only: material_type, spring_type, hardening_curve_type, evaluate_curve, evaluate_table, find_interval, &
     LAW_SAINT_VENANT
-  use amontons_integration_points, only: points_type, begin_point, end_point, ELEMENT_OK, ELEMENT_INVERTED, &
+  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_output, ELEMENT_OK, &
+    ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shape_functions, only: shape_functions, quadrature
-  use amontons_elasticity, only: STRESS_OK, LARGEST_GRADIENT
-  use amontons_topology, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_NODES, MAX_POINTS
+  use amontons_elasticity, only: STRESS_OK, MAX_DISPLACEMENT_GRADIENT
+  use amontons_topology, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: truss_element, truss_volumes, truss_body_force, spring_element
+  public :: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, evaluate_spring_element
 
 contains
 
@@ -26,19 +27,19 @@ contains
   !!
   !! With the stretch s = |dx/dxi| / |dX/dxi| the energy is sum V W(s): force_a = sum V tau dN_a/dxi x' / |x'|^2, where
   !! tau = dW/d ln s is the Kirchhoff stress along it. Stress and strain are written as components xx, along the truss.
-  pure subroutine truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+  pure subroutine evaluate_truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_T3D2, KIND_T3D3
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
-    type(points_type), intent(inout) :: points     !< in: section, the past; out: the point values
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< [force]
+    type(integration_points_type), intent(inout) :: points     !< in: section, the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u [force/length]
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     real(DP) :: place(3), change(3), axis(3), weight(2), length, now
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: m, p, a, n_nodes
     n_nodes = size(X, 2)
     force = 0
@@ -61,53 +62,54 @@ contains
       if (is_nlgeom) axis = place + change
       now = norm2(axis)
       status = ELEMENT_NOT_FINITE
-      if (.not. now <= LARGEST_GRADIENT * length) return
+      if (.not. now <= MAX_DISPLACEMENT_GRADIENT * length) return
       status = ELEMENT_INVERTED
       if (.not. now > 0) return
       axis = axis / now
       weight = 0.5_DP                                ! of the temperatures of the ends: one degree below the displacements
       if (m == 2) weight = 0.5_DP * [1 - xi(1, p), 1 + xi(1, p)]
-      call begin_point(material, points, p, weight, point)
+      call set_point_input(material, points, p, weight, point)
       point%H = 0
       point%H(1, 1) = dot_product(place, change) / length**2
       if (is_nlgeom) point%H(1, 1) = dot_product(change, 2 * place + change) / (length * (now + length))
-      call stress_under(CONDITION_UNIAXIAL, material, is_nlgeom, point, status)
+      call solve_zero_stress(CONDITION_UNIAXIAL, material, is_nlgeom, point, status)
       if (status /= STRESS_OK) then
         status = ELEMENT_NOT_FINITE
         return
       end if
-      call end_point(material, is_nlgeom, point, points, p)
-      points%volume(p) = w(p) * length * points%section
+      call store_point_output(material, is_nlgeom, point, points, p)
+      points%volume(p) = w(p) * length * points%section_value
       if (.not. is_nlgeom) now = length
       associate (tau => point%stress(1), c => point%tangent(1, 1), volume => points%volume(p))
         do a = 1, n_nodes
           force(:, a) = force(:, a) + (volume * tau * dN(1, a) / now) * axis
         end do
-        if (present(stiffness)) call add_bar(n_nodes, volume / now**2, merge(tau, 0.0_DP, is_nlgeom), c, axis, dN(1, :), &
+        if (present(stiffness)) call add_truss_stiffness(n_nodes, volume / now**2, merge(tau, 0.0_DP, is_nlgeom), c, axis, dN(1, &
+          :), &
           stiffness)
       end associate
     end do
     if (n_nodes == 3 .and. material%law == LAW_SAINT_VENANT) &
-      call hold_middle(X, u, material%youngs_modulus * points%section**2, force, stiffness)
+      call add_chord_stiffness(X, u, material%youngs_modulus * points%section_value**2, force, stiffness)
     status = ELEMENT_OK
-  end subroutine truss_element
+  end subroutine evaluate_truss_element
 
 
   !> Under the calculix dialect the middle node of a straight bar of three nodes is held on its chord as by the bending of a hinged
   !! bar of square section, 48 E I / L^3 with I = A^2/12: there it is a solid. A curved one keeps the freedom that a chain has.
-  pure subroutine hold_middle(X, u, rigidity, force, stiffness)
+  pure subroutine add_chord_stiffness(X, u, rigidity, force, stiffness)
     real(DP), intent(in) :: X(:, :)                !< (3, 3) reference coordinates; the middle is the third [length]
     real(DP), intent(in) :: u(:, :)                !< (3, 3) displacements [length]
     real(DP), intent(in) :: rigidity               !< E A^2 [force length^2]
-    real(DP), intent(inout) :: force(3, MAX_NODES)
-    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
-    real(DP), parameter :: STRAIGHT = 1.0e-6_DP    !< of the length
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES)
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP), parameter :: TOL_STRAIGHT = 1.0e-6_DP    !< of the length
     real(DP) :: chord(3), share(3), length, k, s
     integer :: a, b, i
     chord = X(:, 2) - X(:, 1)
     length = norm2(chord)
     s = dot_product(X(:, 3) - X(:, 1), chord) / length**2
-    if (norm2(X(:, 3) - X(:, 1) - s * chord) > STRAIGHT * length) return
+    if (norm2(X(:, 3) - X(:, 1) - s * chord) > TOL_STRAIGHT * length) return
     share = [s - 1, -s, 1.0_DP]
     k = 4 * rigidity / length**3
     do a = 1, 3
@@ -119,18 +121,18 @@ contains
         end do
       end do
     end do
-  end subroutine hold_middle
+  end subroutine add_chord_stiffness
 
 
   !> factor * dN_a dN_b (c n n + tau 1): the change of V tau dN_a x'/|x'|^2. (tau changes by c + 2 tau with ln s, the
   !! denominator by -2 tau; what is left of n n is c.)
-  pure subroutine add_bar(n_nodes, factor, tau, c, axis, slope, stiffness)
+  pure subroutine add_truss_stiffness(n_nodes, factor, tau, c, axis, slope, stiffness)
     integer, intent(in) :: n_nodes
     real(DP), intent(in) :: factor                 !< V / |x'|^2 [length]
     real(DP), intent(in) :: tau, c                 !< [stress]
     real(DP), intent(in) :: axis(3)                !< unit vector
     real(DP), intent(in) :: slope(:)               !< dN_a/dxi [-]
-    real(DP), intent(inout) :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
     real(DP) :: block(3, 3)
     integer :: a, b, i, j
     do j = 1, 3
@@ -145,18 +147,18 @@ contains
         end associate
       end do
     end do
-  end subroutine add_bar
+  end subroutine add_truss_stiffness
 
 
   !> The reference volumes of the points of a truss.
-  pure subroutine truss_volumes(kind, X, area, n, volumes, status)
+  pure subroutine evaluate_truss_volumes(kind, X, area, n, volumes, status)
     integer, intent(in) :: kind                    !< KIND_T3D2, KIND_T3D3
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     real(DP), intent(in) :: area                   !< [length^2]
     integer, intent(out) :: n                      !< points
     real(DP), intent(out) :: volumes(:)            !< the first n are set [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N_a(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N_a(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     integer :: p
     call quadrature(kind, n, xi, w)
     do p = 1, n
@@ -164,20 +166,21 @@ contains
       volumes(p) = w(p) * area * norm2(matmul(X, dN(1, :size(X, 2))))
     end do
     status = merge(ELEMENT_OK, ELEMENT_DEGENERATE, all(volumes(:n) > 0))
-  end subroutine truss_volumes
+  end subroutine evaluate_truss_volumes
 
 
   !> Consistent nodal forces of a body force on a truss.
-  pure subroutine truss_body_force(kind, X, area, b, force)
+  pure subroutine integrate_truss_body_force(kind, X, area, b, force)
     integer, intent(in) :: kind                    !< KIND_T3D2, KIND_T3D3
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3]
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< zero past the nodes [force]
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), volumes(MAX_POINTS)
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
+      volumes(MAX_ELEMENT_POINTS)
     integer :: m, p, a, status
     force = 0
-    call truss_volumes(kind, X, area, m, volumes, status)
+    call evaluate_truss_volumes(kind, X, area, m, volumes, status)
     call quadrature(kind, m, xi, w)
     do p = 1, m
       call shape_functions(kind, xi(:, p), N, dN)
@@ -185,7 +188,7 @@ contains
         force(:, a) = force(:, a) + (N(a) * volumes(p)) * b
       end do
     end do
-  end subroutine truss_body_force
+  end subroutine integrate_truss_body_force
 
 
   !> Force and, if wanted, tangent of a spring.
@@ -196,15 +199,15 @@ contains
   !! | SPRING1 | displacement of its node in one direction, fixed in space                         |
   !! | SPRING2 | displacement of node 1 in one direction less that of node 2 in another or the same |
   !! | GAPUNI  | displacement of node 2 less that of node 1, in one direction fixed in space       |
-  pure subroutine spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
+  pure subroutine evaluate_spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: force(3, MAX_NODES)   !< [force]
-    type(points_type), intent(in) :: points        !< section is the spring constant [force/length], if there is no law
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< [force]
+    type(integration_points_type), intent(in) :: points        !< section is the spring constant [force/length], if there is no law
     integer, intent(out) :: status                 !< ELEMENT_...
-    real(DP), intent(out), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)   !< d force/d u [force/length]
+    real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u [force/length]
     real(DP) :: row(6), tension, slope
     integer :: i, j, n
     n = size(X, 2)
@@ -212,14 +215,14 @@ contains
     status = ELEMENT_NOT_FINITE
     if (.not. all(ieee_is_finite(u))) return
     if (kind == KIND_SPRINGA) then
-      call axial_spring(X, u, points, is_nlgeom, force, status, stiffness)
+      call evaluate_axial_spring(X, u, points, is_nlgeom, force, status, stiffness)
       return
     end if
-    row = elongation_row(kind, X, points)
+    row = find_elongation_row(kind, X, points)
     status = ELEMENT_DEGENERATE
     if (.not. any(abs(row) > 0)) return            ! a gap without a direction
     status = ELEMENT_OK
-    call pull(points, n, dot_product(row(:3 * n), [u]), tension, slope)
+    call evaluate_tension(points, n, dot_product(row(:3 * n), [u]), tension, slope)
     force(:, :n) = reshape(tension * row(:3 * n), [3, n])
     if (.not. present(stiffness)) return
     do j = 1, 3 * n
@@ -227,29 +230,29 @@ contains
         stiffness(i, j) = slope * row(i) * row(j)
       end do
     end do
-  end subroutine spring_element
+  end subroutine evaluate_spring_element
 
 
   !> Tension and its derivative: by the law if there is one, else by the constant.
-  pure subroutine pull(points, n, elongation, tension, slope)
-    type(points_type), intent(in) :: points
+  pure subroutine evaluate_tension(points, n, elongation, tension, slope)
+    type(integration_points_type), intent(in) :: points
     integer, intent(in) :: n                       !< nodes
     real(DP), intent(in) :: elongation             !< [length]
     real(DP), intent(out) :: tension, slope        !< [force], [force/length]
     if (allocated(points%spring)) then
-      call spring_force(points%spring, elongation, sum(points%temperature(:n)) / real(n, DP), tension, slope)
+      call evaluate_spring_law(points%spring, elongation, sum(points%temperature(:n)) / real(n, DP), tension, slope)
     else
-      tension = points%section * elongation
-      slope = points%section
+      tension = points%section_value * elongation
+      slope = points%section_value
     end if
-  end subroutine pull
+  end subroutine evaluate_tension
 
 
   !> The elongation as a row times the displacements of the nodes. A gap without a direction acts along the line of its nodes.
-  pure function elongation_row(kind, X, points) result(row)
+  pure function find_elongation_row(kind, X, points) result(row)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :)
-    type(points_type), intent(in) :: points
+    type(integration_points_type), intent(in) :: points
     real(DP) :: row(6), axes(3, 2)
     axes = 0
     if (allocated(points%spring)) axes = points%spring%axes
@@ -267,17 +270,17 @@ contains
       axes(:, 1) = axes(:, 1) / max(norm2(axes(:, 1)), tiny(1.0_DP))
       row = [-axes(:, 1), axes(:, 1)]
     end select
-  end function elongation_row
+  end function find_elongation_row
 
 
   !> A spring along the line of its two nodes.
-  pure subroutine axial_spring(X, u, points, is_nlgeom, force, status, stiffness)
+  pure subroutine evaluate_axial_spring(X, u, points, is_nlgeom, force, status, stiffness)
     real(DP), intent(in) :: X(:, :), u(:, :)
-    type(points_type), intent(in) :: points
+    type(integration_points_type), intent(in) :: points
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(inout) :: force(3, MAX_NODES)
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES)
     integer, intent(out) :: status
-    real(DP), intent(inout), optional :: stiffness(3 * MAX_NODES, 3 * MAX_NODES)
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
     real(DP), parameter :: ENDS(2) = [-1.0_DP, 1.0_DP]
     real(DP) :: line(3), change(3), length, now, tension, slope
     line = X(:, 2) - X(:, 1)
@@ -290,10 +293,10 @@ contains
       now = norm2(line + change)
       status = ELEMENT_INVERTED
       if (.not. now > 0) return
-      call pull(points, 2, dot_product(change, 2 * line + change) / (now + length), tension, slope)
+      call evaluate_tension(points, 2, dot_product(change, 2 * line + change) / (now + length), tension, slope)
       line = line + change
     else
-      call pull(points, 2, dot_product(line, change) / length, tension, slope)
+      call evaluate_tension(points, 2, dot_product(line, change) / length, tension, slope)
     end if
     status = ELEMENT_OK
     line = line / now
@@ -302,15 +305,15 @@ contains
     if (.not. present(stiffness)) return
     if (.not. is_nlgeom) tension = 0
     stiffness(:6, :6) = 0
-    call add_bar(2, 1.0_DP, tension / now, slope - tension / now, line, ENDS, stiffness)
-  end subroutine axial_spring
+    call add_truss_stiffness(2, 1.0_DP, tension / now, slope - tension / now, line, ENDS, stiffness)
+  end subroutine evaluate_axial_spring
 
 
   !> Tension of a spring and its derivative.
   !!
   !! Gap: with the overclosure d = - clearance - elongation the tension is - k d (1/2 + atan(d/eps)/pi), eps = pi pull/k, so that
   !! far away pull is left of it, and k d when closed. Reference: CalculiX's manual, sections "GAPUNI" and "*GAP".
-  pure subroutine spring_force(spring, elongation, temperature, tension, slope)
+  pure subroutine evaluate_spring_law(spring, elongation, temperature, tension, slope)
     type(spring_type), intent(in) :: spring
     real(DP), intent(in) :: elongation           !< [length]
     real(DP), intent(in) :: temperature          !< [temperature]
@@ -319,51 +322,51 @@ contains
     real(DP) :: constant(1), d, eps
     if (spring%is_gap) then
       d = -spring%clearance - elongation
-      eps = PI * spring%pull / spring%stiffness
+      eps = PI * spring%open_force / spring%stiffness
       tension = -spring%stiffness * d * (0.5_DP + atan2(d, eps) / PI)
       slope = spring%stiffness * (0.5_DP + (atan2(d, eps) + d * eps / (d**2 + eps**2 + tiny(1.0_DP))) / PI)
-    else if (spring%is_rope) then
+    else if (spring%is_distance_limit) then
       d = elongation - spring%clearance
       slope = merge(spring%stiffness, 0.0_DP, d > 0.0_DP)
       tension = slope * d
     else if (allocated(spring%force)) then
-      call force_by_tables(spring%force, elongation, temperature, tension, slope)
+      call interpolate_tables(spring%force, elongation, temperature, tension, slope)
     else
       call evaluate_table(spring%constant, temperature, constant)
       tension = constant(1) * elongation
       slope = constant(1)
     end if
-  end subroutine spring_force
+  end subroutine evaluate_spring_law
 
 
   !> Force and slope by tables, linear in between and constant outside, also over the temperature.
-  pure subroutine force_by_tables(tables, elongation, temperature, force, slope)
-    type(curve_type), intent(in) :: tables(:)    !< ascending temperatures
+  pure subroutine interpolate_tables(tables, elongation, temperature, force, slope)
+    type(hardening_curve_type), intent(in) :: tables(:)    !< ascending temperatures
     real(DP), intent(in) :: elongation, temperature
     real(DP), intent(out) :: force, slope
-    real(DP), parameter :: CORNER = 1.0e-9_DP    ! of an elongation: so near to a corner of a table it is there [-]
+    real(DP), parameter :: TOL_TABLE_POINT = 1.0e-9_DP    ! of an elongation: so near to a corner of a table it is there [-]
     real(DP) :: s, other_force, other_slope
     integer :: i
     call find_interval(tables%temperature, temperature, i, s)
-    call force_of(tables(i), force, slope)
+    call interpolate_table(tables(i), force, slope)
     if (.not. s > 0) return
-    call force_of(tables(i + 1), other_force, other_slope)
+    call interpolate_table(tables(i + 1), other_force, other_slope)
     force = force + s * (other_force - force)
     slope = slope + s * (other_slope - slope)
 
   contains
 
     !> One table. At a corner of it the slope is that of the side where less is elongated: rounding does not choose.
-    pure subroutine force_of(table, f, df)
-      type(curve_type), intent(in) :: table
+    pure subroutine interpolate_table(table, f, df)
+      type(hardening_curve_type), intent(in) :: table
       real(DP), intent(out) :: f, df
       real(DP) :: within, unused
-      within = (1.0_DP - CORNER) * elongation
+      within = (1.0_DP - TOL_TABLE_POINT) * elongation
       call evaluate_curve(table, elongation, f, unused)
       call evaluate_curve(table, within, unused, df)
       if (within < table%strain(1)) df = 0
-    end subroutine force_of
+    end subroutine interpolate_table
 
-  end subroutine force_by_tables
+  end subroutine interpolate_tables
 
 end module amontons_truss_spring_mass

@@ -10,52 +10,59 @@
 module amontons_newton_step
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
-  use amontons_model, only: model_type, n_bonds
-  use amontons_steps, only: step_type, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
+  use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_steps, only: step_type, TANGENT_SYMMETRIC, TANGENT_LAGGED
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW
-  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, product_of, transpose_of, &
-    full_of, sum_of
+  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
+    full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: factorise_reduced, apply_reduced, give_up_iterative
-  use amontons_woodbury_interface, only: springs_type
-  use amontons_schur_interface, only: is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
-    apply_condensed
+  use amontons_reduced_system, only: factorise_reduced_system, apply_reduced_inverse, abandon_iteration
+  use amontons_woodbury_interface, only: contact_springs_type
+  use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
+    apply_schur_interface
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
-  use amontons_constraints, only: finish_constraints, scale_offsets, condense_forces, condensation
-  use amontons_nonlinear_mpc, only: add_curvatures
-  use amontons_stabilization, only: brake, stiffen
-  use amontons_unsymmetric_tangent, only: finish_skew, subtract_skew, with_skew
+  use amontons_constraints, only: eliminate_constraints, scale_offsets, condense_forces, build_condensation_matrix
+  use amontons_nonlinear_mpc, only: add_mpc_stiffness
+  use amontons_stabilization, only: add_damping_force, add_damping_stiffness
+  use amontons_unsymmetric_tangent, only: assemble_skew, subtract_skew_product, combine_with_skew
   use amontons_assembly, only: assemble_tangent
-  use amontons_external_loads, only: assemble_loads
-  use amontons_contact_linearization, only: linearise_contact, keep_symmetric, add_contact_rows
-  use amontons_contact_operators, only: apply_contact_tangent, contact_matrices, contact_springs, spring_factors
-  use amontons_equilibrium, only: system_type, prescribe, forget_bulk, interface_unknowns, start_clock, stop_clock, TROUBLE_NONE, &
-    TROUBLE_ELEMENT, TROUBLE_SOLVER
+  use amontons_external_loads, only: assemble_external_loads
+  use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows
+  use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, &
+    factorise_spring_tangents
+  use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
+    start_clock, stop_clock, OUTCOME_OK, &
+    OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
-  public :: find_direction, correct_direction, linearise, carry_bodies, change_forces, tangent_matrix
+  public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, apply_unconstrained_tangent, &
+    assemble_tangent_matrix
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
-  real(DP), parameter :: KRYLOV_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave [-]
-  integer, parameter :: KRYLOV_MOST = 200                !< Krylov iterations of one direction
+  real(DP), parameter :: KRYLOV_RESIDUAL_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave
+                                                                  !! [-]
+  integer, parameter :: MAX_KRYLOV_ITERATIONS = 200                !< Krylov iterations of one direction
   real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor: its error is seen less well [-]
-  real(DP), parameter :: ROUNDED = 8.0_DP * epsilon(1.0_DP)   !< of stiffness times direction: what rounding leaves of it [-]
-  integer, parameter :: MOST_OLD = 8                     !< Krylov iterations after which an old factor of the bulk is given up
-  integer, parameter :: MOST_UNSTABLE = 3                !< such factorisations after which an attempt goes on without the interface
-  integer, parameter :: MOST_INTERFACE = 6000            !< largest interface [unknowns]
+  real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< of stiffness times direction: what rounding leaves of
+                                                                         !! it [-]
+  integer, parameter :: MAX_STALE_ITERATIONS = 8                     !< Krylov iterations after which an old factor of the bulk is
+                                                                     !! given up
+  integer, parameter :: MAX_INDEFINITE_FACTORS = 3                !< such factorisations after which an attempt goes on without the
+                                                                  !! interface
+  integer, parameter :: MAX_INTERFACE_UNKNOWNS = 6000            !< largest interface [unknowns]
 
   !> J: the exact tangent as an operator on the free unknowns.
   type, extends(operator_type) :: tangent_type
-    type(system_type), pointer :: system => null()
+    type(equilibrium_type), pointer :: system => null()
   contains
     procedure :: apply => apply_tangent
   end type tangent_type
 
   !> inv(A): the factor as an operator.
   type, extends(operator_type) :: preconditioner_type
-    type(system_type), pointer :: system => null()
+    type(equilibrium_type), pointer :: system => null()
   contains
     procedure :: apply => apply_preconditioner
   end type preconditioner_type
@@ -63,108 +70,110 @@ module amontons_newton_step
 contains
 
   !> The Newton direction du at the configuration of the last evaluation.
-  subroutine find_direction(system, model, step, state, du, trouble, error)
-    type(system_type), intent(inout), target :: system
+  subroutine solve_newton_step(system, model, step, state, du, outcome, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
     integer(I64) :: clock
-    call linearise(system, model, step, state, trouble, error)
-    if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+    call linearize_equilibrium(system, model, step, state, outcome, error)
+    if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call start_clock(system, clock)
-    call factorise_condensed(system, model, step, state, error)
+    call factorise_schur(system, model, step, state, error)
     if (allocated(error)) return
-    if (system%is_unheld) trouble = TROUBLE_SOLVER
-    if (.not. (system%is_condensed .or. system%is_unheld)) call factorise_whole(system, model, trouble, error)
-    if (allocated(error) .or. trouble /= TROUBLE_NONE) return
+    if (system%is_interface_singular) outcome = OUTCOME_LINEAR_SOLVER
+    if (.not. (system%is_schur_active .or. system%is_interface_singular)) call factorise_reduced_matrix(system, model, outcome, &
+      error)
+    if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    system%n_before = system%n_factorisations
-    system%is_settled = .false.
-    call solve_direction(system, floor_of(system, step), du, trouble, error)
-    if (trouble == TROUBLE_SOLVER .and. .not. system%is_condensed .and. system%reduced%is_iterative) then
-      call give_up_iterative(system%reduced)
-      call factorise_whole(system, model, trouble, error)
-      if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-      call solve_direction(system, floor_of(system, step), du, trouble, error)
+    system%n_factorisations_before = system%n_factorisations
+    system%is_subproblem_solved = .false.
+    call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%is_schur_active .and. system%reduced_system%is_iterative) then
+      call abandon_iteration(system%reduced_system)
+      call factorise_reduced_matrix(system, model, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
+      call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
     end if
     call stop_clock(system, clock, PHASE_KRYLOV)
-  end subroutine find_direction
+  end subroutine solve_newton_step
 
 
   !> The direction from a place that was foreseen, with the tangent of the bulk as it is.
-  subroutine correct_direction(system, model, step, state, share, du, trouble, error)
-    type(system_type), intent(inout), target :: system
+  subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(in) :: share                  !< of what is missing to the prescribed displacements that it is to go [-]
+    real(DP), intent(in) :: offset_fraction                  !< of what is missing to the prescribed displacements that it is to go
+                                                             !! [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: clock
     call start_clock(system, clock)
-    trouble = TROUBLE_SOLVER
-    call constrain(system, model, step, state%old, state%new, share, error)
+    outcome = OUTCOME_LINEAR_SOLVER
+    call build_constraints(system, model, step, state%old, state%new, offset_fraction, error)
     if (allocated(error)) return
     call stop_clock(system, clock, PHASE_CONTACT)
-    call factorise_condensed(system, model, step, state, error)
-    if (allocated(error) .or. .not. system%is_condensed) return
+    call factorise_schur(system, model, step, state, error)
+    if (allocated(error) .or. .not. system%is_schur_active) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    call solve_direction(system, KRYLOV_SHARE * step%controls%r_n * system%largest_force, du, trouble, error)
+    call solve_constrained_system(system, KRYLOV_RESIDUAL_SHARE * step%controls%r_n * system%largest_force, du, outcome, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
-  end subroutine correct_direction
+  end subroutine solve_correction
 
 
   !> The residual that a direction may leave, where another Newton iteration follows and work can be saved.
-  pure real(DP) function floor_of(system, step) result(floor)
-    type(system_type), intent(in) :: system
+  pure real(DP) function residual_floor(system, step) result(floor)
+    type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
     floor = 0
-    if (system%is_condensed .or. (system%reduced%is_iterative .and. .not. system%is_constant)) &
-      floor = KRYLOV_SHARE * step%controls%r_n * system%largest_force
-  end function floor_of
+    if (system%is_schur_active .or. (system%reduced_system%is_iterative .and. .not. system%is_constant)) &
+      floor = KRYLOV_RESIDUAL_SHARE * step%controls%r_n * system%largest_force
+  end function residual_floor
 
 
   !> K, the linearised contact forces, and C with c, at the configuration of the last evaluation.
-  subroutine linearise(system, model, step, state, trouble, error)
-    type(system_type), intent(inout) :: system
+  subroutine linearize_equilibrium(system, model, step, state, outcome, error)
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
     integer :: failed
     integer(I64) :: clock
-    trouble = TROUBLE_NONE
+    outcome = OUTCOME_OK
     call start_clock(system, clock)
     if (.not. system%is_assembled) then
-      system%reduced%is_current = .false.
+      system%reduced_system%is_current = .false.
       call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-      trouble = merge(TROUBLE_NONE, TROUBLE_ELEMENT, failed == 0)
+      outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
       if (failed /= 0) return
-      call assemble_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
-      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call brake(system%share, state)
-      call finish_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
+      call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
+      call assemble_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
       if (allocated(error)) return
-      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call stiffen(system%share, state, system%assembly%stiffness)
-      system%is_assembled = system%is_constant .or. step%direction == DIRECTION_LAGGED
-      system%is_bulk_new = system%is_constant .and. system%condensed%is_ready
-      call add_carry(system)
-      if (step%is_nlgeom .and. n_bonds(model) > 0) call add_curvatures(system%base, system%assembly, model, state%new)
+      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_stiffness(system%volume_share, state, system%assembly%stiffness)
+      system%is_assembled = system%is_constant .or. step%direction == TANGENT_LAGGED
+      system%is_bulk_factor_current = system%is_constant .and. system%schur_interface%is_ready
+      call add_proximal_shift(system)
+      if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call add_mpc_stiffness(system%base, system%assembly, model, state%new)
     end if
-    call scale_slaves(system, state%new)
+    call set_slave_stiffness(system, state%new)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
-    call constrain(system, model, step, state%old, state%new, 1.0_DP, error)
+    call build_constraints(system, model, step, state%old, state%new, 1.0_DP, error)
     call stop_clock(system, clock, PHASE_CONTACT)
-  end subroutine linearise
+  end subroutine linearize_equilibrium
 
 
   !> The scale c of the trial traction: the mean of the node's own stiffness, a diagonal block of K.
-  subroutine scale_slaves(system, fields)
-    type(system_type), intent(in) :: system
+  subroutine set_slave_stiffness(system, fields)
+    type(equilibrium_type), intent(in) :: system
     type(fields_type), intent(inout) :: fields
     integer :: s, i
     do s = 1, size(fields%slaves)
@@ -173,216 +182,223 @@ contains
         fields%slaves(s)%stiffness = (K%value(K%first(i + 1)) + K%value(K%first(i + 2)) + K%value(K%first(i + 3))) / 3.0_DP
       end associate
     end do
-  end subroutine scale_slaves
+  end subroutine set_slave_stiffness
 
 
   !> C and c of all constraints, contact rows included.
-  subroutine constrain(system, model, step, old, fields, share, error)
-    type(system_type), intent(inout) :: system
+  subroutine build_constraints(system, model, step, old, fields, offset_fraction, error)
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
-    real(DP), intent(in) :: share                  !< of what is missing to the prescribed displacements that c is to go [-]
+    real(DP), intent(in) :: offset_fraction                  !< of what is missing to the prescribed displacements that c is to go
+                                                             !! [-]
     type(error_type), allocatable, intent(out) :: error
-    call prescribe(system, model, step, fields, error)
+    call update_base_constraints(system, model, step, fields, error)
     if (allocated(error)) return
-    if (share < 1.0_DP) call scale_offsets(system%base, share)
-    call linearise_contact(system%contact, model, old, fields, system%links)
-    if (step%direction == DIRECTION_SYMMETRIC) call keep_symmetric(system%links)
-    system%whole = system%base
-    call add_contact_rows(system%contact, model, fields, system%links, system%whole, system%n_conflicts)
-    call finish_constraints(system%whole)
-  end subroutine constrain
+    if (offset_fraction < 1.0_DP) call scale_offsets(system%base, offset_fraction)
+    call linearize_contact(system%contact, model, old, fields, system%contact_tangents)
+    if (step%direction == TANGENT_SYMMETRIC) call drop_unsymmetric_terms(system%contact_tangents)
+    system%constraints = system%base
+    call add_contact_rows(system%contact, model, fields, system%contact_tangents, system%constraints, system%n_conflicts)
+    call eliminate_constraints(system%constraints)
+  end subroutine build_constraints
 
 
   !> From now on K has so much more of its own diagonal; 0: as it is.
-  subroutine carry_bodies(system, model, fields, part)
-    type(system_type), intent(inout) :: system
+  subroutine set_proximal_shift(system, model, fields, shift)
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    real(DP), intent(in) :: part                   !< [-]
-    logical, allocatable :: is_reached(:)
-    system%carry = part
-    if (part > 0.0_DP) then                        ! contact anywhere is what they are carried to
-      is_reached = interface_unknowns(system, model, fields, .true.)
-      if (any(is_reached .and. .not. system%is_contact)) system%condensed%is_analysed = .false.
-      system%is_contact = system%is_contact .or. is_reached
+    real(DP), intent(in) :: shift                   !< [-]
+    logical, allocatable :: is_reachable(:)
+    system%proximal_shift = shift
+    if (shift > 0.0_DP) then                        ! contact anywhere is what they are carried to
+      is_reachable = interface_unknowns(system, model, fields, .true.)
+      if (any(is_reachable .and. .not. system%is_interface_unknown)) system%schur_interface%is_analysed = .false.
+      system%is_interface_unknown = system%is_interface_unknown .or. is_reachable
     end if
     system%is_assembled = .false.
-    system%is_dense_wanted = .true.
-    call forget_bulk(system)
-  end subroutine carry_bodies
+    system%is_schur_allowed = .true.
+    call discard_bulk_factor(system)
+  end subroutine set_proximal_shift
 
 
   !> K with a part of its own diagonal.
-  subroutine add_carry(system)
-    type(system_type), intent(inout) :: system
+  subroutine add_proximal_shift(system)
+    type(equilibrium_type), intent(inout) :: system
     integer :: i, j
-    real(DP) :: own                                ! [force/length]
-    if (system%carry <= 0.0_DP) return
+    real(DP) :: mean_stiffness                                ! [force/length]
+    if (system%proximal_shift <= 0.0_DP) return
     associate (K => system%assembly%stiffness)
       do i = 1, K%n_rows, 3                        ! a node's own stiffness in the mean, so that axes do not matter
-        own = sum(K%value(K%first(i:i + 2))) / 3.0_DP
+        mean_stiffness = sum(K%value(K%first(i:i + 2))) / 3.0_DP
         do j = i, i + 2
-          K%value(K%first(j)) = K%value(K%first(j)) + system%carry * own
+          K%value(K%first(j)) = K%value(K%first(j)) + system%proximal_shift * mean_stiffness
         end do
       end do
     end associate
-  end subroutine add_carry
+  end subroutine add_proximal_shift
 
 
   !> Contact by the condensed interface: the bulk is factorised if its factor is gone, the interface always.
   !! After: is_condensed is .false. where the interface is too large or the bulk is not stable, and where is_unheld.
-  subroutine factorise_condensed(system, model, step, state, error)
-    type(system_type), intent(inout) :: system
+  subroutine factorise_schur(system, model, step, state, error)
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
     logical :: is_complete
     integer :: attempt
-    system%is_condensed = .false.
-    system%is_unheld = .false.
-    if (size(state%new%slaves) == 0 .or. .not. system%is_dense_wanted .or. system%reduced%is_iterative) return
+    system%is_schur_active = .false.
+    system%is_interface_singular = .false.
+    if (size(state%new%slaves) == 0 .or. .not. system%is_schur_allowed .or. system%reduced_system%is_iterative) return
     do attempt = 1, 2
-      call provide_bulk(system, model, step, state, error)
-      if (allocated(error) .or. .not. system%condensed%is_ready) return
-      call factorise_contact(system, is_complete, error)
+      call ensure_bulk_factor(system, model, step, state, error)
+      if (allocated(error) .or. .not. system%schur_interface%is_ready) return
+      call factorise_contact_interface(system, is_complete, error)
       if (allocated(error)) return
-      system%is_unheld = is_complete .and. system%condensed%is_singular
-      system%is_condensed = is_complete .and. .not. system%is_unheld
+      system%is_interface_singular = is_complete .and. system%schur_interface%is_singular
+      system%is_schur_active = is_complete .and. .not. system%is_interface_singular
       if (is_complete) return
-      system%is_contact = system%is_contact .or. interface_unknowns(system, model, state%new, .false.)
-      system%condensed%is_analysed = .false.
-      call forget_bulk(system)
+      system%is_interface_unknown = system%is_interface_unknown .or. interface_unknowns(system, model, state%new, .false.)
+      system%schur_interface%is_analysed = .false.
+      call discard_bulk_factor(system)
     end do
-  end subroutine factorise_condensed
+  end subroutine factorise_schur
 
 
   !> The interface for the present contact: by its springs where all contact is compliant and the bodies are held without it.
-  subroutine factorise_contact(system, is_complete, error)
-    type(system_type), intent(inout) :: system
+  subroutine factorise_contact_interface(system, is_complete, error)
+    type(equilibrium_type), intent(inout) :: system
     logical, intent(out) :: is_complete            !< .false.: contact reaches beyond the interface
     type(error_type), allocatable, intent(out) :: error
-    type(springs_type) :: springs
-    type(sparse_type) :: by_imbalance, by_displacement
+    type(contact_springs_type) :: springs
+    type(sparse_type) :: imbalance_tangent, displacement_tangent
     logical :: is_fit
-    if (all(system%links%is_spring) .and. size(system%links) > 0 .and. 3 * size(system%links) < system%condensed%n_contact &
-      .and. system%condensed%is_invertible) then
-      call spring_factors(system%links, system%whole%n_unknowns, springs, error)
+    if (all(system%contact_tangents%is_compliant_node) .and. size(system%contact_tangents) > 0 .and. 3 &
+      * size(system%contact_tangents) < system%schur_interface%n_contact &
+      .and. system%schur_interface%is_invertible) then
+      call factorise_spring_tangents(system%contact_tangents, system%constraints%n_unknowns, springs, error)
       if (allocated(error)) return
-      call factorise_springs(system%condensed, system%base, system%whole, springs, is_complete, is_fit, error)
+      call factorise_woodbury(system%schur_interface, system%base, system%constraints, springs, is_complete, is_fit, error)
       if (allocated(error) .or. is_fit .or. .not. is_complete) return
     end if
-    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement)
-    call factorise_interface(system%condensed, system%base, system%whole, by_imbalance, by_displacement, is_complete, error)
-  end subroutine factorise_contact
+    call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
+      imbalance_tangent, displacement_tangent)
+    call factorise_interface(system%schur_interface, system%base, system%constraints, imbalance_tangent, displacement_tangent, &
+      is_complete, error)
+  end subroutine factorise_contact_interface
 
 
   !> The factor of the bulk: the one at hand, else that of bulk_u (of a job that was resumed), else a new one.
-  subroutine provide_bulk(system, model, step, state, error)
-    type(system_type), intent(inout) :: system
+  subroutine ensure_bulk_factor(system, model, step, state, error)
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: u(:, :)
     integer :: failed
-    if (system%condensed%is_ready) return
-    if (.not. allocated(system%bulk_u)) then
-      call renew_bulk(system, error)
-      if (system%condensed%is_ready) system%bulk_u = state%new%u
-      system%is_bulk_new = .true.
+    if (system%schur_interface%is_ready) return
+    if (.not. allocated(system%bulk_factor_u)) then
+      call refactorise_bulk(system, error)
+      if (system%schur_interface%is_ready) system%bulk_factor_u = state%new%u
+      system%is_bulk_factor_current = .true.
       return
     end if
-    system%is_bulk_new = system%is_constant        ! as in the job that ran on
+    system%is_bulk_factor_current = system%is_constant        ! as in the job that ran on
     u = state%new%u
-    state%new%u = system%bulk_u
+    state%new%u = system%bulk_factor_u
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-    call renew_bulk(system, error)
+    call refactorise_bulk(system, error)
     state%new%u = u
     if (allocated(error)) return
-    if (system%condensed%is_ready) system%n_factorisations = system%n_factorisations - 1   ! the job that ran on had it
+    if (system%schur_interface%is_ready) system%n_factorisations = system%n_factorisations - 1   ! the job that ran on had it
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-  end subroutine provide_bulk
+  end subroutine ensure_bulk_factor
 
 
   !> Factorises the bulk with the present stiffness, if the interface is small enough.
-  subroutine renew_bulk(system, error)
-    type(system_type), intent(inout) :: system
+  subroutine refactorise_bulk(system, error)
+    type(equilibrium_type), intent(inout) :: system
     type(error_type), allocatable, intent(out) :: error
     integer :: status
-    system%is_dense_wanted = .false.
+    system%is_schur_allowed = .false.
     if (system%base%n_free == 0) return            ! all is prescribed
-    if (.not. is_analysed_for(system%condensed, system%base)) then
-      if (count(system%is_contact) > MOST_INTERFACE) return
-      call analyse_bulk(system%condensed, system%assembly%stiffness, system%base, system%is_contact, error)
-      if (allocated(error) .or. .not. system%condensed%is_analysed) return
+    if (.not. is_analysis_valid(system%schur_interface, system%base)) then
+      if (count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS) return
+      call analyse_bulk(system%schur_interface, system%assembly%stiffness, system%base, system%is_interface_unknown, error)
+      if (allocated(error) .or. .not. system%schur_interface%is_analysed) return
     end if
-    if (system%condensed%n_contact == 0) return
-    call factorise_bulk(system%condensed, system%assembly%stiffness, system%base, status, error)
+    if (system%schur_interface%n_contact == 0) return
+    call factorise_bulk(system%schur_interface, system%assembly%stiffness, system%base, status, error)
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
-    if (status /= FACTOR_OK) system%n_unstable = system%n_unstable + 1   ! the next iterate may be a better place
-    system%is_dense_wanted = system%n_unstable < MOST_UNSTABLE
-  end subroutine renew_bulk
+    if (status /= FACTOR_OK) system%n_indefinite = system%n_indefinite + 1   ! the next iterate may be a better place
+    system%is_schur_allowed = system%n_indefinite < MAX_INDEFINITE_FACTORS
+  end subroutine refactorise_bulk
 
 
   !> A and its factor, with the springs of compliant contact in K: they make it the better preconditioner.
-  subroutine factorise_whole(system, model, trouble, error)
-    type(system_type), intent(inout) :: system
+  subroutine factorise_reduced_matrix(system, model, outcome, error)
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
-    integer, intent(out) :: trouble
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: springs
     integer :: status
-    trouble = TROUBLE_NONE
-    if (any(system%links%is_spring)) then
-      call contact_springs(system%links, system%whole%n_unknowns, springs, error)
+    outcome = OUTCOME_OK
+    if (any(system%contact_tangents%is_compliant_node)) then
+      call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs, error)
       if (allocated(error)) return
-      call factorise_reduced(system%reduced, sum_of(system%assembly%stiffness, 1.0_DP, springs), .true., system%whole, &
+      call factorise_reduced_system(system%reduced_system, sparse_sum(system%assembly%stiffness, 1.0_DP, springs), .true., &
+        system%constraints, &
         model%mesh, status, error)
     else
-      call factorise_reduced(system%reduced, system%assembly%stiffness, .false., system%whole, model%mesh, status, error)
+      call factorise_reduced_system(system%reduced_system, system%assembly%stiffness, .false., system%constraints, model%mesh, &
+        status, error)
     end if
-    system%n_factorisations = system%n_factorisations + system%reduced%n_made
-    system%n_shifted = system%n_shifted + system%reduced%n_shifted
+    system%n_factorisations = system%n_factorisations + system%reduced_system%n_factorised
+    system%n_shifted = system%n_shifted + system%reduced_system%n_shifted
     if (allocated(error)) return
-    if (status /= FACTOR_OK) trouble = TROUBLE_SOLVER
-  end subroutine factorise_whole
+    if (status /= FACTOR_OK) outcome = OUTCOME_LINEAR_SOLVER
+  end subroutine factorise_reduced_matrix
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_direction(system, floor, du, trouble, error)
-    type(system_type), intent(inout), target :: system
+  subroutine solve_constrained_system(system, floor, du, outcome, error)
+    type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
     real(DP), intent(out) :: du(:, :)
-    integer, intent(out) :: trouble
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: b(:), v(:), start(:), flat(:)
-    trouble = TROUBLE_NONE
-    allocate (b(system%whole%n_free), v(system%whole%n_free), start(system%whole%n_unknowns), flat(system%whole%n_unknowns))
+    outcome = OUTCOME_OK
+    allocate (b(system%constraints%n_free), v(system%constraints%n_free), start(system%constraints%n_unknowns), &
+      flat(system%constraints%n_unknowns))
     v = 0.0_DP
-    flat = system%whole%offset
+    flat = system%constraints%offset
     call right_hand_side(system, flat, b)
-    if (system%whole%n_free > 0) then
-      call iterate_direction(system, floor, b, v, trouble, error)
+    if (system%constraints%n_free > 0) then
+      call run_krylov(system, floor, b, v, outcome, error)
       if (allocated(error)) return
-      call multiply(system%whole%map, v, start)
+      call multiply(system%constraints%transformation, v, start)
       flat = flat + start
     end if
     du = reshape(flat, shape(du))
-  end subroutine solve_direction
+  end subroutine solve_constrained_system
 
 
   !> J v = b: by conjugate gradients where J is A and that is not factorised, else by GMRES.
-  subroutine iterate_direction(system, floor, b, v, trouble, error)
-    type(system_type), intent(inout), target :: system
+  subroutine run_krylov(system, floor, b, v, outcome, error)
+    type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: trouble
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(tangent_type) :: tangent
     type(matrix_operator_type) :: matrix
@@ -390,109 +406,111 @@ contains
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
     logical :: is_iterative
-    trouble = TROUBLE_NONE
-    is_iterative = system%reduced%is_iterative .and. .not. system%is_condensed
+    outcome = OUTCOME_OK
+    is_iterative = system%reduced_system%is_iterative .and. .not. system%is_schur_active
     tangent%system => system
-    matrix%matrix => system%reduced%matrix
+    matrix%matrix => system%reduced_system%matrix
     preconditioner%system => system
     options%tolerance = KRYLOV_TOLERANCE
-    options%floor = floor
-    options%max_iterations = merge(system%reduced%most_iterations, KRYLOV_MOST, is_iterative)
+    options%absolute_tolerance = floor
+    options%max_iterations = merge(system%reduced_system%max_iterations, MAX_KRYLOV_ITERATIONS, is_iterative)
     if (is_iterative) options%tolerance = ITERATIVE_TOLERANCE
-    system%condensed%allowed = max(options%tolerance, floor / max(norm2(b), tiny(floor)))
-    if (is_iterative .and. size(system%links) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)) then
+    system%schur_interface%allowed_residual = max(options%tolerance, floor / max(norm2(b), tiny(floor)))
+    if (is_iterative .and. size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)) then
       call conjugate_gradients(matrix, preconditioner, b, v, options, report)
     else
       call gmres(tangent, preconditioner, b, v, options, report, error)
       if (allocated(error)) return
     end if
     system%n_krylov = system%n_krylov + report%n_iterations
-    if (system%is_condensed .and. report%n_iterations > MOST_OLD .and. .not. system%is_bulk_new) call forget_bulk(system)
+    if (system%is_schur_active .and. report%n_iterations > MAX_STALE_ITERATIONS &
+      .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return
-    if (report%status == KRYLOV_STAGNATED .and. is_to_rounding(system, report%residual * norm2(b), v)) return
+    if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
     if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
-    if (is_iterative) trouble = TROUBLE_SOLVER
-    if (.not. is_iterative) call solve_whole(system, b, v, trouble, error)
-  end subroutine iterate_direction
+    if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
+    if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
+  end subroutine run_krylov
 
 
   !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness
   !! with it, as when bodies that hardly anything holds go far; no factorisation would give a better one (the backward error; N. J.
   !! Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
-  pure logical function is_to_rounding(system, residual, v)
-    type(system_type), intent(in) :: system
+  pure logical function is_at_rounding_level(system, residual, v)
+    type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: residual               !< norm of what is left [force]
     real(DP), intent(in) :: v(:)                   !< (n_free) [length]
-    is_to_rounding = residual <= ROUNDED * maxval(abs(system%assembly%stiffness%value)) * norm2(v)
-  end function is_to_rounding
+    is_at_rounding_level = residual <= TOL_BACKWARD_ERROR * maxval(abs(system%assembly%stiffness%value)) * norm2(v)
+  end function is_at_rounding_level
 
 
   !> The fall-back when GMRES does not arrive: J as a matrix, factorised by UMFPACK with pivoting.
-  subroutine solve_whole(system, b, v, trouble, error)
-    type(system_type), intent(inout) :: system
+  subroutine solve_by_umfpack(system, b, v, outcome, error)
+    type(equilibrium_type), intent(inout) :: system
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: trouble
+    integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: J
     type(lu_type) :: lu
     integer :: status
-    trouble = TROUBLE_NONE
-    call tangent_matrix(system, J, error)
+    outcome = OUTCOME_OK
+    call assemble_tangent_matrix(system, J, error)
     if (allocated(error)) return
     call lu_factorise(lu, J, status, error)
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
-    system%n_whole = system%n_whole + 1
+    system%n_umfpack = system%n_umfpack + 1
     if (status == FACTOR_OK) call lu_solve(lu, b, v)
-    if (status /= FACTOR_OK .or. .not. all(abs(v) <= huge(1.0_DP))) trouble = TROUBLE_SOLVER
-  end subroutine solve_whole
+    if (status /= FACTOR_OK .or. .not. all(abs(v) <= huge(1.0_DP))) outcome = OUTCOME_LINEAR_SOLVER
+  end subroutine solve_by_umfpack
 
 
   !> J = C' (K + D_R E K - D_u) C, with dF_c = D_R dRhat + D_u du and dRhat = -E K du.
-  subroutine tangent_matrix(system, J, error)
-    type(system_type), intent(in) :: system
+  subroutine assemble_tangent_matrix(system, J, error)
+    type(equilibrium_type), intent(in) :: system
     type(sparse_type), intent(out) :: J            !< (n_free x n_free)
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: K, E, by_imbalance, by_displacement
-    K = with_skew(full_of(system%assembly%stiffness), system%assembly%skew)
-    call condensation(system%base, E, error)
+    type(sparse_type) :: K, E, imbalance_tangent, displacement_tangent
+    K = combine_with_skew(full_from_upper(system%assembly%stiffness), system%assembly%skew)
+    call build_condensation_matrix(system%base, E, error)
     if (allocated(error)) return
-    call contact_matrices(system%links, system%contact%passing, system%whole%n_unknowns, by_imbalance, by_displacement)
-    K = sum_of(K, 1.0_DP, product_of(by_imbalance, product_of(E, K)))
-    K = sum_of(K, -1.0_DP, by_displacement)
-    J = product_of(transpose_of(system%whole%map), product_of(K, system%whole%map))
-  end subroutine tangent_matrix
+    call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
+      imbalance_tangent, displacement_tangent)
+    K = sparse_sum(K, 1.0_DP, sparse_product(imbalance_tangent, sparse_product(E, K)))
+    K = sparse_sum(K, -1.0_DP, displacement_tangent)
+    J = sparse_product(sparse_transpose(system%constraints%transformation), sparse_product(K, system%constraints%transformation))
+  end subroutine assemble_tangent_matrix
 
 
   !> b = C' (R + F_a - K c + dF_c(c)), with F_a what compliant laws, as they are linearised, give more where their nodes are.
   subroutine right_hand_side(system, offset, b)
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: offset(:)              !< c [length]
     real(DP), intent(out) :: b(:)
     real(DP), allocatable :: change(:)
     allocate (change(size(offset)))
     change = 0.0_DP
-    if (any(offset /= 0.0_DP)) call change_forces(system, offset, change)
-    call multiply_transpose(system%whole%map, reshape(system%lawful, shape(change)) - change, b)
+    if (any(offset /= 0.0_DP)) call apply_unconstrained_tangent(system, offset, change)
+    call multiply_transpose(system%constraints%transformation, reshape(system%residual_at_gap, shape(change)) - change, b)
   end subroutine right_hand_side
 
 
   !> w = (K - dF_c) du over all unknowns: minus the change of the residual.
-  subroutine change_forces(system, flat, w)
-    type(system_type), intent(in) :: system
+  subroutine apply_unconstrained_tangent(system, flat, w)
+    type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: flat(:)                !< du (n_unknowns) [length]
     real(DP), intent(out) :: w(:)                  !< (n_unknowns) [force]
     real(DP), allocatable :: du(:, :), d_imbalance(:, :), d_force(:, :)
     call multiply_symmetric(system%assembly%stiffness, flat, w)
-    call subtract_skew(system%assembly%skew, flat, w)
-    if (size(system%links) == 0) return
+    call subtract_skew_product(system%assembly%skew, flat, w)
+    if (size(system%contact_tangents) == 0) return
     allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
     du = reshape(flat, [3, size(flat) / 3])
     call condense_forces(system%base, reshape(-w, shape(du)), d_imbalance)
-    call apply_contact_tangent(system%links, system%contact%passing, du, d_imbalance, d_force)
+    call apply_contact_tangent(system%contact_tangents, system%contact%force_condensation, du, d_imbalance, d_force)
     w = w - reshape(d_force, shape(w))
-  end subroutine change_forces
+  end subroutine apply_unconstrained_tangent
 
 
   !> y = J x.
@@ -501,10 +519,10 @@ contains
     real(DP), intent(in) :: x(:)                   !< (n_free) [length]
     real(DP), intent(out) :: y(:)                  !< (n_free) [force]
     real(DP), allocatable :: flat(:), w(:)
-    allocate (flat(self%system%whole%n_unknowns), w(self%system%whole%n_unknowns))
-    call multiply(self%system%whole%map, x, flat)
-    call change_forces(self%system, flat, w)
-    call multiply_transpose(self%system%whole%map, w, y)
+    allocate (flat(self%system%constraints%n_unknowns), w(self%system%constraints%n_unknowns))
+    call multiply(self%system%constraints%transformation, x, flat)
+    call apply_unconstrained_tangent(self%system, flat, w)
+    call multiply_transpose(self%system%constraints%transformation, w, y)
   end subroutine apply_tangent
 
 
@@ -513,10 +531,10 @@ contains
     class(preconditioner_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    if (self%system%is_condensed) then
-      call apply_condensed(self%system%condensed, x, y)
+    if (self%system%is_schur_active) then
+      call apply_schur_interface(self%system%schur_interface, x, y)
     else
-      call apply_reduced(self%system%reduced, x, y)
+      call apply_reduced_inverse(self%system%reduced_system, x, y)
     end if
   end subroutine apply_preconditioner
 

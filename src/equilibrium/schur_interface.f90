@@ -16,32 +16,36 @@
 module amontons_schur_interface
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
-  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, transpose_of, analyse_reduction, reduce_matrix, &
+  use amontons_sparse, only: sparse_type, reduction_type, sparse_from_triplets, sparse_transpose, analyse_reduction, &
+    reduce_matrix, &
     is_same_pattern
-  use amontons_dense, only: factorise_dense, solve_dense, measure_matrix, is_rank_lost, triangle_times, square_of_triangle, DENSE_OK
-  use amontons_woodbury_interface, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
+  use amontons_dense, only: factorise_dense, solve_dense, find_matrix_scales, is_rank_deficient, multiply_triangular, &
+    triangular_product, DENSE_OK
+  use amontons_woodbury_interface, only: woodbury_type, contact_springs_type, invert_interface_stiffness, &
+    factorise_spring_coupling, solve_woodbury
   use amontons_partition, only: order_unknowns
-  use amontons_factorization, only: factor_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
+  use amontons_factorization, only: cholesky_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
     solve_backward, FACTOR_OK
   use amontons_constraints, only: constraints_type
   implicit none
   private
-  public :: condensed_type, is_analysed_for, analyse_bulk, factorise_bulk, factorise_interface, factorise_springs, &
-    apply_condensed
+  public :: schur_interface_type, is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
+    apply_schur_interface
 
-  integer, parameter :: WIDTH = 8                  !< columns of J_c that are made together: a vector of doubles [-]
-  real(DP), parameter :: INSIDE = 1.0e-3_DP        !< of what is allowed: so little that single precision does not show [-]
-  real(DP), parameter :: NEGLIGIBLE = 0.3_DP       !< of what is allowed: what the bulk may be out of balance [-]
+  integer, parameter :: N_COLUMNS_TOGETHER = 8                  !< columns of J_c that are made together: a vector of doubles [-]
+  real(DP), parameter :: SINGLE_PRECISION_SHARE = 1.0e-3_DP        !< of what is allowed: so little that single precision does not
+                                                                   !! show [-]
+  real(DP), parameter :: BULK_RESIDUAL_SHARE = 0.3_DP       !< of what is allowed: what the bulk may be out of balance [-]
 
   !> The bulk's factor and the interface's.
-  type :: condensed_type
+  type :: schur_interface_type
     logical :: is_analysed = .false.
     type(sparse_type), private :: analysed_map     !< C_b whose pattern was analysed
     logical :: is_ready = .false.                  !< the bulk is factorised
     integer :: n_contact = 0                       !< unknowns of the interface
-    integer, allocatable :: contact_of(:)          !< (n base free) place in the interface, 0 if not on it
+    integer, allocatable :: interface_index(:)          !< (n base free) place in the interface, 0 if not on it
     integer, allocatable :: order(:)               !< (n base free) order of elimination; the interface comes last
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(reduction_type), private :: reduction
     type(sparse_type), private :: bulk             !< C_b' K C_b
     type(sparse_type), private :: matrix           !< the same with the interface's block full
@@ -51,32 +55,32 @@ module amontons_schur_interface
     real(DP), allocatable, private :: stiffness(:, :)  !< S; not there: not wanted yet
     logical :: is_invertible = .true.              !< S has an inverse in single precision
     logical :: is_singular = .false.               !< J_c is: nothing holds a body
-    logical, private :: is_by_springs = .false.    !< factorise_springs came last
-    type(sprung_type), private :: sprung           !< what that made
-    real(DP) :: allowed = 0                        !< what apply_condensed may leave of a right-hand side [-]
-    type(sparse_type), private :: relation         !< C_c (n_contact x n_reduced)
-    type(sparse_type), private :: by_imbalance     !< D_R on the interface (n_contact x n_contact)
-    integer, allocatable, private :: base_of(:)    !< (n free) base unknown of each free unknown
-    integer, allocatable, private :: reduced_of(:) !< (n free) place among the reduced interface unknowns, 0 if none
+    logical, private :: is_woodbury = .false.    !< factorise_woodbury came last
+    type(woodbury_type), private :: woodbury           !< what that made
+    real(DP) :: allowed_residual = 0                        !< what apply_schur_interface may leave of a right-hand side [-]
+    type(sparse_type), private :: interface_map         !< C_c (n_contact x n_reduced)
+    type(sparse_type), private :: imbalance_tangent     !< D_R on the interface (n_contact x n_contact)
+    integer, allocatable, private :: base_index(:)    !< (n free) base unknown of each free unknown
+    integer, allocatable, private :: reduced_index(:) !< (n free) place among the reduced interface unknowns, 0 if none
     integer, private :: n_reduced = 0
     real(DP), allocatable, private :: lu(:, :)     !< J_c factorised
     integer, allocatable, private :: pivots(:)
-  end type condensed_type
+  end type schur_interface_type
 
 contains
 
   !> Whether the analysis holds for these constraints: a rigid body that turns couples unknowns that it did not couple before.
-  pure logical function is_analysed_for(self, base) result(is_analysed)
-    type(condensed_type), intent(in) :: self
+  pure logical function is_analysis_valid(self, base) result(is_analysed)
+    type(schur_interface_type), intent(in) :: self
     type(constraints_type), intent(in) :: base     !< finished
     is_analysed = self%is_analysed
-    if (is_analysed) is_analysed = is_same_pattern(base%map, self%analysed_map)
-  end function is_analysed_for
+    if (is_analysed) is_analysed = is_same_pattern(base%transformation, self%analysed_map)
+  end function is_analysis_valid
 
 
   !> Orders the bulk with the interface last and analyses it. After: is_analysed, or .false. if the interface did not stay last.
   subroutine analyse_bulk(self, stiffness, base, is_contact, error)
-    type(condensed_type), intent(inout) :: self
+    type(schur_interface_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns)
     type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers: finished
     logical, intent(in) :: is_contact(:)           !< (n_unknowns) contact can reach it
@@ -86,29 +90,29 @@ contains
     self%is_analysed = .false.
     self%is_ready = .false.
     n = base%n_free
-    if (allocated(self%contact_of)) deallocate (self%contact_of)
-    allocate (self%contact_of(n), node(n))
+    if (allocated(self%interface_index)) deallocate (self%interface_index)
+    allocate (self%interface_index(n), node(n))
     self%n_contact = 0
     do i = 1, base%n_unknowns
       if (base%free_of(i) == 0) cycle
       node(base%free_of(i)) = (i + 2) / 3
       if (is_contact(i)) self%n_contact = self%n_contact + 1
-      self%contact_of(base%free_of(i)) = merge(self%n_contact, 0, is_contact(i))
+      self%interface_index(base%free_of(i)) = merge(self%n_contact, 0, is_contact(i))
     end do
-    call analyse_reduction(stiffness, base%map, self%reduction, self%bulk, error)
+    call analyse_reduction(stiffness, base%transformation, self%reduction, self%bulk, error)
     if (allocated(error)) return
-    self%analysed_map = base%map
+    self%analysed_map = base%transformation
     call fill_interface(self)
     call order_unknowns(self%bulk, node, base%n_unknowns / 3, order, error)
     if (allocated(error)) return
-    order = [pack(order, self%contact_of(order) == 0), pack(order, self%contact_of(order) > 0)]
+    order = [pack(order, self%interface_index(order) == 0), pack(order, self%interface_index(order) > 0)]
     call analyse(self%factor, self%matrix, order, error)
     if (allocated(error)) return
     call elimination_order(self%factor, order)
-    self%is_analysed = all(self%contact_of(order(n - self%n_contact + 1:)) > 0)
+    self%is_analysed = all(self%interface_index(order(n - self%n_contact + 1:)) > 0)
     if (.not. self%is_analysed) return
     do i = 1, self%n_contact                       ! the interface is numbered as it is eliminated
-      self%contact_of(order(n - self%n_contact + i)) = i
+      self%interface_index(order(n - self%n_contact + i)) = i
     end do
     call move_alloc(order, self%order)
   end subroutine analyse_bulk
@@ -116,10 +120,10 @@ contains
 
   !> The pattern of the bulk with all pairs of interface unknowns, so that CHOLMOD keeps them together and last.
   subroutine fill_interface(self)
-    type(condensed_type), intent(inout) :: self
+    type(schur_interface_type), intent(inout) :: self
     integer, allocatable :: members(:)
     integer :: i, k, n, p, total
-    members = pack([(i, i=1, self%bulk%n_rows)], self%contact_of > 0)
+    members = pack([(i, i=1, self%bulk%n_rows)], self%interface_index > 0)
     total = size(self%bulk%column) + self%n_contact * (self%n_contact + 1) / 2
     associate (matrix => self%matrix, bulk => self%bulk)
       matrix%n_rows = bulk%n_rows
@@ -131,7 +135,7 @@ contains
       k = 0                                        ! interface unknowns met
       do i = 1, bulk%n_rows
         matrix%first(i) = n + 1
-        if (self%contact_of(i) > 0) then
+        if (self%interface_index(i) > 0) then
           k = k + 1
           call merge_row(i, members(k:))
         else
@@ -174,25 +178,25 @@ contains
 
   !> Factorises the bulk and takes the condensed stiffness of the interface out of its factor.
   subroutine factorise_bulk(self, stiffness, base, status, error)
-    type(condensed_type), intent(inout) :: self    !< analysed
+    type(schur_interface_type), intent(inout) :: self    !< analysed
     type(sparse_type), intent(in) :: stiffness     !< K
     type(constraints_type), intent(in) :: base
     integer, intent(out) :: status                 !< FACTOR_...
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: shift(:)
-    integer :: i, n, no_memory
+    integer :: i, n, memory_status
     self%is_ready = .false.
     n = self%bulk%n_rows
-    call reduce_matrix(self%reduction, stiffness, base%map, self%bulk, error)
+    call reduce_matrix(self%reduction, stiffness, base%transformation, self%bulk, error)
     if (allocated(error)) return
-    allocate (self%matrix%value(size(self%matrix%column)), stat=no_memory)
-    if (no_memory == 0) allocate (shift(n), stat=no_memory)
-    call judge_memory(no_memory, error)
+    allocate (self%matrix%value(size(self%matrix%column)), stat=memory_status)
+    if (memory_status == 0) allocate (shift(n), stat=memory_status)
+    call check_memory(memory_status, error)
     if (allocated(error)) return
     self%matrix%value = 0
     self%matrix%value(self%target) = self%bulk%value
-    shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%contact_of > 0)
-    where (self%contact_of > 0 .and. shift <= 0.0_DP) shift = maxval(shift)   ! a rigid body that contact alone holds
+    shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%interface_index > 0)
+    where (self%interface_index > 0 .and. shift <= 0.0_DP) shift = maxval(shift)   ! a rigid body that contact alone holds
     deallocate (self%bulk%value)                   ! the values are not wanted again, and the factor needs the room
     call factorise(self%factor, self%matrix, status, shift, error)
     deallocate (self%matrix%value)
@@ -200,15 +204,15 @@ contains
     if (allocated(self%triangle)) deallocate (self%triangle)
     if (allocated(self%stiffness)) deallocate (self%stiffness)
     if (allocated(self%shift)) deallocate (self%shift)
-    allocate (self%triangle(self%n_contact, self%n_contact), stat=no_memory)
-    if (no_memory == 0) allocate (self%shift(self%n_contact), stat=no_memory)
-    call judge_memory(no_memory, error)
+    allocate (self%triangle(self%n_contact, self%n_contact), stat=memory_status)
+    if (memory_status == 0) allocate (self%shift(self%n_contact), stat=memory_status)
+    call check_memory(memory_status, error)
     if (allocated(error)) return
     call trailing_block(self%factor, self%triangle)
     do i = 1, n
-      if (self%contact_of(i) > 0) self%shift(self%contact_of(i)) = shift(i)
+      if (self%interface_index(i) > 0) self%shift(self%interface_index(i)) = shift(i)
     end do
-    self%sprung%is_inverse = .false.
+    self%woodbury%has_inverse = .false.
     self%is_invertible = .true.
     self%is_ready = .true.
   end subroutine factorise_bulk
@@ -216,14 +220,14 @@ contains
 
   !> S = L_cc L_cc' - D.
   subroutine restore_stiffness(self, error)
-    type(condensed_type), intent(inout) :: self
+    type(schur_interface_type), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
-    integer :: k, no_memory
+    integer :: k, memory_status
     if (allocated(self%stiffness)) return
-    allocate (self%stiffness(self%n_contact, self%n_contact), stat=no_memory)
-    call judge_memory(no_memory, error)
+    allocate (self%stiffness(self%n_contact, self%n_contact), stat=memory_status)
+    call check_memory(memory_status, error)
     if (allocated(error)) return
-    call square_of_triangle(self%triangle, self%stiffness)
+    call triangular_product(self%triangle, self%stiffness)
     do k = 1, self%n_contact
       self%stiffness(k, k) = self%stiffness(k, k) - self%shift(k)
     end do
@@ -234,92 +238,92 @@ contains
   !!
   !! After: is_complete is .false. if contact reaches unknowns that are not on the interface; then nothing else is made. is_singular
   !! tells whether J_c has no inverse, to rounding: what it makes of a force is not to be used then.
-  subroutine factorise_interface(self, base, whole, by_imbalance, by_displacement, is_complete, error)
-    type(condensed_type), intent(inout) :: self
+  subroutine factorise_interface(self, base, constraints, imbalance_tangent, displacement_tangent, is_complete, error)
+    type(schur_interface_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
-    type(constraints_type), intent(in) :: whole    !< with them
-    type(sparse_type), intent(in) :: by_imbalance      !< D_R (n_unknowns x n_unknowns) [-]
-    type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
+    type(constraints_type), intent(in) :: constraints    !< with them
+    type(sparse_type), intent(in) :: imbalance_tangent      !< D_R (n_unknowns x n_unknowns) [-]
+    type(sparse_type), intent(in) :: displacement_tangent   !< D_u (n_unknowns x n_unknowns) [force/length]
     logical, intent(out) :: is_complete
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: d_u
     real(DP), allocatable :: row(:), column(:)     ! (n_reduced) sizes of the rows and columns of J_c
     integer :: status
-    call relate(self, base, whole, is_complete, error)
+    call map_interface(self, base, constraints, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
     call restore_stiffness(self, error)
     if (allocated(error)) return
-    self%is_by_springs = .false.
-    call restrict(self, base, by_imbalance, self%by_imbalance, error)
+    self%is_woodbury = .false.
+    call restrict_square(self, base, imbalance_tangent, self%imbalance_tangent, error)
     if (allocated(error)) return
-    call restrict(self, base, by_displacement, d_u, error)
+    call restrict_square(self, base, displacement_tangent, d_u, error)
     if (allocated(error)) return
-    call fill_dense(self, transpose_of(self%relation), transpose_of(d_u), error)
+    call fill_interface_tangent(self, sparse_transpose(self%interface_map), sparse_transpose(d_u), error)
     if (allocated(error)) return
     if (allocated(self%pivots)) deallocate (self%pivots)
     allocate (self%pivots(self%n_reduced), row(self%n_reduced), column(self%n_reduced))
-    call measure_matrix(self%lu, row, column)
+    call find_matrix_scales(self%lu, row, column)
     call factorise_dense(self%lu, self%pivots, status)
     self%is_singular = status /= DENSE_OK
-    if (.not. self%is_singular) self%is_singular = is_rank_lost(self%lu, self%pivots, row, column)
+    if (.not. self%is_singular) self%is_singular = is_rank_deficient(self%lu, self%pivots, row, column)
   end subroutine factorise_interface
 
 
   !> Errors: EXIT_SOLVER if there was no room.
-  subroutine judge_memory(no_memory, error)
-    integer, intent(in) :: no_memory               !< status of an allocation
+  subroutine check_memory(memory_status, error)
+    integer, intent(in) :: memory_status               !< status of an allocation
     type(error_type), allocatable, intent(inout) :: error
-    if (no_memory /= 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the interface of contact.')
-  end subroutine judge_memory
+    if (memory_status /= 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the interface of contact.')
+  end subroutine check_memory
 
 
   !> The same where all contact is by springs (`sprung`). After: is_fit is .false. where S has no inverse, or they are too stiff.
-  subroutine factorise_springs(self, base, whole, springs, is_complete, is_fit, error)
-    type(condensed_type), intent(inout) :: self
+  subroutine factorise_woodbury(self, base, constraints, springs, is_complete, is_fit, error)
+    type(schur_interface_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
-    type(constraints_type), intent(in) :: whole    !< the same
-    type(springs_type), intent(in) :: springs      !< on all unknowns in place of those of the interface
+    type(constraints_type), intent(in) :: constraints    !< the same
+    type(contact_springs_type), intent(in) :: springs      !< on all unknowns in place of those of the interface
     logical, intent(out) :: is_complete, is_fit
     type(error_type), allocatable, intent(out) :: error
-    type(springs_type) :: taken
+    type(contact_springs_type) :: restricted_springs
     is_fit = .false.
     self%is_singular = .false.
-    call relate(self, base, whole, is_complete, error)
+    call map_interface(self, base, constraints, is_complete, error)
     if (allocated(error) .or. .not. is_complete) return
     if (self%n_reduced < self%n_contact) return
-    if (.not. self%sprung%is_inverse) then
+    if (.not. self%woodbury%has_inverse) then
       if (allocated(self%stiffness)) deallocate (self%stiffness)
-      call invert_stiffness(self%sprung, self%triangle, self%shift, error)
+      call invert_interface_stiffness(self%woodbury, self%triangle, self%shift, error)
       if (allocated(error)) return
-      self%is_invertible = self%sprung%is_inverse
+      self%is_invertible = self%woodbury%has_inverse
       if (.not. self%is_invertible) return
     end if
-    call take_springs(self, base, springs, taken, error)
+    call restrict_springs(self, base, springs, restricted_springs, error)
     if (allocated(error)) return
-    self%by_imbalance = empty_square(self%n_contact)
-    call couple_springs(self%sprung, taken, is_fit, error)
-    self%is_by_springs = is_fit
-  end subroutine factorise_springs
+    self%imbalance_tangent = empty_square(self%n_contact)
+    call factorise_spring_coupling(self%woodbury, restricted_springs, is_fit, error)
+    self%is_woodbury = is_fit
+  end subroutine factorise_woodbury
 
 
   !> The springs on the interface.
-  subroutine take_springs(self, base, springs, taken, error)
-    type(condensed_type), intent(in) :: self
+  subroutine restrict_springs(self, base, springs, restricted_springs, error)
+    type(schur_interface_type), intent(in) :: self
     type(constraints_type), intent(in) :: base
-    type(springs_type), intent(in) :: springs
-    type(springs_type), intent(out) :: taken
+    type(contact_springs_type), intent(in) :: springs
+    type(contact_springs_type), intent(out) :: restricted_springs
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: turned
-    call take_to_interface(self, base, springs%spread, taken%spread, error)
+    type(sparse_type) :: transposed
+    call restrict_rows(self, base, springs%force_distribution, restricted_springs%force_distribution, error)
     if (allocated(error)) return
-    call take_to_interface(self, base, transpose_of(springs%follow), turned, error)
+    call restrict_rows(self, base, sparse_transpose(springs%spring_tangent), transposed, error)
     if (allocated(error)) return
-    taken%follow = transpose_of(turned)
-    call take_to_interface(self, base, springs%moved, taken%moved, error)
+    restricted_springs%spring_tangent = sparse_transpose(transposed)
+    call restrict_rows(self, base, springs%distribution_change, restricted_springs%distribution_change, error)
     if (allocated(error)) return
-    call take_to_interface(self, base, transpose_of(springs%moving), turned, error)
-    if (.not. allocated(error)) taken%moving = transpose_of(turned)
-  end subroutine take_springs
+    call restrict_rows(self, base, sparse_transpose(springs%projection_gradient), transposed, error)
+    if (.not. allocated(error)) restricted_springs%projection_gradient = sparse_transpose(transposed)
+  end subroutine restrict_springs
 
 
   !> A matrix without entries.
@@ -335,11 +339,11 @@ contains
 
 
   !> C_b' M, and of it the rows of the interface.
-  subroutine take_to_interface(self, base, matrix, taken, error)
-    type(condensed_type), intent(in) :: self
+  subroutine restrict_rows(self, base, matrix, restricted_springs, error)
+    type(schur_interface_type), intent(in) :: self
     type(constraints_type), intent(in) :: base
     type(sparse_type), intent(in) :: matrix        !< (n_unknowns x n)
-    type(sparse_type), intent(out) :: taken        !< (n_contact x n)
+    type(sparse_type), intent(out) :: restricted_springs        !< (n_contact x n)
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: row(:), column(:)
     real(DP), allocatable :: value(:)
@@ -348,83 +352,84 @@ contains
       n = 0
       do i = 1, matrix%n_rows
         if (matrix%first(i) == matrix%first(i + 1)) cycle
-        do a = base%map%first(i), base%map%first(i + 1) - 1
-          if (self%contact_of(base%map%column(a)) == 0) cycle
+        do a = base%transformation%first(i), base%transformation%first(i + 1) - 1
+          if (self%interface_index(base%transformation%column(a)) == 0) cycle
           do p = matrix%first(i), matrix%first(i + 1) - 1
             n = n + 1
             if (pass == 1) cycle
-            row(n) = self%contact_of(base%map%column(a))
+            row(n) = self%interface_index(base%transformation%column(a))
             column(n) = matrix%column(p)
-            value(n) = base%map%value(a) * matrix%value(p)
+            value(n) = base%transformation%value(a) * matrix%value(p)
           end do
         end do
       end do
       if (pass == 1) allocate (row(n), column(n), value(n))
     end do
-    call from_triplets(self%n_contact, matrix%n_columns, row, column, value, taken, error)
-  end subroutine take_to_interface
+    call sparse_from_triplets(self%n_contact, matrix%n_columns, row, column, value, restricted_springs, error)
+  end subroutine restrict_rows
 
 
   !> The springs' solution for a right-hand side on the free unknowns of the interface: C_c only sorts here.
-  subroutine solve_sorted(self, r)
-    type(condensed_type), intent(inout), target :: self
+  subroutine solve_permuted(self, r)
+    type(schur_interface_type), intent(inout), target :: self
     real(DP), intent(inout) :: r(:)                !< (n_contact) in the order of the free unknowns
     type(error_type), allocatable :: error         ! no memory: what comes out is not the solution, and GMRES finds that
     real(DP) :: t(self%n_contact)
     integer :: k
-    associate (place => self%relation%column, first => self%relation%first)
-      t = [(r(place(first(k))), k=1, self%n_contact)]
-      call solve_springs(self%sprung, self%triangle, self%shift, INSIDE * self%allowed, t, error)
+    associate (column_of => self%interface_map%column, first => self%interface_map%first)
+      t = [(r(column_of(first(k))), k=1, self%n_contact)]
+      call solve_woodbury(self%woodbury, self%triangle, self%shift, SINGLE_PRECISION_SHARE * self%allowed_residual, t, error)
       do k = 1, self%n_contact
-        r(place(first(k))) = t(k)
+        r(column_of(first(k))) = t(k)
       end do
     end associate
-  end subroutine solve_sorted
+  end subroutine solve_permuted
 
 
   !> C_c, and the places of the free unknowns in bulk and interface.
-  subroutine relate(self, base, whole, is_complete, error)
-    type(condensed_type), intent(inout) :: self
-    type(constraints_type), intent(in) :: base, whole
+  subroutine map_interface(self, base, constraints, is_complete, error)
+    type(schur_interface_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: base, constraints
     logical, intent(out) :: is_complete
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: row(:), column(:)
     real(DP), allocatable :: value(:)
     integer :: i, c, p, n
-    if (allocated(self%base_of)) deallocate (self%base_of, self%reduced_of)
-    allocate (self%base_of(whole%n_free), self%reduced_of(whole%n_free))
+    if (allocated(self%base_index)) deallocate (self%base_index, self%reduced_index)
+    allocate (self%base_index(constraints%n_free), self%reduced_index(constraints%n_free))
     self%n_reduced = 0
-    do i = 1, whole%n_unknowns
-      if (whole%free_of(i) == 0) cycle
-      self%base_of(whole%free_of(i)) = base%free_of(i)
-      c = self%contact_of(base%free_of(i))
+    do i = 1, constraints%n_unknowns
+      if (constraints%free_of(i) == 0) cycle
+      self%base_index(constraints%free_of(i)) = base%free_of(i)
+      c = self%interface_index(base%free_of(i))
       if (c > 0) self%n_reduced = self%n_reduced + 1
-      self%reduced_of(whole%free_of(i)) = merge(self%n_reduced, 0, c > 0)
+      self%reduced_index(constraints%free_of(i)) = merge(self%n_reduced, 0, c > 0)
     end do
     is_complete = .false.
-    allocate (row(size(whole%map%column)), column(size(whole%map%column)), value(size(whole%map%column)))
+    allocate (row(size(constraints%transformation%column)), column(size(constraints%transformation%column)), &
+      value(size(constraints%transformation%column)))
     n = 0
     do i = 1, base%n_unknowns
       if (base%free_of(i) == 0) cycle
-      c = self%contact_of(base%free_of(i))
-      if (c == 0 .and. whole%free_of(i) == 0) return
+      c = self%interface_index(base%free_of(i))
+      if (c == 0 .and. constraints%free_of(i) == 0) return
       if (c == 0) cycle
-      do p = whole%map%first(i), whole%map%first(i + 1) - 1
+      do p = constraints%transformation%first(i), constraints%transformation%first(i + 1) - 1
         n = n + 1
         row(n) = c
-        column(n) = self%reduced_of(whole%map%column(p))
-        value(n) = whole%map%value(p)
+        column(n) = self%reduced_index(constraints%transformation%column(p))
+        value(n) = constraints%transformation%value(p)
         if (column(n) == 0) return
       end do
     end do
     is_complete = .true.
-    call from_triplets(self%n_contact, self%n_reduced, row(:n), column(:n), value(:n), self%relation, error)
-  end subroutine relate
+    call sparse_from_triplets(self%n_contact, self%n_reduced, row(:n), column(:n), value(:n), self%interface_map, error)
+  end subroutine map_interface
 
 
   !> C_b' M C_b on the interface alone.
-  subroutine restrict(self, base, matrix, restricted, error)
-    type(condensed_type), intent(in) :: self
+  subroutine restrict_square(self, base, matrix, restricted, error)
+    type(schur_interface_type), intent(in) :: self
     type(constraints_type), intent(in) :: base
     type(sparse_type), intent(in) :: matrix        !< (n_unknowns x n_unknowns)
     type(sparse_type), intent(out) :: restricted   !< (n_contact x n_contact)
@@ -441,7 +446,7 @@ contains
       end do
       if (pass == 1) allocate (row(n), column(n), value(n))
     end do
-    call from_triplets(self%n_contact, self%n_contact, row, column, value, restricted, error)
+    call sparse_from_triplets(self%n_contact, self%n_contact, row, column, value, restricted, error)
 
   contains
 
@@ -450,47 +455,47 @@ contains
       integer, intent(in) :: r, c
       real(DP), intent(in) :: v
       integer :: a, b
-      do a = base%map%first(r), base%map%first(r + 1) - 1
-        if (self%contact_of(base%map%column(a)) == 0) cycle
-        do b = base%map%first(c), base%map%first(c + 1) - 1
-          if (self%contact_of(base%map%column(b)) == 0) cycle
+      do a = base%transformation%first(r), base%transformation%first(r + 1) - 1
+        if (self%interface_index(base%transformation%column(a)) == 0) cycle
+        do b = base%transformation%first(c), base%transformation%first(c + 1) - 1
+          if (self%interface_index(base%transformation%column(b)) == 0) cycle
           n = n + 1
           if (pass == 1) cycle
-          row(n) = self%contact_of(base%map%column(a))
-          column(n) = self%contact_of(base%map%column(b))
-          value(n) = base%map%value(a) * v * base%map%value(b)
+          row(n) = self%interface_index(base%transformation%column(a))
+          column(n) = self%interface_index(base%transformation%column(b))
+          value(n) = base%transformation%value(a) * v * base%transformation%value(b)
         end do
       end do
     end subroutine put
 
-  end subroutine restrict
+  end subroutine restrict_square
 
 
   !> J_c = C_c' ((1 + D_R) S - D_u) C_c, some columns at a time; threads share them.
-  subroutine fill_dense(self, relation_t, d_u_t, error)
-    type(condensed_type), intent(inout) :: self
+  subroutine fill_interface_tangent(self, relation_t, d_u_t, error)
+    type(schur_interface_type), intent(inout) :: self
     type(sparse_type), intent(in) :: relation_t    !< C_c' (n_reduced x n_contact)
     type(sparse_type), intent(in) :: d_u_t         !< D_u' (n_contact x n_contact)
     type(error_type), allocatable, intent(inout) :: error
-    integer :: j, no_memory
+    integer :: j, memory_status
     if (allocated(self%lu)) deallocate (self%lu)
-    allocate (self%lu(self%n_reduced, self%n_reduced), stat=no_memory)
-    call judge_memory(no_memory, error)
+    allocate (self%lu(self%n_reduced, self%n_reduced), stat=memory_status)
+    call check_memory(memory_status, error)
     if (allocated(error)) return
     !$omp parallel do schedule(static)
-    do j = 1, self%n_reduced, WIDTH
-      call fill_columns(self, relation_t, d_u_t, j, min(j + WIDTH - 1, self%n_reduced))
+    do j = 1, self%n_reduced, N_COLUMNS_TOGETHER
+      call fill_columns(self, relation_t, d_u_t, j, min(j + N_COLUMNS_TOGETHER - 1, self%n_reduced))
     end do
     !$omp end parallel do
-  end subroutine fill_dense
+  end subroutine fill_interface_tangent
 
 
   !> Columns of J_c, side by side in memory, so that the sparse matrices are gone through once for all of them.
   subroutine fill_columns(self, relation_t, d_u_t, first, last)
-    type(condensed_type), intent(inout) :: self
+    type(schur_interface_type), intent(inout) :: self
     type(sparse_type), intent(in) :: relation_t, d_u_t
-    integer, intent(in) :: first, last             !< at most WIDTH columns
-    real(DP) :: t(WIDTH, self%n_contact), w(WIDTH, self%n_contact), row(WIDTH)
+    integer, intent(in) :: first, last             !< at most N_COLUMNS_TOGETHER columns
+    real(DP) :: t(N_COLUMNS_TOGETHER, self%n_contact), w(N_COLUMNS_TOGETHER, self%n_contact), row(N_COLUMNS_TOGETHER)
     integer :: j, m, p, q, k
     t = 0.0_DP
     do j = first, last
@@ -501,8 +506,8 @@ contains
     end do
     w = t
     do k = 1, self%n_contact
-      do p = self%by_imbalance%first(k), self%by_imbalance%first(k + 1) - 1
-        w(:, k) = w(:, k) + self%by_imbalance%value(p) * t(:, self%by_imbalance%column(p))
+      do p = self%imbalance_tangent%first(k), self%imbalance_tangent%first(k + 1) - 1
+        w(:, k) = w(:, k) + self%imbalance_tangent%value(p) * t(:, self%imbalance_tangent%column(p))
       end do
     end do
     do j = first, last
@@ -526,8 +531,8 @@ contains
 
   !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk. Forward
   !! there is nothing to do where only the interface is out of balance.
-  subroutine apply_condensed(self, r, x)
-    type(condensed_type), intent(inout), target :: self
+  subroutine apply_schur_interface(self, r, x)
+    type(schur_interface_type), intent(inout), target :: self
     real(DP), intent(in) :: r(:)                   !< (n free) [force]
     real(DP), intent(out) :: x(:)                  !< (n free) [length]
     real(DP), allocatable :: b(:), y(:), h(:), g(:), r_c(:)
@@ -537,49 +542,49 @@ contains
     allocate (b(n), y(n), h(self%n_contact), r_c(self%n_reduced))
     b = 0.0_DP
     do j = 1, size(r)
-      if (self%reduced_of(j) == 0) b(self%base_of(j)) = r(j)
-      if (self%reduced_of(j) > 0) r_c(self%reduced_of(j)) = r(j)
+      if (self%reduced_index(j) == 0) b(self%base_index(j)) = r(j)
+      if (self%reduced_index(j) > 0) r_c(self%reduced_index(j)) = r(j)
     end do
     y = 0.0_DP
     h = 0.0_DP
-    if (norm2(b) > NEGLIGIBLE * self%allowed) then
+    if (norm2(b) > BULK_RESIDUAL_SHARE * self%allowed_residual) then
       call solve_forward(self%factor, b(self%order), y)
       h = y(m + 1:)
-      call triangle_times(self%triangle, .false., h)   ! - K_ci inv(K_ii) r_i
+      call multiply_triangular(self%triangle, .false., h)   ! - K_ci inv(K_ii) r_i
     end if
     g = h
     do k = 1, self%n_contact
-      do p = self%by_imbalance%first(k), self%by_imbalance%first(k + 1) - 1
-        g(k) = g(k) + self%by_imbalance%value(p) * h(self%by_imbalance%column(p))
+      do p = self%imbalance_tangent%first(k), self%imbalance_tangent%first(k + 1) - 1
+        g(k) = g(k) + self%imbalance_tangent%value(p) * h(self%imbalance_tangent%column(p))
       end do
     end do
     do k = 1, self%n_contact
-      do p = self%relation%first(k), self%relation%first(k + 1) - 1
-        r_c(self%relation%column(p)) = r_c(self%relation%column(p)) + self%relation%value(p) * g(k)
+      do p = self%interface_map%first(k), self%interface_map%first(k + 1) - 1
+        r_c(self%interface_map%column(p)) = r_c(self%interface_map%column(p)) + self%interface_map%value(p) * g(k)
       end do
     end do
-    if (self%is_by_springs) then
-      call solve_sorted(self, r_c)
+    if (self%is_woodbury) then
+      call solve_permuted(self, r_c)
     else
       call solve_dense(self%lu, self%pivots, r_c)
     end if
     do k = 1, self%n_contact
       h(k) = 0.0_DP
-      do p = self%relation%first(k), self%relation%first(k + 1) - 1
-        h(k) = h(k) + self%relation%value(p) * r_c(self%relation%column(p))
+      do p = self%interface_map%first(k), self%interface_map%first(k + 1) - 1
+        h(k) = h(k) + self%interface_map%value(p) * r_c(self%interface_map%column(p))
       end do
     end do
-    call triangle_times(self%triangle, .true., h)
+    call multiply_triangular(self%triangle, .true., h)
     y(m + 1:) = h
     call solve_backward(self%factor, y, b)
     y(self%order) = b
     do j = 1, size(x)
-      if (self%reduced_of(j) > 0) then
-        x(j) = r_c(self%reduced_of(j))
+      if (self%reduced_index(j) > 0) then
+        x(j) = r_c(self%reduced_index(j))
       else
-        x(j) = y(self%base_of(j))
+        x(j) = y(self%base_index(j))
       end if
     end do
-  end subroutine apply_condensed
+  end subroutine apply_schur_interface
 
 end module amontons_schur_interface

@@ -10,10 +10,10 @@ module amontons_pressure_overclosure
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   implicit none
   private
-  public :: law_pressure, law_reach, shear_most
+  public :: evaluate_pressure_overclosure, find_activation_gap, find_shear_limit
 
   real(DP), parameter :: LOG_HUNDRED = log(100.0_DP)    !< EXPONENTIAL: the pressure at c0 is a hundredth of p0
-  real(DP), parameter :: MOST_EXPONENT = 23.0_DP        !< EXPONENTIAL: goes on as a straight line beyond e**23 p0 [-]
+  real(DP), parameter :: MAX_EXPONENT = 23.0_DP        !< EXPONENTIAL: goes on as a straight line beyond e**23 p0 [-]
 
 contains
 
@@ -26,7 +26,7 @@ contains
   !! | EXPONENTIAL | p0 exp(ln(100) h/c0); from the gap c0 on its tangent, down to nothing |
   !! | TABULAR | linear between the points, constant outside |
   !! | TIED | K h |
-  pure subroutine law_pressure(law, h, p, slope, energy)
+  pure subroutine evaluate_pressure_overclosure(law, h, p, slope, energy)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: h                      !< overclosure [length]
     real(DP), intent(out) :: p                     !< [stress]
@@ -38,39 +38,39 @@ contains
     energy = 0.0_DP
     select case (law%behavior)
     case (BEHAVIOR_LINEAR)
-      if (law%tension <= 0.0_DP) then
+      if (law%tension_limit <= 0.0_DP) then
         p = law%stiffness * h
         slope = law%stiffness
         energy = 0.5_DP * law%stiffness * h**2
         return
       end if
-      eps = PI * law%tension / law%stiffness
+      eps = PI * law%tension_limit / law%stiffness
       share = 0.5_DP + atan2(h, eps) / PI
       p = law%stiffness * h * share
       slope = law%stiffness * (share + h * eps / (PI * (eps**2 + h**2)))
       energy = 0.5_DP * law%stiffness * (h**2 * share + eps * (eps * atan2(h, eps) - h) / PI)
     case (BEHAVIOR_EXPONENTIAL)
-      beta = LOG_HUNDRED / law%reach
-      x = min(max(beta * h, -LOG_HUNDRED), MOST_EXPONENT)
+      beta = LOG_HUNDRED / law%cutoff_clearance
+      x = min(max(beta * h, -LOG_HUNDRED), MAX_EXPONENT)
       p = law%pressure * exp(x)
       slope = beta * p
       energy = p / beta - 0.5_DP * law%pressure / (100.0_DP * beta)
-      if (x > -LOG_HUNDRED .and. x < MOST_EXPONENT) return
+      if (x > -LOG_HUNDRED .and. x < MAX_EXPONENT) return
       x = max(h - x / beta, -1.0_DP / beta)
       energy = energy + x * (p + 0.5_DP * slope * x)
       p = p + slope * x
     case (BEHAVIOR_TABULAR)
-      call table_pressure(law%table_overclosure, law%table_pressure, h, p, slope, energy)
+      call interpolate_pressure_table(law%table_overclosure, law%table_pressure, h, p, slope, energy)
     case (BEHAVIOR_TIED)
       p = law%stiffness * h
       slope = law%stiffness
       energy = 0.5_DP * law%stiffness * h**2
     end select
-  end subroutine law_pressure
+  end subroutine evaluate_pressure_overclosure
 
 
   !> A table, linear between its points and constant outside; the energy counts from the first point.
-  pure subroutine table_pressure(at, value, h, p, slope, energy)
+  pure subroutine interpolate_pressure_table(at, value, h, p, slope, energy)
     real(DP), intent(in) :: at(:)                  !< (n) overclosures, ascending [length]
     real(DP), intent(in) :: value(:)               !< (n) [stress]
     real(DP), intent(in) :: h                      !< [length]
@@ -95,28 +95,29 @@ contains
     end do
     p = value(n)
     energy = energy + p * (h - at(n))
-  end subroutine table_pressure
+  end subroutine interpolate_pressure_table
 
 
   !> The largest gap at which the law still acts. EXPONENTIAL: where the tangent at c0 ends; LINEAR and TABULAR: c0 times the root
   !! of the area, TABULAR also as far as its table begins under the abaqus dialect; TIED: any.
-  pure real(DP) function law_reach(law, area) result(reach)
+  pure real(DP) function find_activation_gap(law, area) result(reach)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< of the slave node [length^2]
     reach = huge(1.0_DP)
-    if (law%behavior == BEHAVIOR_EXPONENTIAL) reach = law%reach * (1.0_DP + 1.0_DP / LOG_HUNDRED)
-    if (law%behavior == BEHAVIOR_LINEAR .or. law%behavior == BEHAVIOR_TABULAR) reach = max(law%reach * sqrt(area), law%clearance)
-  end function law_reach
+    if (law%behavior == BEHAVIOR_EXPONENTIAL) reach = law%cutoff_clearance * (1.0_DP + 1.0_DP / LOG_HUNDRED)
+    if (law%behavior == BEHAVIOR_LINEAR .or. law%behavior == BEHAVIOR_TABULAR) reach = max(law%cutoff_clearance * sqrt(area), &
+      law%clearance)
+  end function find_activation_gap
 
 
   !> The friction limit of a law at a pressure: the largest shear force that a node carries. TIED slips at TAUMAX alone; under FRIC
   !! the law gives the shear of a node that sticks.
-  pure real(DP) function shear_most(law, area, pressure) result(most)
+  pure real(DP) function find_shear_limit(law, area, pressure) result(most)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: pressure               !< [stress]
     most = friction_limit(law%friction, max(pressure, 0.0_DP), law%shear_limit) * area
     if (law%behavior == BEHAVIOR_TIED .or. law%is_user_friction) most = law%shear_limit * area
-  end function shear_most
+  end function find_shear_limit
 
 end module amontons_pressure_overclosure

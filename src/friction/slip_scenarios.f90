@@ -1,7 +1,8 @@
 !> Slip scenarios: one decision per slave node: status by trial traction, friction limit, excess, slip scenario, step length.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `trial_traction` decides the status of a node in one configuration; `classify_slip_scenarios` decides, node by node, the slip
+!! `evaluate_trial_traction` decides the status of a node in one configuration; `classify_slip_scenarios` decides, node by node,
+!! the slip
 !! scenario and the step length between two configurations. Both use the limit of `friction_limit`: what friction carries at most.
 !!
 !! The scenarios and step lengths are those of J. Mitchell, "A simple one step line search for use in quasi-static solid
@@ -19,8 +20,9 @@ module amontons_slip_scenarios
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: trial_type, slip_point_type, slip_controls_type, slip_verdict_type
-  public :: split_imbalance, trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, guarded_length
+  public :: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type
+  public :: split_nodal_imbalance, evaluate_trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, &
+    find_bounded_step_length
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES
   public :: SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NO_FRICTION_LIMIT
 
@@ -42,35 +44,35 @@ module amontons_slip_scenarios
   real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction carries whatever is required (ROUGH, TIED) [force]
 
   !> Result of the trial traction.
-  type :: trial_type
+  type :: trial_traction_type
     integer :: status = STATUS_OPEN          !< STATUS_...
     real(DP) :: sigma = 0                    !< trial normal force, positive in compression [force]
     real(DP) :: tau(3) = 0                   !< trial friction on the slave [force]
     real(DP) :: direction(3) = 0             !< tau/|tau|, of friction on the slave; it slides the other way [-]
     real(DP) :: N = 0                        !< normal force that the imbalance asks for [force]
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
-  end type trial_type
+  end type trial_traction_type
 
   !> The decision on one slave node in one configuration.
-  type :: slip_point_type
+  type :: slip_state_type
     integer :: status = STATUS_OPEN          !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP: by the trial traction
     real(DP) :: N = 0                        !< normal force, positive in compression [force]
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
     real(DP) :: limit = 0                    !< L; NO_FRICTION_LIMIT: none [force]
     real(DP) :: slip(3) = 0                  !< g [length]
     real(DP) :: slip_zero = 0                !< a slip up to this is zero [length]
-  end type slip_point_type
+  end type slip_state_type
 
   !> Tolerances and bounds. The defaults only exclude rounding: the steps of a job give their own.
   type :: slip_controls_type
-    real(DP) :: balance = 1.0e-12_DP         !< slip is in equilibrium when |DR| <= balance L [-]
+    real(DP) :: slip_tolerance = 1.0e-12_DP         !< slip is in equilibrium when |DR| <= balance L [-]
     real(DP) :: force_zero = 0               !< or when |DR| is at most this [force]
     real(DP) :: alpha_min = 0                !< least step length (the cut at zero slip may be less) [-]
     real(DP) :: alpha_max = huge(1.0_DP)     !< largest step length [-]
   end type slip_controls_type
 
   !> The classification of one node between two configurations.
-  type :: slip_verdict_type
+  type :: slip_result_type
     integer :: status = STATUS_OPEN          !< STATUS_...
     integer :: scenario = SCENARIO_NONE      !< SCENARIO_...
     real(DP) :: alpha = 1                    !< step length [-]
@@ -78,39 +80,39 @@ module amontons_slip_scenarios
     real(DP) :: DR_u = 0, DR_ud = 0          !< signed excess in both configurations [force]
     real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global length sums these over the nodes [energy]
     real(DP) :: denominator = 0              !< d.(e(ud) - e(u)) [energy]
-  end type slip_verdict_type
+  end type slip_result_type
 
-  real(DP), parameter :: NEARLY = 1.0e-12_DP   !< relative rounding of a sum of a few products
+  real(DP), parameter :: TOL_CANCELLATION = 1.0e-12_DP   !< relative rounding of a sum of a few products
 
 contains
 
   !> Normal force and tangential imbalance of an imbalance: N = -n.Rhat, Rt = Rhat + N n.
-  pure subroutine split_imbalance(imbalance, normal, N, Rt)
+  pure subroutine split_nodal_imbalance(imbalance, normal, N, Rt)
     real(DP), intent(in) :: imbalance(3)     !< Rhat [force]
     real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
     real(DP), intent(out) :: N               !< positive in compression [force]
     real(DP), intent(out) :: Rt(3)           !< [force]
     N = -dot_product(normal, imbalance)
     Rt = imbalance + N * normal
-  end subroutine split_imbalance
+  end subroutine split_nodal_imbalance
 
 
   !> The friction limit: the largest tangential force that friction carries at a normal force, min(mu N, most).
   !!
   !! It is homogeneous: stresses in place of forces give a stress. A negative N continues the straight line, as Newton's method
   !! needs it on the way; DR takes max(N, 0).
-  elemental real(DP) function friction_limit(mu, N, most) result(limit)
+  elemental real(DP) function friction_limit(mu, N, limit_cap) result(limit)
     real(DP), intent(in) :: mu               !< coefficient, over the share of the normal that supports leave free [-]
     real(DP), intent(in) :: N                !< normal force, positive in compression [force]
-    real(DP), intent(in) :: most             !< largest friction whatever N: TAUMAX times the area [force]
-    limit = min(mu * N, most)
+    real(DP), intent(in) :: limit_cap             !< largest friction whatever N: TAUMAX times the area [force]
+    limit = min(mu * N, limit_cap)
   end function friction_limit
 
 
   !> Whether the friction limit is TAUMAX, and thus does not change with the normal force.
-  elemental logical function is_friction_capped(mu, N, most)
-    real(DP), intent(in) :: mu, N, most      !< as of friction_limit
-    is_friction_capped = mu * N > most
+  elemental logical function is_friction_capped(mu, N, limit_cap)
+    real(DP), intent(in) :: mu, N, limit_cap      !< as of friction_limit
+    is_friction_capped = mu * N > limit_cap
   end function is_friction_capped
 
 
@@ -127,7 +129,7 @@ contains
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
-  pure subroutine trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, most, trial)
+  pure subroutine evaluate_trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, limit_cap, trial)
     real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
     real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
     real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
@@ -135,22 +137,22 @@ contains
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
     logical, intent(in) :: was_closed        !< it was held by contact in the last iteration
-    real(DP), intent(in) :: most             !< largest friction, whatever the normal force [force]
-    type(trial_type), intent(out) :: trial
+    real(DP), intent(in) :: limit_cap             !< largest friction, whatever the normal force [force]
+    type(trial_traction_type), intent(out) :: trial
     real(DP) :: size_tau
-    if (was_closed) call split_imbalance(imbalance, normal, trial%N, trial%Rt)
+    if (was_closed) call split_nodal_imbalance(imbalance, normal, trial%N, trial%Rt)
     trial%sigma = trial%N - stiffness * gap
     trial%tau = -trial%Rt - stiffness * (slip - dot_product(normal, slip) * normal)
     size_tau = norm2(trial%tau)
     if (size_tau > 0) trial%direction = trial%tau / size_tau
     if (trial%sigma <= 0) then
       trial%status = STATUS_OPEN
-    else if (mu > 0 .and. size_tau <= friction_limit(mu, trial%sigma, most)) then
+    else if (mu > 0 .and. size_tau <= friction_limit(mu, trial%sigma, limit_cap)) then
       trial%status = STATUS_STICK
     else
       trial%status = STATUS_SLIP
     end if
-  end subroutine trial_traction
+  end subroutine evaluate_trial_traction
 
 
   !> Slip scenarios node by node: status, scenario and step length of each slave node from two configurations.
@@ -171,11 +173,11 @@ contains
   !! projection on t_g of the slip comes to zero, unless the node is open at ud; then the node becomes stick. Order: formula, guard
   !! (a vanishing denominator or a negative length means 1), bounds, cut.
   pure subroutine classify_slip_scenarios(at_u, at_ud, d, controls, verdicts)
-    type(slip_point_type), intent(in) :: at_u(:)      !< (n) the nodes at the iterate
-    type(slip_point_type), intent(in) :: at_ud(:)     !< (n) the nodes after the full search direction
+    type(slip_state_type), intent(in) :: at_u(:)      !< (n) the nodes at the iterate
+    type(slip_state_type), intent(in) :: at_ud(:)     !< (n) the nodes after the full search direction
     real(DP), intent(in) :: d(:, :)                   !< (3, n) their tangential increments relative to the master [length]
     type(slip_controls_type), intent(in) :: controls
-    type(slip_verdict_type), intent(out) :: verdicts(:)   !< (n)
+    type(slip_result_type), intent(out) :: verdicts(:)   !< (n)
     integer :: s
     do s = 1, size(verdicts)
       call classify_node(at_u(s), at_ud(s), d(:, s), controls, verdicts(s))
@@ -184,70 +186,70 @@ contains
 
 
   !> The same for one node.
-  pure subroutine classify_node(at_u, at_ud, d, controls, verdict)
-    type(slip_point_type), intent(in) :: at_u, at_ud
+  pure subroutine classify_node(at_u, at_ud, d, controls, slip_result)
+    type(slip_state_type), intent(in) :: at_u, at_ud
     real(DP), intent(in) :: d(3)                      !< [length]
     type(slip_controls_type), intent(in) :: controls
-    type(slip_verdict_type), intent(inout) :: verdict !< in: its defaults
+    type(slip_result_type), intent(inout) :: slip_result !< in: its defaults
     real(DP) :: e_u(3), e_ud(3), rounding
-    verdict%DR_u = excess(at_u)
-    verdict%DR_ud = excess(at_ud)
-    verdict%status = refined_status(at_u, at_ud%status, verdict%DR_u, controls)
-    if (verdict%status /= STATUS_SLIP .and. verdict%status /= STATUS_BALANCED) return
-    if (verdict%status == STATUS_SLIP) verdict%scenario = scenario_of(verdict%DR_u, verdict%DR_ud)
-    call excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
-    rounding = NEARLY * norm2(d) * (abs(verdict%DR_u) + abs(verdict%DR_ud))
-    verdict%numerator = without_noise(dot_product(d, e_u), rounding)
-    verdict%denominator = without_noise(dot_product(d, e_ud) - verdict%numerator, rounding)
-    if (verdict%status == STATUS_BALANCED) return
-    verdict%alpha = guarded_length(verdict%numerator, verdict%denominator, controls)
-    if (verdict%scenario == SCENARIO_I .or. verdict%scenario == SCENARIO_II) return
+    slip_result%DR_u = evaluate_slip_excess(at_u)
+    slip_result%DR_ud = evaluate_slip_excess(at_ud)
+    slip_result%status = refined_status(at_u, at_ud%status, slip_result%DR_u, controls)
+    if (slip_result%status /= STATUS_SLIP .and. slip_result%status /= STATUS_BALANCED) return
+    if (slip_result%status == STATUS_SLIP) slip_result%scenario = choose_scenario(slip_result%DR_u, slip_result%DR_ud)
+    call evaluate_excess_vectors(at_u, at_ud, slip_result, e_u, e_ud)
+    rounding = TOL_CANCELLATION * norm2(d) * (abs(slip_result%DR_u) + abs(slip_result%DR_ud))
+    slip_result%numerator = drop_rounding(dot_product(d, e_u), rounding)
+    slip_result%denominator = drop_rounding(dot_product(d, e_ud) - slip_result%numerator, rounding)
+    if (slip_result%status == STATUS_BALANCED) return
+    slip_result%alpha = find_bounded_step_length(slip_result%numerator, slip_result%denominator, controls)
+    if (slip_result%scenario == SCENARIO_I .or. slip_result%scenario == SCENARIO_II) return
     if (at_ud%status == STATUS_OPEN) return           ! it has left its master: there is no slip at ud
-    call cut_at_zero_slip(at_u%slip, at_ud%slip, verdict%alpha, verdict%becomes_stick)
+    call limit_to_zero_slip(at_u%slip, at_ud%slip, slip_result%alpha, slip_result%becomes_stick)
   end subroutine classify_node
 
 
   !> - numerator / denominator, made safe: 1 if one of them vanishes or the length is negative; then bounded.
   !! With sums over all slave nodes it is the global step length of the slides' code.
-  pure function guarded_length(numerator, denominator, controls) result(alpha)
+  pure function find_bounded_step_length(numerator, denominator, controls) result(alpha)
     real(DP), intent(in) :: numerator                 !< d.e(u) [energy]
     real(DP), intent(in) :: denominator               !< d.(e(ud) - e(u)) [energy]
     type(slip_controls_type), intent(in) :: controls
     real(DP) :: alpha
     alpha = 1
-    if (abs(denominator) > NEARLY * (abs(numerator) + abs(numerator + denominator))) alpha = -numerator / denominator
+    if (abs(denominator) > TOL_CANCELLATION * (abs(numerator) + abs(numerator + denominator))) alpha = -numerator / denominator
     if (alpha < 0 .or. numerator == 0) alpha = 1
     alpha = min(max(alpha, controls%alpha_min), controls%alpha_max)
-  end function guarded_length
+  end function find_bounded_step_length
 
 
   !> A value, or zero where it is only rounding.
-  pure function without_noise(value, rounding) result(clean)
+  pure function drop_rounding(value, rounding) result(clean)
     real(DP), intent(in) :: value, rounding
     real(DP) :: clean
     clean = merge(value, 0.0_DP, abs(value) > rounding)
-  end function without_noise
+  end function drop_rounding
 
 
   !> DR = |Rt| - L; none where friction has no limit.
-  pure function excess(point) result(DR)
-    type(slip_point_type), intent(in) :: point
+  pure function evaluate_slip_excess(point) result(DR)
+    type(slip_state_type), intent(in) :: point
     real(DP) :: DR
     DR = 0.0_DP
     if (point%limit < NO_FRICTION_LIMIT) DR = norm2(point%Rt) - point%limit
-  end function excess
+  end function evaluate_slip_excess
 
 
   !> The status at the iterate, divided by what the excess and the slip say there.
   pure function refined_status(point, status_ud, DR, controls) result(status)
-    type(slip_point_type), intent(in) :: point
+    type(slip_state_type), intent(in) :: point
     integer, intent(in) :: status_ud                  !< status after the full search direction
     real(DP), intent(in) :: DR                        !< at the iterate [force]
     type(slip_controls_type), intent(in) :: controls
     integer :: status
     logical :: has_slip, is_balanced
     has_slip = norm2(point%slip) > point%slip_zero
-    is_balanced = abs(DR) <= max(controls%balance * point%limit, controls%force_zero)
+    is_balanced = abs(DR) <= max(controls%slip_tolerance * point%limit, controls%force_zero)
     if (point%status == STATUS_OPEN) then
       status = merge(STATUS_OPEN, STATUS_CLOSES, status_ud == STATUS_OPEN)
     else if (point%N < 0) then
@@ -265,7 +267,7 @@ contains
 
 
   !> The scenario by the signs of DR.
-  pure function scenario_of(DR_u, DR_ud) result(scenario)
+  pure function choose_scenario(DR_u, DR_ud) result(scenario)
     real(DP), intent(in) :: DR_u, DR_ud               !< [force]
     integer :: scenario
     if (DR_u > 0) then
@@ -273,47 +275,47 @@ contains
     else
       scenario = merge(SCENARIO_III, SCENARIO_IV, DR_ud > 0)
     end if
-  end function scenario_of
+  end function choose_scenario
 
 
   !> The vectors e = DR t of both configurations. Without an Rt its direction is that of the slip; in I t_d is t_u.
-  pure subroutine excess_vectors(at_u, at_ud, verdict, e_u, e_ud)
-    type(slip_point_type), intent(in) :: at_u, at_ud
-    type(slip_verdict_type), intent(in) :: verdict    !< with scenario and DR
+  pure subroutine evaluate_excess_vectors(at_u, at_ud, slip_result, e_u, e_ud)
+    type(slip_state_type), intent(in) :: at_u, at_ud
+    type(slip_result_type), intent(in) :: slip_result    !< with scenario and DR
     real(DP), intent(out) :: e_u(3), e_ud(3)          !< [force]
     real(DP) :: t_g(3), t_u(3), t_d(3)
-    t_g = direction_of(at_u%slip, [0.0_DP, 0.0_DP, 0.0_DP])
-    t_u = direction_of(at_u%Rt, t_g)
-    t_d = direction_of(at_ud%Rt, t_g)
-    if (verdict%scenario == SCENARIO_I) t_d = t_u
-    e_u = verdict%DR_u * t_u
-    e_ud = verdict%DR_ud * t_d
-  end subroutine excess_vectors
+    t_g = unit_vector(at_u%slip, [0.0_DP, 0.0_DP, 0.0_DP])
+    t_u = unit_vector(at_u%Rt, t_g)
+    t_d = unit_vector(at_ud%Rt, t_g)
+    if (slip_result%scenario == SCENARIO_I) t_d = t_u
+    e_u = slip_result%DR_u * t_u
+    e_ud = slip_result%DR_ud * t_d
+  end subroutine evaluate_excess_vectors
 
 
   !> v/|v|, or the given other direction if v vanishes.
-  pure function direction_of(v, otherwise) result(t)
+  pure function unit_vector(v, otherwise) result(t)
     real(DP), intent(in) :: v(3), otherwise(3)
     real(DP) :: t(3)
     t = otherwise
     if (norm2(v) > 0) t = v / norm2(v)
-  end function direction_of
+  end function unit_vector
 
 
   !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) brings the slip's projection on t_g to zero.
   !! (The slides print |g| / (|g| - |g_d|), which is the same as long as the full step does not pass zero slip.)
-  pure subroutine cut_at_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
+  pure subroutine limit_to_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
     real(DP), intent(in) :: slip_u(3), slip_ud(3)     !< g and g_d [length]
     real(DP), intent(inout) :: alpha                  !< step length [-]
     logical, intent(out) :: becomes_stick             !< the step ends there
-    real(DP) :: length, way
+    real(DP) :: length, projected_slip_change
     length = norm2(slip_u)
     becomes_stick = .false.
     if (length <= 0) return
-    way = length - dot_product(slip_u, slip_ud) / length
-    if (way <= 0) return
-    becomes_stick = alpha * way >= length * (1 - NEARLY)
-    if (becomes_stick) alpha = length / way
-  end subroutine cut_at_zero_slip
+    projected_slip_change = length - dot_product(slip_u, slip_ud) / length
+    if (projected_slip_change <= 0) return
+    becomes_stick = alpha * projected_slip_change >= length * (1 - TOL_CANCELLATION)
+    if (becomes_stick) alpha = length / projected_slip_change
+  end subroutine limit_to_zero_slip
 
 end module amontons_slip_scenarios

@@ -1,7 +1,7 @@
 !> Card materials: the entries of the card table for materials, directions, initial conditions and temperatures.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_materials
-  use amontons_card_schema, only: card_table_type, IN_MODEL, IN_STEP, STATUS_NOTED, STATUS_REFUSED, &
+  use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, ENTRY_REJECTED, &
     VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD
   implicit none
   private
@@ -12,99 +12,100 @@ contains
   !> Materials, sections, directions, initial conditions and temperatures.
   subroutine describe_materials(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('MATERIAL', IN_MODEL, 'Starts a material; the cards of its properties follow.')
+    call table%card('MATERIAL', SCOPE_MODEL, 'Starts a material; the cards of its properties follow.')
     call table%option('NAME', VALUE_NAME, 'Name of the material.', default='required')
-    call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'Only rates of strain use it.', status=STATUS_NOTED)
+    call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'Only rates of strain use it.', status=ENTRY_IGNORED)
     call describe_elastic(table)
-    call table%card('DENSITY', IN_MODEL, 'Mass density, needed by gravity.', parent='MATERIAL', data= &
+    call table%card('DENSITY', SCOPE_MODEL, 'Mass density, needed by gravity.', parent='MATERIAL', data= &
       'density, temperature')
-    call table%differ('A density over the temperature: abaqus that of the temperature at the start, calculix of the present one.')
-    call refuse_fields(table)
+    call table%add_dialect_note('A density over the temperature: abaqus that of the temperature at the start, calculix of ' // &
+      'the present one.')
+    call reject_field_variables(table)
     call describe_expansion(table)
     call describe_inelastic(table)
-    call describe_rubber(table)
+    call describe_hyperelastic(table)
     call describe_user(table)
     call describe_section(table)
-    call describe_conditions(table)
+    call describe_initial_conditions(table)
   end subroutine describe_materials
 
 
   !> Field variables.
-  subroutine refuse_fields(table)
+  subroutine reject_field_variables(table)
     type(card_table_type), intent(inout) :: table
-    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=STATUS_REFUSED)
-  end subroutine refuse_fields
+    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=ENTRY_REJECTED)
+  end subroutine reject_field_variables
 
 
   !> ELASTIC.
   subroutine describe_elastic(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('ELASTIC', IN_MODEL, 'Linear elasticity; at finite strain between logarithmic strains and ' // &
+    call table%card('ELASTIC', SCOPE_MODEL, 'Linear elasticity; at finite strain between logarithmic strains and ' // &
       'Kirchhoff stresses (abaqus dialect) or Green''s strains and second Piola-Kirchhoff stresses (calculix).', &
       parent='MATERIAL', data='the constants of TYPE, temperature; a line (or more, of eight values) for each ' // &
       'temperature. ISOTROPIC: Young''s modulus, Poisson''s ratio. ENGINEERING CONSTANTS: E1, E2, E3, nu12, nu13, ' // &
       'nu23, G12, G13, G23. ORTHO: D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323. ANISO: 21 D')
     call table%option('TYPE', VALUE_WORD, 'Kind of elasticity.', allowed='ISOTROPIC|ISO|ORTHO|ORTHOTROPIC|' // &
       'ENGINEERING CONSTANTS|ANISO|ANISOTROPIC', default='ISOTROPIC')
-    call table%refuse_words('LAMINA|TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids is.')
-    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
-    call refuse_fields(table)
+    call table%reject_words('LAMINA|TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids is.')
+    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
+    call reject_field_variables(table)
   end subroutine describe_elastic
 
 
   !> EXPANSION.
   subroutine describe_expansion(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('EXPANSION', IN_MODEL, 'Thermal expansion, as secant coefficients from the temperature ZERO on.', &
+    call table%card('EXPANSION', SCOPE_MODEL, 'Thermal expansion, as secant coefficients from the temperature ZERO on.', &
       parent='MATERIAL', data='coefficient, temperature; ORTHO: three coefficients; ANISO: six (11 22 33 12 13 23)')
     call table%option('TYPE', VALUE_WORD, 'Kind of expansion.', allowed='ISO|ISOTROPIC|ORTHO|ORTHOTROPIC|ANISO|' // &
       'ANISOTROPIC', default='ISO')
-    call table%refuse_words('SHORT FIBER', 'Give ORTHO.')
+    call table%reject_words('SHORT FIBER', 'Give ORTHO.')
     call table%option('ZERO', VALUE_REAL, 'Temperature at which the coefficients start.', default='0')
-    call table%option('USER', VALUE_NONE, 'Give a table.', status=STATUS_REFUSED)
-    call refuse_fields(table)
+    call table%option('USER', VALUE_NONE, 'Give a table.', status=ENTRY_REJECTED)
+    call reject_field_variables(table)
   end subroutine describe_expansion
 
 
   !> Plasticity and creep.
   subroutine describe_inelastic(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('PLASTIC', IN_MODEL, 'Plasticity after von Mises, at finite strain too.', parent='MATERIAL', &
+    call table%card('PLASTIC', SCOPE_MODEL, 'Plasticity after von Mises, at finite strain too.', parent='MATERIAL', &
       data='yield stress, equivalent plastic strain (the first 0), temperature')
     call table%option('HARDENING', VALUE_WORD, 'ISOTROPIC: the surface grows; KINEMATIC: it moves, by the growth of ' // &
       'the curve; COMBINED: it moves by the growth of this curve and grows as CYCLIC HARDENING says.', &
       allowed='ISOTROPIC|KINEMATIC|COMBINED', default='ISOTROPIC')
-    call table%refuse_words('USER|JOHNSON COOK|STATIC RECOVERY', 'Give a table.')
+    call table%reject_words('USER|JOHNSON COOK|STATIC RECOVERY', 'Give a table.')
     call table%option('DATA TYPE', VALUE_WORD, 'What the curve of COMBINED is.', allowed='HALF CYCLE', &
       default='HALF CYCLE')
-    call table%refuse_words('PARAMETERS|STABILIZED', 'Give the curve of a half cycle.')
-    call table%option('NUMBER BACKSTRESSES', VALUE_TEXT, 'The curve is followed piece by piece.', status=STATUS_NOTED)
+    call table%reject_words('PARAMETERS|STABILIZED', 'Give the curve of a half cycle.')
+    call table%option('NUMBER BACKSTRESSES', VALUE_TEXT, 'The curve is followed piece by piece.', status=ENTRY_IGNORED)
     call table%option('RATE|EXTRAPOLATION|PROPERTIES', VALUE_TEXT, 'Only constant stress beyond the last point.', &
-      status=STATUS_REFUSED)
-    call refuse_fields(table)
-    call table%card('CYCLIC HARDENING', IN_MODEL, 'Size of the yield surface of PLASTIC, HARDENING=COMBINED.', &
+      status=ENTRY_REJECTED)
+    call reject_field_variables(table)
+    call table%card('CYCLIC HARDENING', SCOPE_MODEL, 'Size of the yield surface of PLASTIC, HARDENING=COMBINED.', &
       parent='MATERIAL', data='yield stress, equivalent plastic strain (the first 0), temperature')
-    call table%option('PARAMETERS|USER|PROPERTIES', VALUE_TEXT, 'Give a table.', status=STATUS_REFUSED)
-    call refuse_fields(table)
-    call table%card('DEFORMATION PLASTICITY', IN_MODEL, 'Ramberg and Osgood''s law, in place of ELASTIC: E e = s + ' // &
+    call table%option('PARAMETERS|USER|PROPERTIES', VALUE_TEXT, 'Give a table.', status=ENTRY_REJECTED)
+    call reject_field_variables(table)
+    call table%card('DEFORMATION PLASTICITY', SCOPE_MODEL, 'Ramberg and Osgood''s law, in place of ELASTIC: E e = s + ' // &
       'a s (s/s0)^(n-1).', parent='MATERIAL', data='E, nu, s0, n, a, temperature')
-    call table%differ('It turns NLGEOM on for all steps under calculix, with Almansi''s strain.')
-    call table%card('CREEP', IN_MODEL, 'Creep, in VISCO steps, and in STATIC steps of the abaqus dialect not at all.', &
+    call table%add_dialect_note('It turns NLGEOM on for all steps under calculix, with Almansi''s strain.')
+    call table%card('CREEP', SCOPE_MODEL, 'Creep, in VISCO steps, and in STATIC steps of the abaqus dialect not at all.', &
       parent='MATERIAL', data='A, n, m, temperature')
     call table%option('LAW', VALUE_WORD, 'TIME: rate A q^n t^m; STRAIN: (A q^n ((m+1) e)^m)^(1/(m+1)); NORTON: TIME.', &
       allowed='TIME|STRAIN|NORTON', default='TIME (abaqus), NORTON (calculix)')
-    call table%refuse_words('USER|HYPERB|ANAND|DARVEAUX|DOUBLE POWER|TIMEPOWER|STRAINPOWER|HYPERBOLIC|BASE FUNCTION', &
+    call table%reject_words('USER|HYPERB|ANAND|DARVEAUX|DOUBLE POWER|TIMEPOWER|STRAINPOWER|HYPERBOLIC|BASE FUNCTION', &
       'Use TIME, STRAIN or NORTON.')
     call table%option('TIME', VALUE_WORD, 'Time of LAW=TIME.', allowed='TOTAL', default='TOTAL')
-    call table%refuse_words('CREEP', 'Time counts from the start of the job.')
-    call refuse_fields(table)
+    call table%reject_words('CREEP', 'Time counts from the start of the job.')
+    call reject_field_variables(table)
   end subroutine describe_inelastic
 
 
   !> USER MATERIAL and DEPVAR.
   subroutine describe_user(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('USER MATERIAL', IN_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
+    call table%card('USER MATERIAL', SCOPE_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
       'in place of ELASTIC: amontons job user=file. NTENS is 6 in space, 4 in plane strain and around an axis, 3 in plane ' // &
       'stress, 1 in trusses.', &
       parent='MATERIAL', data='the constants, in lines of eight')
@@ -114,21 +115,21 @@ contains
     call table%option('SPATIAL', VALUE_NONE, 'The routine is called with NTENS = 6 for all elements; the strains that ' // &
       'are free in plane stress and in trusses are found by us (our own parameter).')
     call table%option('TYPE', VALUE_WORD, 'What the routine gives.', allowed='MECHANICAL', default='MECHANICAL')
-    call table%refuse_words('THERMAL', 'There is no heat transfer.')
+    call table%reject_words('THERMAL', 'There is no heat transfer.')
     call table%option('UNSYMM', VALUE_NONE, 'DDSDDE is taken as it is, with this word and without; of C3D8I its ' // &
-      'symmetric part.', status=STATUS_NOTED)
-    call table%option('HYBRID FORMULATION|EFFMOD', VALUE_TEXT, 'Only stress from strain.', status=STATUS_REFUSED)
-    call table%card('DEPVAR', IN_MODEL, 'Number of variables that UMAT keeps at each point (STATEV), zero at the ' // &
+      'symmetric part.', status=ENTRY_IGNORED)
+    call table%option('HYBRID FORMULATION|EFFMOD', VALUE_TEXT, 'Only stress from strain.', status=ENTRY_REJECTED)
+    call table%card('DEPVAR', SCOPE_MODEL, 'Number of variables that UMAT keeps at each point (STATEV), zero at the ' // &
       'start unless INITIAL CONDITIONS, TYPE=SOLUTION says otherwise.', parent='MATERIAL', &
       data='number; further lines that name the variables are passed over')
-    call table%option('DELETE', VALUE_TEXT, 'Elements are the same in all steps.', status=STATUS_REFUSED)
+    call table%option('DELETE', VALUE_TEXT, 'Elements are the same in all steps.', status=ENTRY_REJECTED)
   end subroutine describe_user
 
 
   !> Rubber and foam.
-  subroutine describe_rubber(table)
+  subroutine describe_hyperelastic(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('HYPERELASTIC', IN_MODEL, 'Rubber; D1 = 0 is taken as 0.1/G, G the shear modulus (a Poisson''s ' // &
+    call table%card('HYPERELASTIC', SCOPE_MODEL, 'Rubber; D1 = 0 is taken as 0.1/G, G the shear modulus (a Poisson''s ' // &
       'ratio of 0.475).', parent='MATERIAL', data='the constants, temperature; in lines of eight values. NEO HOOKE: ' // &
       'C10, D1. MOONEY-RIVLIN: C10, C01, D1. YEOH: C10, C20, C30, D1, D2, D3. POLYNOMIAL: C10, C01, C20, C11, C02, ' // &
       '..., D1 to DN. REDUCED POLYNOMIAL: C10, C20, ..., D1 to DN. OGDEN: mu1, alpha1, ..., D1 to DN. ARRUDA-BOYCE: ' // &
@@ -136,54 +137,56 @@ contains
     call table%option('NEO HOOKE|MOONEY-RIVLIN|YEOH|POLYNOMIAL|REDUCED POLYNOMIAL|OGDEN|ARRUDA-BOYCE', VALUE_NONE, &
       'Kind of rubber.', default='POLYNOMIAL')
     call table%option('N', VALUE_INTEGER, 'Order: POLYNOMIAL 1 to 3, OGDEN and REDUCED POLYNOMIAL 1 to 6.', default='1')
-    call table%differ('It turns NLGEOM on for all steps under calculix.')
-    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
+    call table%add_dialect_note('It turns NLGEOM on for all steps under calculix.')
+    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
     call table%option('MARLOW|VAN DER WAALS|USER|ANISOTROPIC|VALANIS-LANDEL', VALUE_TEXT, 'Use one of the others.', &
-      status=STATUS_REFUSED)
+      status=ENTRY_REJECTED)
     call table%option('TEST DATA INPUT|BETA|POISSON|PROPERTIES|TYPE', VALUE_TEXT, 'Give the constants.', &
-      status=STATUS_REFUSED)
-    call refuse_fields(table)
-    call table%card('HYPERFOAM', IN_MODEL, 'Compressible foam.', parent='MATERIAL', data= &
+      status=ENTRY_REJECTED)
+    call reject_field_variables(table)
+    call table%card('HYPERFOAM', SCOPE_MODEL, 'Compressible foam.', parent='MATERIAL', data= &
       'mu1, alpha1, mu2, alpha2, ..., nu1, nu2, ..., temperature; in lines of eight values')
     call table%option('N', VALUE_INTEGER, 'Order, 1 to 6.', default='1')
-    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=STATUS_NOTED)
-    call table%option('TEST DATA INPUT|POISSON', VALUE_TEXT, 'Give the constants.', status=STATUS_REFUSED)
-    call refuse_fields(table)
-    call table%differ('It turns NLGEOM on for all steps under calculix.')
-  end subroutine describe_rubber
+    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
+    call table%option('TEST DATA INPUT|POISSON', VALUE_TEXT, 'Give the constants.', status=ENTRY_REJECTED)
+    call reject_field_variables(table)
+    call table%add_dialect_note('It turns NLGEOM on for all steps under calculix.')
+  end subroutine describe_hyperelastic
 
 
   !> Sections and local directions.
   subroutine describe_section(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('SOLID SECTION', IN_MODEL, 'Gives the elements of a set their material.', data= &
+    call table%card('SOLID SECTION', SCOPE_MODEL, 'Gives the elements of a set their material.', data= &
       'thickness of plane elements or cross-section of trusses, default 1; of no meaning for the others')
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
     call table%option('ORIENTATION', VALUE_NAME, 'Local axes: of the constants, and of stresses and strains in the ' // &
       '.dat file.')
     call table%option('CONTROLS|STACK DIRECTION|LAYUP|OFFSET|NODAL THICKNESS', VALUE_TEXT, &
-      'The elements are chosen by their type alone.', status=STATUS_NOTED)
-    call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=STATUS_REFUSED)
-    call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=STATUS_REFUSED)
-    call table%card('SPRING', IN_MODEL, 'Gives springs their constant, or with NONLINEAR their force over the elongation.', data= &
+      'The elements are chosen by their type alone.', status=ENTRY_IGNORED)
+    call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=ENTRY_REJECTED)
+    call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=ENTRY_REJECTED)
+    call table%card('SPRING', SCOPE_MODEL, 'Gives springs their constant, or with NONLINEAR their force over the elongation.', &
+      data= &
       'SPRING1, SPRING2: direction at the first node, at the second; then, and for SPRINGA at once: spring constant, a ' // &
       'field that is passed over, temperature; NONLINEAR: force, elongation, temperature, constant outside the table')
     call table%option('ELSET', VALUE_NAME, 'The springs.', default='required')
     call table%option('NONLINEAR', VALUE_NONE, 'The data are tables of force and elongation.')
     call table%option('ORIENTATION', VALUE_NAME, 'Directions 1 to 3 are those of these axes, which are rectangular.')
     call table%option('DEPENDENCIES|COMPLEX STIFFNESS', VALUE_TEXT, 'Springs depend on elongation and temperature alone.', &
-      status=STATUS_REFUSED)
-    call table%option('RTOL', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%card('GAP', IN_MODEL, 'Gives gaps (GAPUNI) their clearance: the second node may come nearer to the first by so ' // &
+      status=ENTRY_REJECTED)
+    call table%option('RTOL', VALUE_TEXT, '', status=ENTRY_IGNORED)
+    call table%card('GAP', SCOPE_MODEL, 'Gives gaps (GAPUNI) their clearance: the second node may come nearer to the first ' // &
+      'by so ' // &
       'much, along the direction from the first to the second; closed, the gap is a stiff spring.', data= &
       'clearance, direction x, y, z (none: the line of the nodes), a field that is passed over, stiffness (default ' // &
       '1e12), force of the open gap (default 1e-3)')
     call table%option('ELSET', VALUE_NAME, 'The gaps.', default='required')
-    call table%card('MASS', IN_MODEL, 'Gives point masses their mass; it counts for gravity.', data='mass')
+    call table%card('MASS', SCOPE_MODEL, 'Gives point masses their mass; it counts for gravity.', data='mass')
     call table%option('ELSET', VALUE_NAME, 'The masses.', default='required')
     call table%option('ALPHA|COMPOSITE|TYPE|ORIENTATION|DEPENDENCIES', VALUE_TEXT, 'A mass is one number.', &
-      status=STATUS_REFUSED)
+      status=ENTRY_REJECTED)
     call describe_axes(table)
   end subroutine describe_section
 
@@ -191,50 +194,50 @@ contains
   !> Local axes.
   subroutine describe_axes(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('ORIENTATION', IN_MODEL, 'Local axes, of sections and *COUPLING.', data='RECTANGULAR: a point ' // &
+    call table%card('ORIENTATION', SCOPE_MODEL, 'Local axes, of sections and *COUPLING.', data='RECTANGULAR: a point ' // &
       'on local x, a point of the local xy plane, six coordinates; CYLINDRICAL: two points of the axis, which is ' // &
       'local z, local x is radial; or the name of a distribution; second line: local axis to turn about, angle in ' // &
       'degrees')
     call table%option('NAME', VALUE_NAME, 'Name of the orientation.', default='required')
     call table%option('SYSTEM', VALUE_WORD, 'Kind of axes.', allowed='RECTANGULAR|CYLINDRICAL', default='RECTANGULAR')
-    call table%refuse_words('SPHERICAL|Z RECTANGULAR|USER', 'Use RECTANGULAR or CYLINDRICAL.')
+    call table%reject_words('SPHERICAL|Z RECTANGULAR|USER', 'Use RECTANGULAR or CYLINDRICAL.')
     call table%option('DEFINITION', VALUE_WORD, 'How the points are given.', allowed='COORDINATES', &
       default='COORDINATES')
-    call table%refuse_words('NODES|OFFSET TO NODES', 'Give coordinates.')
-    call table%option('LOCAL DIRECTIONS', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%card('DISTRIBUTION', IN_MODEL, 'Local axes element by element; ORIENTATION names it.', data= &
+    call table%reject_words('NODES|OFFSET TO NODES', 'Give coordinates.')
+    call table%option('LOCAL DIRECTIONS', VALUE_TEXT, '', status=ENTRY_IGNORED)
+    call table%card('DISTRIBUTION', SCOPE_MODEL, 'Local axes element by element; ORIENTATION names it.', data= &
       'first line: blank, six default coordinates; then element or element set, six coordinates')
     call table%option('NAME', VALUE_NAME, 'Name of the distribution.', default='required')
-    call table%option('LOCATION|TABLE', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%card('DISTRIBUTION TABLE', IN_MODEL, 'DISTRIBUTION gives coordinates.', data='anything', &
-      status=STATUS_NOTED)
+    call table%option('LOCATION|TABLE', VALUE_TEXT, '', status=ENTRY_IGNORED)
+    call table%card('DISTRIBUTION TABLE', SCOPE_MODEL, 'DISTRIBUTION gives coordinates.', data='anything', &
+      status=ENTRY_IGNORED)
   end subroutine describe_axes
 
 
   !> Initial conditions and temperatures.
-  subroutine describe_conditions(table)
+  subroutine describe_initial_conditions(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('INITIAL CONDITIONS', IN_MODEL, 'What the bodies start with.', data='TEMPERATURE: node or node ' // &
+    call table%card('INITIAL CONDITIONS', SCOPE_MODEL, 'What the bodies start with.', data='TEMPERATURE: node or node ' // &
       'set, temperature. STRESS, PLASTIC STRAIN: element or element set, in the calculix dialect integration point, ' // &
       'six components 11 22 33 12 13 23. HARDENING: element or element set, equivalent plastic strain, six back ' // &
       'stresses. SOLUTION: element or element set, the STATEV of its points, in further lines of eight')
     call table%option('TYPE', VALUE_WORD, 'What is given. DISPLACEMENT, which CalculiX takes too, changes nothing in a static ' // &
       'step.', allowed='TEMPERATURE|STRESS|PLASTIC STRAIN|HARDENING|SOLUTION|DISPLACEMENT', default='required')
-    call table%refuse_words('VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|FIELD|' // &
+    call table%reject_words('VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|FIELD|' // &
       'RATIO|SATURATION|PORE PRESSURE|SPECIFIC ENERGY|SPUD EMBEDMENT|SPUD PRELOAD|RELATIVE DENSITY|CONCENTRATION|' // &
       'ENRICHMENT|FLUID PRESSURE|ROTATING VELOCITY|NODE REF COORDINATE|REF COORDINATE|REBAR STRESS|POROSITY|' // &
       'INITIAL GAP|ACOUSTIC STATIC PRESSURE', 'A quasi-static job starts at rest and undeformed.')
     call table%option('USER', VALUE_NONE, 'SOLUTION: the routine SDVINI of the user gives the STATEV.')
     call table%option('FILE|INPUT|STEP|INC|GEOSTATIC|SECTION POINTS|UNBALANCED STRESS|MIDSIDE|INTERPOLATE|NUMBER ' // &
-      'BACKSTRESSES|DRIVING ELSETS|REBAR', VALUE_TEXT, 'Give the values.', status=STATUS_REFUSED)
-    call table%card('TEMPERATURE', IN_STEP, 'Prescribes nodal temperatures, which go to their values over the step.', &
+      'BACKSTRESSES|DRIVING ELSETS|REBAR', VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
+    call table%card('TEMPERATURE', SCOPE_STEP, 'Prescribes nodal temperatures, which go to their values over the step.', &
       data='node or node set, temperature')
     call table%option('AMPLITUDE', VALUE_NAME, 'The temperature is the value times the amplitude.')
     call table%option('OP', VALUE_WORD, 'NEW: nodes not given again go back to their initial temperature.', &
       allowed='MOD|NEW', default='MOD')
-    call table%option('USER', VALUE_NONE, 'There are no user subroutines; give the values.', status=STATUS_REFUSED)
+    call table%option('USER', VALUE_NONE, 'There are no user subroutines; give the values.', status=ENTRY_REJECTED)
     call table%option('FILE|BSTEP|BINC|ESTEP|EINC|INPUT|MIDSIDE|INTERPOLATE|SUBMODEL|STEP|DATA SET|TIME DELAY', &
-      VALUE_TEXT, 'Give the values.', status=STATUS_REFUSED)
-  end subroutine describe_conditions
+      VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
+  end subroutine describe_initial_conditions
 
 end module amontons_card_materials

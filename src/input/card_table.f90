@@ -5,8 +5,8 @@
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
-  use amontons_card_schema, only: card_table_type, render_table, IN_MODEL, IN_STEP, IN_BOTH, STATUS_NOTED, &
-    STATUS_REFUSED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
+  use amontons_card_schema, only: card_table_type, render_card_table, SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_IGNORED, &
+    ENTRY_REJECTED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
     VALUE_OPTIONAL_REAL
   implicit none
   private
@@ -28,16 +28,16 @@ contains
     call describe_contact(table)
     call describe_contact_changes(table)
     call describe_amplitude_and_equation(table)
-    call describe_bonds(table)
+    call describe_couplings(table)
     call describe_loads(table)
     call describe_steps(table)
     call describe_controls(table)
     call describe_prints(table)
     call describe_files(table)
-    call describe_noted(table)
-    call describe_refused_materials(table)
-    call describe_refused_procedures(table)
-    call describe_refused_parts(table)
+    call describe_ignored(table)
+    call describe_rejected_materials(table)
+    call describe_rejected_procedures(table)
+    call describe_rejected_parts(table)
   end subroutine make_card_table
 
 
@@ -46,88 +46,92 @@ contains
     character(:), allocatable, intent(out) :: text
     type(card_table_type) :: table
     call make_card_table(table)
-    call render_table(table, text)
+    call render_card_table(table, text)
   end subroutine list_cards
 
 
   !> Heading, nodes, elements, sets, surfaces.
   subroutine describe_mesh(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('HEADING', IN_MODEL, 'Text that describes the job; it is kept with the results.', data='free text')
-    call table%card('INCLUDE', IN_BOTH, 'Reads another file in place of this card; the file is looked for beside ' // &
+    call table%card('HEADING', SCOPE_MODEL, 'Text that describes the job; it is kept with the results.', data='free text')
+    call table%card('INCLUDE', SCOPE_BOTH, 'Reads another file in place of this card; the file is looked for beside ' // &
       'this one first.')
     call table%option('INPUT', VALUE_TEXT, 'Path of the file.', default='required')
 
-    call table%card('PART', IN_MODEL, 'Starts a part: nodes, elements, sets, surfaces and sections, written once for each of ' // &
+    call table%card('PART', SCOPE_MODEL, 'Starts a part: nodes, elements, sets, surfaces and sections, written once for each of ' &
+      // &
       'its instances before the deck is read.')
     call table%option('NAME', VALUE_NAME, 'Name of the part.', default='required')
-    call table%card('END PART', IN_MODEL, 'Ends the part.')
-    call table%card('ASSEMBLY', IN_MODEL, 'Starts the assembly: instances, and sets and surfaces over them.')
-    call table%option('NAME', VALUE_NAME, 'A name.', status=STATUS_NOTED)
-    call table%card('END ASSEMBLY', IN_MODEL, 'Ends the assembly.')
-    call table%card('INSTANCE', IN_MODEL, 'Puts a part into the assembly; its sets are called INSTANCE.SET from then on, its ' // &
+    call table%card('END PART', SCOPE_MODEL, 'Ends the part.')
+    call table%card('ASSEMBLY', SCOPE_MODEL, 'Starts the assembly: instances, and sets and surfaces over them.')
+    call table%option('NAME', VALUE_NAME, 'A name.', status=ENTRY_IGNORED)
+    call table%card('END ASSEMBLY', SCOPE_MODEL, 'Ends the assembly.')
+    call table%card('INSTANCE', SCOPE_MODEL, 'Puts a part into the assembly; its sets are called INSTANCE.SET from then on, its ' &
+      // &
       'nodes INSTANCE.NUMBER.', data='translation of three numbers; second line two points of an axis and an angle in degrees')
     call table%option('NAME', VALUE_NAME, 'Name of the instance.', default='required')
     call table%option('PART', VALUE_NAME, 'Name of the part.', default='required')
-    call table%option('LIBRARY|INSTANCE', VALUE_TEXT, 'Write the part itself.', status=STATUS_REFUSED)
-    call table%card('END INSTANCE', IN_MODEL, 'Ends the instance.')
+    call table%option('LIBRARY|INSTANCE', VALUE_TEXT, 'Write the part itself.', status=ENTRY_REJECTED)
+    call table%card('END INSTANCE', SCOPE_MODEL, 'Ends the instance.')
 
-    call table%card('NODE', IN_MODEL, 'Defines nodes.', data='number, x, y, z')
+    call table%card('NODE', SCOPE_MODEL, 'Defines nodes.', data='number, x, y, z')
     call table%option('NSET', VALUE_NAME, 'Puts the nodes into this node set as well.')
     call table%option('SYSTEM', VALUE_WORD, 'R: x, y, z; C: radius, angle about z in degrees, z; S: radius, angle about z, ' // &
       'angle above the xy plane.', allowed='R|C|S', default='R')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
 
-    call table%card('ELEMENT', IN_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
+    call table%card('ELEMENT', SCOPE_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
       data='number, node, node, ...')
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
       'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
-    call table%differ('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full.')
+    call table%add_dialect_note('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full.')
 
-    call table%card('NGEN', IN_MODEL, 'Makes nodes at equal distances between two nodes.', data='first and last node, step of ' // &
+    call table%card('NGEN', SCOPE_MODEL, 'Makes nodes at equal distances between two nodes.', &
+      data='first and last node, step of ' // &
       'the numbers; with LINE: third node or 0, its x, y, z, with C the normal x, y, z')
     call table%option('NSET', VALUE_NAME, 'Puts these nodes, and the two, into this set.')
     call table%option('LINE', VALUE_WORD, 'C: circle, the third point is its centre; P: parabola, it is the middle.', &
       allowed='C|P', default='straight')
-    call table%card('NFILL', IN_MODEL, 'Makes rows of nodes between the nodes of two sets.', data='first and second set, ' // &
+    call table%card('NFILL', SCOPE_MODEL, 'Makes rows of nodes between the nodes of two sets.', data='first and second set, ' // &
       'intervals, step of the numbers')
     call table%option('NSET', VALUE_NAME, 'Puts these nodes, and those of the two sets, into this set.')
     call table%option('BIAS', VALUE_REAL, 'Length of an interval over that of the next.', default='1')
-    call table%card('NCOPY', IN_MODEL, 'Copies the nodes of a set.', data='translation x, y, z; second line two points of an ' // &
+    call table%card('NCOPY', SCOPE_MODEL, 'Copies the nodes of a set.', &
+      data='translation x, y, z; second line two points of an ' // &
       'axis and an angle in degrees')
     call table%option('OLD SET', VALUE_NAME, 'The set.', default='required')
     call table%option('CHANGE NUMBER', VALUE_INTEGER, 'Added to the numbers.', default='required')
     call table%option('SHIFT', VALUE_NONE, 'The copies are moved and turned.', default='required')
     call table%option('MULTIPLE', VALUE_INTEGER, 'Number of copies.', default='1')
     call table%option('NEW SET', VALUE_NAME, 'Set of the copies.')
-    call table%card('ELGEN', IN_MODEL, 'Makes rows and layers of an element.', data='element; then for row, rows, ' // &
+    call table%card('ELGEN', SCOPE_MODEL, 'Makes rows and layers of an element.', data='element; then for row, rows, ' // &
       'layers: their number, step of the nodes, step of the elements')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements, and the first, into this set.')
-    call table%card('ELCOPY', IN_MODEL, 'Copies the elements of a set.')
+    call table%card('ELCOPY', SCOPE_MODEL, 'Copies the elements of a set.')
     call table%option('OLD SET', VALUE_NAME, 'The set.', default='required')
     call table%option('ELEMENT SHIFT', VALUE_INTEGER, 'Added to the numbers of the elements.', default='required')
     call table%option('SHIFT NODES', VALUE_INTEGER, 'Added to the numbers of the nodes.', default='0')
     call table%option('NEW SET', VALUE_NAME, 'Set of the copies.')
 
-    call table%card('NSET', IN_BOTH, 'Defines a node set or extends it.', &
+    call table%card('NSET', SCOPE_BOTH, 'Defines a node set or extends it.', &
       data='node numbers and names of node sets; with GENERATE first, last, step')
     call table%option('NSET', VALUE_NAME, 'Name of the set.', default='required')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of node numbers.')
     call table%option('ELSET', VALUE_NAME, 'Takes the nodes of the elements of this element set.')
-    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
+    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=ENTRY_IGNORED)
     call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
-    call table%differ('Numbers of nodes that do not exist are errors under abaqus, notes under calculix.')
+    call table%add_dialect_note('Numbers of nodes that do not exist are errors under abaqus, notes under calculix.')
 
-    call table%card('ELSET', IN_BOTH, 'Defines an element set or extends it.', &
+    call table%card('ELSET', SCOPE_BOTH, 'Defines an element set or extends it.', &
       data='element numbers and names of element sets; with GENERATE first, last, step')
     call table%option('ELSET', VALUE_NAME, 'Name of the set.', default='required')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of element numbers.')
-    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
+    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=ENTRY_IGNORED)
     call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
 
-    call table%card('SURFACE', IN_MODEL, 'Defines a surface: element faces, nodes, or an analytic rigid one.', &
+    call table%card('SURFACE', SCOPE_MODEL, 'Defines a surface: element faces, nodes, or an analytic rigid one.', &
       data='element or element set, face S1 to S6 or nothing: all free faces, or the faces ' // &
       'under plane elements that a mesh generator wrote with the solids; with TYPE=NODE node or node set; with ' // &
       'SEGMENTS, CYLINDER, REVOLUTION the local axes, then START, LINE, CIRCL')
@@ -135,126 +139,127 @@ contains
     call table%option('TYPE', VALUE_WORD, 'Faces, nodes (slaves only), or an analytic surface (masters only, with *RIGID ' // &
       'BODY): a profile in the plane, drawn out, or turned about an axis.', allowed= &
       'ELEMENT|NODE|SEGMENTS|CYLINDER|REVOLUTION', default='ELEMENT')
-    call table%refuse_words('CUTTING SURFACE|USER|EULERIAN MATERIAL', &
+    call table%reject_words('CUTTING SURFACE|USER|EULERIAN MATERIAL', &
       'Mesh the body and give its element faces.')
-    call table%option('INTERNAL', VALUE_NONE, '', status=STATUS_NOTED)
-    call table%option('TRIM|PROPERTY|DEFINITION', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('INTERNAL', VALUE_NONE, '', status=ENTRY_IGNORED)
+    call table%option('TRIM|PROPERTY|DEFINITION', VALUE_TEXT, '', status=ENTRY_IGNORED)
     call table%option('FILLET RADIUS', VALUE_REAL, 'Rounds corners between lines of an analytic surface.')
     call table%option('COMBINE|CROP|SCALE|MAX RATIO', VALUE_TEXT, 'Give element faces.', &
-      status=STATUS_REFUSED)
+      status=ENTRY_REJECTED)
   end subroutine describe_mesh
 
 
   !> Interactions and contact pairs.
   subroutine describe_contact(table)
     type(card_table_type), intent(inout) :: table
-    character(*), parameter :: EXACT = 'HARD contact is enforced exactly, without a penalty.'
-    call table%card('SURFACE INTERACTION', IN_MODEL, 'Starts an interaction; SURFACE BEHAVIOR and FRICTION follow.', &
+    character(*), parameter :: HARD_CONTACT_TEXT = 'HARD contact is enforced exactly, without a penalty.'
+    call table%card('SURFACE INTERACTION', SCOPE_MODEL, 'Starts an interaction; SURFACE BEHAVIOR and FRICTION follow.', &
       data='one line, which is ignored; with USER the properties of UINTER, eight in each')
     call table%option('NAME', VALUE_NAME, 'Name of the interaction.', default='required')
     call table%option('PAD THICKNESS|TRACKING THICKNESS', VALUE_TEXT, 'Surfaces have no thickness.', &
-      status=STATUS_REFUSED)
+      status=ENTRY_REJECTED)
     call table%option('USER', VALUE_NONE, 'The whole law is by the user routine UINTER; the properties follow the first line.')
     call table%option('DEPVAR', VALUE_INTEGER, 'USER: number of STATEV at each slave node.', default='0')
     call table%option('PROPERTIES', VALUE_INTEGER, 'USER: number of properties, in lines of eight.', default='0')
-    call table%option('UNSYMM', VALUE_NONE, 'The tangent always is what it is.', status=STATUS_NOTED)
+    call table%option('UNSYMM', VALUE_NONE, 'The tangent always is what it is.', status=ENTRY_IGNORED)
 
-    call table%card('SURFACE BEHAVIOR', IN_BOTH, 'The law normal to the surfaces; without this card it is HARD.', &
+    call table%card('SURFACE BEHAVIOR', SCOPE_BOTH, 'The law normal to the surfaces; without this card it is HARD.', &
       parent='SURFACE INTERACTION|CHANGE SURFACE BEHAVIOR', data='none with HARD; LINEAR: stiffness, tension at large ' // &
       'gaps (missing: none; calculix dialect: E/70000), reach; EXPONENTIAL: gap where pressure begins, pressure at ' // &
       'gap zero; TABULAR: pressure, overclosure in each line; TIED: stiffness')
     call table%option('PRESSURE-OVERCLOSURE', VALUE_WORD, 'HARD: no penetration and no tension, exactly (calculix ' // &
       'dialect: LINEAR with 50 times Young''s modulus of the first material). The others give way.', allowed= &
       'HARD|LINEAR|EXPONENTIAL|TABULAR|TIED', default='HARD')
-    call table%refuse_words('SCALE FACTOR|USER', 'Use HARD, which needs no stiffness.')
-    call table%option('PENALTY|AUGMENTED LAGRANGE|DIRECT', VALUE_OPTIONAL_WORD, EXACT, allowed='LINEAR|NONLINEAR', &
-      status=STATUS_NOTED)
-    call table%option('NO SEPARATION', VALUE_NONE, 'Surfaces that touch may always part again.', status=STATUS_REFUSED)
-    call table%differ('abaqus: HARD is exact; calculix: HARD is LINEAR with 50 E of the first material.')
+    call table%reject_words('SCALE FACTOR|USER', 'Use HARD, which needs no stiffness.')
+    call table%option('PENALTY|AUGMENTED LAGRANGE|DIRECT', VALUE_OPTIONAL_WORD, HARD_CONTACT_TEXT, allowed='LINEAR|NONLINEAR', &
+      status=ENTRY_IGNORED)
+    call table%option('NO SEPARATION', VALUE_NONE, 'Surfaces that touch may always part again.', status=ENTRY_REJECTED)
+    call table%add_dialect_note('abaqus: HARD is exact; calculix: HARD is LINEAR with 50 E of the first material.')
 
-    call table%card('FRICTION', IN_BOTH, 'Coulomb friction; without this card the surfaces are frictionless.', &
+    call table%card('FRICTION', SCOPE_BOTH, 'Coulomb friction; without this card the surfaces are frictionless.', &
       parent='SURFACE INTERACTION|CHANGE FRICTION', data='coefficient of friction; one line (calculix ' // &
       'dialect: coefficient, stick slope)')
     call table%option('SLIP TOLERANCE|ELASTIC SLIP', VALUE_REAL, 'Under exact contact a node sticks ' // &
-      'without any slip, which every tolerance allows; a compliant law has a stick slope of its own.', status=STATUS_NOTED)
+      'without any slip, which every tolerance allows; a compliant law has a stick slope of its own.', status=ENTRY_IGNORED)
     call table%option('LAGRANGE', VALUE_NONE, 'Under exact contact sticking is exact; a compliant law has a ' // &
-      'stick slope.', status=STATUS_NOTED)
+      'stick slope.', status=ENTRY_IGNORED)
     call table%option('ROUGH', VALUE_NONE, 'Surfaces that touch never slip; no data line.')
     call table%option('TAUMAX', VALUE_REAL, 'Largest shear stress, whatever the pressure.')
     call table%option('USER', VALUE_OPTIONAL_WORD, 'Friction is by the user routine FRIC; the data lines are its properties.', &
       allowed='FRIC')
-    call table%refuse_words('COEFFICIENT', 'Write it as FRIC.')
+    call table%reject_words('COEFFICIENT', 'Write it as FRIC.')
     call table%option('DEPVAR', VALUE_INTEGER, 'USER: number of STATEV at each slave node.', default='0')
     call table%option('PROPERTIES', VALUE_INTEGER, 'USER: number of properties, in lines of eight.', default='0')
     call table%option('EXPONENTIAL DECAY|ANISOTROPIC|DEPENDENCIES|TEST DATA', VALUE_TEXT, &
-      'The coefficient of friction is one constant.', status=STATUS_REFUSED)
-    call table%differ('The second number is a slip rate under abaqus, which is refused, and the stick slope under calculix. A ' // &
+      'The coefficient of friction is one constant.', status=ENTRY_REJECTED)
+    call table%add_dialect_note('The second number is a slip rate under abaqus, which is refused, and the stick slope under ' // &
+      'calculix. A ' // &
       'compliant law without one takes a hundredth of its slope of pressure (abaqus), half of E (calculix).')
 
-    call table%card('CONTACT PAIR', IN_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
+    call table%card('CONTACT PAIR', SCOPE_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
     call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')
     call table%option('TYPE', VALUE_WORD, 'How contact is enforced: at the nodes of the slave, or in the mean over its ' // &
       'faces by a dual mortar method (all other words); SURFACE TO SURFACE in the calculix dialect: by springs at points ' // &
       'of its faces.', &
       allowed='NODE TO SURFACE|SURFACE TO SURFACE|MORTAR|LINMORTAR|PGLINMORTAR', default='NODE TO SURFACE')
-    call table%refuse_words('MASSLESS', 'Use NODE TO SURFACE or SURFACE TO SURFACE.')
+    call table%reject_words('MASSLESS', 'Use NODE TO SURFACE or SURFACE TO SURFACE.')
     call table%option('SMALL SLIDING', VALUE_NONE, 'Each slave node keeps the facet and the normal of the start ' // &
       'of the step.')
     call table%option('ADJUST', VALUE_TEXT, 'Slave nodes nearer than this distance are moved onto the master, ' // &
       'without stress.')
     call table%option('SMOOTH|EXTENSION ZONE|HCRIT|TRACKING|SUPPLEMENTARY CONSTRAINTS|CPSET|MINIMUM DISTANCE|' // &
       'MECHANICAL CONSTRAINT|WEIGHT|GEOMETRIC CORRECTION', VALUE_TEXT, 'The search and the normals are our own.', &
-      status=STATUS_NOTED)
-    call table%option('NO THICKNESS', VALUE_NONE, 'The faces of solids have none.', status=STATUS_NOTED)
-    call table%option('TIED', VALUE_NONE, 'A pair parts and slides; use *TIE.', status=STATUS_REFUSED)
-    call table%option('OP', VALUE_TEXT, 'Use *MODEL CHANGE, TYPE=CONTACT PAIR.', status=STATUS_REFUSED)
+      status=ENTRY_IGNORED)
+    call table%option('NO THICKNESS', VALUE_NONE, 'The faces of solids have none.', status=ENTRY_IGNORED)
+    call table%option('TIED', VALUE_NONE, 'A pair parts and slides; use *TIE.', status=ENTRY_REJECTED)
+    call table%option('OP', VALUE_TEXT, 'Use *MODEL CHANGE, TYPE=CONTACT PAIR.', status=ENTRY_REJECTED)
 
-    call table%card('CLEARANCE', IN_MODEL, 'The gap of a contact pair at the start, whatever the mesh says.')
-    call table%differ('calculix: without effect on TYPE=NODE TO SURFACE.')
+    call table%card('CLEARANCE', SCOPE_MODEL, 'The gap of a contact pair at the start, whatever the mesh says.')
+    call table%add_dialect_note('calculix: without effect on TYPE=NODE TO SURFACE.')
     call table%option('SLAVE', VALUE_NAME, 'Slave surface of the pair.', default='required')
     call table%option('MASTER', VALUE_NAME, 'Its master surface.', default='required')
     call table%option('VALUE', VALUE_REAL, 'The gap; negative is overclosure.', default='required')
-    call table%option('TABULAR|BOLT|CPSET', VALUE_TEXT, 'Give one VALUE for the pair.', status=STATUS_REFUSED)
+    call table%option('TABULAR|BOLT|CPSET', VALUE_TEXT, 'Give one VALUE for the pair.', status=ENTRY_REJECTED)
   end subroutine describe_contact
 
 
   !> What a step changes of interactions and pairs.
   subroutine describe_contact_changes(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('CHANGE FRICTION', IN_STEP, 'Changes friction from this step on; FRICTION follows.')
+    call table%card('CHANGE FRICTION', SCOPE_STEP, 'Changes friction from this step on; FRICTION follows.')
     call table%option('INTERACTION', VALUE_NAME, 'The surface interaction.', default='required')
-    call table%option('RESET', VALUE_NONE, 'Write the *FRICTION that holds from this step on.', status=STATUS_REFUSED)
-    call table%card('CHANGE SURFACE BEHAVIOR', IN_STEP, 'Changes the law of pressure from this step on; SURFACE ' // &
+    call table%option('RESET', VALUE_NONE, 'Write the *FRICTION that holds from this step on.', status=ENTRY_REJECTED)
+    call table%card('CHANGE SURFACE BEHAVIOR', SCOPE_STEP, 'Changes the law of pressure from this step on; SURFACE ' // &
       'BEHAVIOR follows.')
     call table%option('INTERACTION', VALUE_NAME, 'The surface interaction.', default='required')
-    call table%card('MODEL CHANGE', IN_STEP, 'Takes elements or contact pairs out of the model or puts them back, from ' // &
+    call table%card('MODEL CHANGE', SCOPE_STEP, 'Takes elements or contact pairs out of the model or puts them back, from ' // &
       'this step on.', data='slave surface, master surface; or elements and element sets')
     call table%option('TYPE', VALUE_WORD, 'What is changed.', allowed='CONTACT PAIR|ELEMENT', default='ELEMENT')
     call table%option('ADD', VALUE_OPTIONAL_WORD, 'Puts back; elements start free of strain where their nodes are then, or ' // &
       'with the strain since the start of the job.', allowed='STRAIN FREE|WITH STRAIN', default='STRAIN FREE')
     call table%option('REMOVE', VALUE_NONE, 'Takes out; nodes without elements then stay where they are.')
-    call table%card('CHANGE MATERIAL', IN_STEP, 'Changes a material from this step on; CHANGE PLASTIC follows.')
+    call table%card('CHANGE MATERIAL', SCOPE_STEP, 'Changes a material from this step on; CHANGE PLASTIC follows.')
     call table%option('NAME', VALUE_NAME, 'The material.', default='required')
-    call table%card('CHANGE PLASTIC', IN_STEP, 'Changes the hardening curve from this step on.', parent='CHANGE MATERIAL', &
+    call table%card('CHANGE PLASTIC', SCOPE_STEP, 'Changes the hardening curve from this step on.', parent='CHANGE MATERIAL', &
       data='yield stress, equivalent plastic strain (the first 0), temperature')
     call table%option('HARDENING', VALUE_WORD, 'As with PLASTIC, which must have the same.', &
       allowed='ISOTROPIC|KINEMATIC|COMBINED', default='ISOTROPIC')
-    call table%refuse_words('USER', 'Give a table.')
-    call table%card('CHANGE SOLID SECTION', IN_STEP, 'Gives the elements of a set another material from this step on.')
+    call table%reject_words('USER', 'Give a table.')
+    call table%card('CHANGE SOLID SECTION', SCOPE_STEP, 'Gives the elements of a set another material from this step on.')
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
-    call table%option('ORIENTATION', VALUE_NAME, 'The axes stay those of *SOLID SECTION.', status=STATUS_REFUSED)
-    call table%card('CONTACT INTERFERENCE', IN_STEP, 'An overclosure that is allowed at the start of the step and goes ' // &
+    call table%option('ORIENTATION', VALUE_NAME, 'The axes stay those of *SOLID SECTION.', status=ENTRY_REJECTED)
+    call table%card('CONTACT INTERFERENCE', SCOPE_STEP, 'An overclosure that is allowed at the start of the step and goes ' // &
       'to zero over it.', data='slave surface, master surface, overclosure; with SHRINK no overclosure')
     call table%option('SHRINK', VALUE_NONE, 'Each node is allowed the overclosure that it has at the start of the step.')
-    call table%option('AMPLITUDE|OP|TYPE', VALUE_TEXT, 'The overclosure goes linearly to zero.', status=STATUS_REFUSED)
+    call table%option('AMPLITUDE|OP|TYPE', VALUE_TEXT, 'The overclosure goes linearly to zero.', status=ENTRY_REJECTED)
   end subroutine describe_contact_changes
 
 
   !> Amplitudes and equations.
   subroutine describe_amplitude_and_equation(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('AMPLITUDE', IN_BOTH, 'Factors over time: a table, linear in between and constant outside, or a formula.', &
+    call table%card('AMPLITUDE', SCOPE_BOTH, 'Factors over time: a table, linear in between and constant outside, or a formula.', &
       data='time, factor, time, factor, ...; EQUALLY SPACED: factors; PERIODIC: n, omega, t0, A0, then n pairs A, B; ' // &
       'MODULATED: A0, A, t0, omega 1, omega 2; DECAY: A0, A, t0, td')
     call table%option('NAME', VALUE_NAME, 'Name of the amplitude.', default='required')
@@ -262,28 +267,28 @@ contains
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('VALUE', VALUE_WORD, 'The values multiply that of the load, or are the load themselves.', &
       allowed='RELATIVE|ABSOLUTE', default='RELATIVE')
-    call table%differ('VALUE=ABSOLUTE is passed over under calculix, which does not know it.')
+    call table%add_dialect_note('VALUE=ABSOLUTE is passed over under calculix, which does not know it.')
     call table%option('DEFINITION', VALUE_WORD, 'A table; factors at equal distances; a table with smooth steps; Fourier ' // &
       'series; product of two sines; exponential decay; the routine UAMP.', allowed= &
       'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY|USER', default='TABULAR')
-    call table%refuse_words('SOLUTION DEPENDENT|ACTUATOR|SPECTRUM|BUBBLE', 'Give a table of time and factor.')
+    call table%reject_words('SOLUTION DEPENDENT|ACTUATOR|SPECTRUM|BUBBLE', 'Give a table of time and factor.')
     call table%option('FIXED INTERVAL', VALUE_REAL, 'EQUALLY SPACED: the distance of the times.')
     call table%option('BEGIN', VALUE_REAL, 'EQUALLY SPACED: the first time.', default='0')
     call table%option('SHIFTX|SHIFTY', VALUE_REAL, 'Added to all times, to all factors.', default='0')
-    call table%option('SMOOTH', VALUE_TEXT, 'It rounds the corners of rates, which do not count here.', status=STATUS_NOTED)
+    call table%option('SMOOTH', VALUE_TEXT, 'It rounds the corners of rates, which do not count here.', status=ENTRY_IGNORED)
     call table%option('PROPERTIES', VALUE_INTEGER, 'DEFINITION=USER: number of properties of UAMP, in lines of eight.', &
       default='0')
     call table%option('VARIABLES', VALUE_INTEGER, 'DEFINITION=USER: number of variables that UAMP keeps.', default='0')
-    call table%option('USER', VALUE_TEXT, 'Write DEFINITION=USER.', status=STATUS_REFUSED)
+    call table%option('USER', VALUE_TEXT, 'Write DEFINITION=USER.', status=ENTRY_REJECTED)
 
-    call table%card('TIME POINTS', IN_BOTH, 'Times at which results are wanted; increments end there. PRINT, FILE and ' // &
+    call table%card('TIME POINTS', SCOPE_BOTH, 'Times at which results are wanted; increments end there. PRINT, FILE and ' // &
       'OUTPUT cards name them.', data='times in ascending order, any number in a line; with GENERATE first, last, distance')
     call table%option('NAME', VALUE_NAME, 'Name of the list.', default='required')
     call table%option('TIME', VALUE_WORD, 'Time since the start of the step or of the job.', allowed= &
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of times.')
 
-    call table%card('EQUATION', IN_BOTH, 'Sums of displacements that are zero; the first term is the one ' // &
+    call table%card('EQUATION', SCOPE_BOTH, 'Sums of displacements that are zero; the first term is the one ' // &
       'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, ' // &
       'in a step: node or node set, first and last degree of freedom')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
@@ -293,27 +298,28 @@ contains
 
 
   !> Directions of nodes, and what binds displacements together.
-  subroutine describe_bonds(table)
+  subroutine describe_couplings(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('TRANSFORM', IN_MODEL, 'Gives the degrees of freedom of nodes directions of their own, for ' // &
+    call table%card('TRANSFORM', SCOPE_MODEL, 'Gives the degrees of freedom of nodes directions of their own, for ' // &
       '*BOUNDARY, *CLOAD, *EQUATION and *NODE PRINT.', data='TYPE=R: a point on the local x axis, one in the xy ' // &
       'plane; TYPE=C: two points of the axis (directions: out, around, along)')
     call table%option('NSET', VALUE_NAME, 'The nodes.', default='required')
     call table%option('TYPE', VALUE_WORD, 'Rectangular or cylindrical.', allowed='R|C', default='R')
-    call table%refuse_words('S', 'Use R or C.')
+    call table%reject_words('S', 'Use R or C.')
 
-    call table%card('MPC', IN_MODEL, 'Constraints between nodes: PLANE (all nodes stay in the plane of the first ' // &
+    call table%card('MPC', SCOPE_MODEL, 'Constraints between nodes: PLANE (all nodes stay in the plane of the first ' // &
       'three), STRAIGHT (on the line through the first two), BEAM (calculix: the distance of two nodes stays; ' // &
       'abaqus: the first is fixed rigidly to the second), LINK (their distance stays), TIE and PIN (the first moves ' // &
       'as the second), MEANROT (the ' // &
       'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
       'node, node, node, other, other, other, last node, whose first coordinate is the largest distance).', &
       data='kind, nodes or node sets; of a kind of two nodes also two sets of as many nodes, or a set and a node')
-    call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=STATUS_REFUSED)
-    call table%differ('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. PLANE, ' // &
+    call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=ENTRY_REJECTED)
+    call table%add_dialect_note('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. PLANE, ' &
+      // &
       'STRAIGHT, BEAM and DIST turn NLGEOM on for all steps under calculix.')
 
-    call table%card('RIGID BODY', IN_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
+    call table%card('RIGID BODY', SCOPE_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
       'freedom 4 to 6 are the rotation vector.')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('NSET', VALUE_NAME, 'The nodes; or')
@@ -323,27 +329,27 @@ contains
     call table%option('PIN NSET', VALUE_NAME, 'The nodes: those of solids have no rotations, and a pin is as good as a weld.')
     call table%option('TIE NSET', VALUE_NAME, 'The same.')
     call table%option('POSITION', VALUE_WORD, 'Where the reference node is: where *NODE says.', allowed='INPUT', default='INPUT')
-    call table%refuse_words('CENTER OF MASS', 'Give the reference node its place.')
+    call table%reject_words('CENTER OF MASS', 'Give the reference node its place.')
     call table%option('ISOTHERMAL|DENSITY|OFFSET|NODAL THICKNESS', VALUE_TEXT, 'A rigid body has neither mass nor thickness.', &
-      status=STATUS_NOTED)
+      status=ENTRY_IGNORED)
 
-    call table%card('COUPLING', IN_MODEL, 'Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows.')
+    call table%card('COUPLING', SCOPE_MODEL, 'Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows.')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('SURFACE', VALUE_NAME, 'The surface.', default='required')
     call table%option('ORIENTATION', VALUE_NAME, 'Directions: of the nodes of the surface (KINEMATIC), or of the ' // &
       'reference node (DISTRIBUTING).')
     call table%option('CONSTRAINT NAME', VALUE_NAME, 'A name.')
-    call table%option('INFLUENCE RADIUS', VALUE_REAL, 'Name a surface that holds the nodes wanted.', status=STATUS_REFUSED)
-    call table%option('ALPHA', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%card('KINEMATIC', IN_MODEL, 'The nodes move with the reference node as a rigid body, in these directions.', &
+    call table%option('INFLUENCE RADIUS', VALUE_REAL, 'Name a surface that holds the nodes wanted.', status=ENTRY_REJECTED)
+    call table%option('ALPHA', VALUE_TEXT, '', status=ENTRY_IGNORED)
+    call table%card('KINEMATIC', SCOPE_MODEL, 'The nodes move with the reference node as a rigid body, in these directions.', &
       parent='COUPLING', data='first and last degree of freedom (1 to 3; rotations of solids do not exist); none: all')
-    call table%card('DISTRIBUTING', IN_MODEL, 'The reference node moves with the mean rigid motion of the surface; its ' // &
+    call table%card('DISTRIBUTING', SCOPE_MODEL, 'The reference node moves with the mean rigid motion of the surface; its ' // &
       'forces and moments spread over the surface.', parent='COUPLING', &
       data='first and last degree of freedom; of the rotations only those named are bound; none: all')
-    call table%option('COUPLING|WEIGHTING METHOD', VALUE_TEXT, 'Nodes weigh by their area.', status=STATUS_NOTED)
-    call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'Couple the whole surface.', status=STATUS_REFUSED)
+    call table%option('COUPLING|WEIGHTING METHOD', VALUE_TEXT, 'Nodes weigh by their area.', status=ENTRY_IGNORED)
+    call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'Couple the whole surface.', status=ENTRY_REJECTED)
 
-    call table%card('TIE', IN_MODEL, 'Makes two surfaces one: the nodes of the slave stay where they are on the faces ' // &
+    call table%card('TIE', SCOPE_MODEL, 'Makes two surfaces one: the nodes of the slave stay where they are on the faces ' // &
       'of the master.', data='slave surface, master surface')
     call table%option('NAME', VALUE_NAME, 'A name.', default='required')
     call table%option('POSITION TOLERANCE', VALUE_REAL, 'Nodes farther from the master are not tied.', &
@@ -353,40 +359,41 @@ contains
     call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'The slave side moves as the master side, turned by the angle of a ' // &
       'sector; see *CYCLIC SYMMETRY MODEL. The surfaces may be of nodes.')
     call table%option('MULTISTAGE|FLUID PERIODIC|FLUID CYCLIC', VALUE_NONE, 'Model the whole body.', &
-      status=STATUS_REFUSED)
-    call table%option('TIED NSET|NO ROTATION|NO THICKNESS|CONSTRAINT RATIO|CYCLIC', VALUE_TEXT, '', status=STATUS_NOTED)
+      status=ENTRY_REJECTED)
+    call table%option('TIED NSET|NO ROTATION|NO THICKNESS|CONSTRAINT RATIO|CYCLIC', VALUE_TEXT, '', status=ENTRY_IGNORED)
     call table%option('TYPE', VALUE_WORD, 'How the surfaces are tied.', &
       allowed='NODE TO SURFACE|SURFACE TO SURFACE', default='NODE TO SURFACE')
 
-    call table%card('CYCLIC SYMMETRY MODEL', IN_MODEL, 'The model is one of N equal sectors in the circle, loaded alike.', &
+    call table%card('CYCLIC SYMMETRY MODEL', SCOPE_MODEL, 'The model is one of N equal sectors in the circle, loaded alike.', &
       data='two points of the axis: x, y, z, x, y, z')
     call table%option('N', VALUE_INTEGER, 'Sectors in the circle.', default='required')
     call table%option('TIE', VALUE_NAME, 'The *TIE, CYCLIC SYMMETRY of both sides.', default='required')
-    call table%option('ELSET|NGRAPH|CHECK', VALUE_TEXT, 'One sector is computed and written.', status=STATUS_NOTED)
+    call table%option('ELSET|NGRAPH|CHECK', VALUE_TEXT, 'One sector is computed and written.', status=ENTRY_IGNORED)
 
-    call table%card('KINEMATIC COUPLING', IN_MODEL, 'Nodes move with a reference node as a rigid body, in these directions.', &
+    call table%card('KINEMATIC COUPLING', SCOPE_MODEL, 'Nodes move with a reference node as a rigid body, in these directions.', &
       data='node or node set, first and last degree of freedom (1 to 3; rotations of solids do not exist)')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('ORIENTATION', VALUE_NAME, 'Directions at the nodes.')
 
-    call table%card('DISTRIBUTING COUPLING', IN_MODEL, 'Calculix dialect: the displacement of a node is the weighted mean of ' // &
+    call table%card('DISTRIBUTING COUPLING', SCOPE_MODEL, 'Calculix dialect: the displacement of a node is the weighted mean of ' &
+      // &
       'others; its force spreads over them by their weights.', data='node or node set, weight')
     call table%option('ELSET', VALUE_NAME, 'Set of one element DCOUP3D, whose node is the one bound.', default='required')
 
-    call table%card('PRE-TENSION SECTION', IN_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
+    call table%card('PRE-TENSION SECTION', SCOPE_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
       'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &
       data='normal; without it that of the faces, out of their elements: a positive force then pulls the two sides together')
     call table%option('SURFACE', VALUE_NAME, 'Faces of the elements on one side of the section; or')
     call table%option('ELEMENT', VALUE_NAME, 'a truss T3D2, cut at its second node.')
     call table%option('NODE', VALUE_NAME, 'The pre-tension node.', default='required')
-  end subroutine describe_bonds
+  end subroutine describe_couplings
 
 
   !> Prescribed displacements, forces, pressures, gravity.
   subroutine describe_loads(table)
     type(card_table_type), intent(inout) :: table
-    character(*), parameter :: LATER = 'The amplitude runs this much later.'
-    call table%card('BOUNDARY', IN_BOTH, 'Prescribes displacements; before the first step it goes to them over ' // &
+    character(*), parameter :: TIME_DELAY_TEXT = 'The amplitude runs this much later.'
+    call table%card('BOUNDARY', SCOPE_BOTH, 'Prescribes displacements; before the first step it goes to them over ' // &
       'the first step.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
       'PINNED, ENCASTRE, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM')
     call table%option('OP', VALUE_WORD, 'NEW releases what earlier steps prescribed.', allowed='MOD|NEW', default='MOD')
@@ -394,35 +401,36 @@ contains
       'the step.')
     call table%option('FIXED', VALUE_NONE, 'Keeps the displacement that the nodes have at the start of the step.')
     call table%option('TYPE', VALUE_WORD, 'What is prescribed.', allowed='DISPLACEMENT', default='DISPLACEMENT')
-    call table%refuse_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
-    call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
+    call table%reject_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
+    call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
     call table%option('USER', VALUE_NONE, 'The routine DISP of the user gives the displacements.')
-    call describe_case(table)
-    call table%option('MASSLESS|MODEL', VALUE_TEXT, 'Inertia does not count.', status=STATUS_NOTED)
+    call describe_load_case(table)
+    call table%option('MASSLESS|MODEL', VALUE_TEXT, 'Inertia does not count.', status=ENTRY_IGNORED)
     call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the displacements themselves, or ' // &
-      'let the routine DISP give them (USER).', status=STATUS_REFUSED)
-    call table%option('REGION TYPE|BASE NAME', VALUE_TEXT, 'Give the displacements themselves.', status=STATUS_REFUSED)
+      'let the routine DISP give them (USER).', status=ENTRY_REJECTED)
+    call table%option('REGION TYPE|BASE NAME', VALUE_TEXT, 'Give the displacements themselves.', status=ENTRY_REJECTED)
 
-    call table%card('CLOAD', IN_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
+    call table%card('CLOAD', SCOPE_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
     call table%option('OP', VALUE_WORD, 'NEW lets the forces of earlier steps go to zero.', allowed='MOD|NEW', &
       default='MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the force grows linearly over the step.')
-    call table%option('TIME DELAY', VALUE_REAL, LATER, default='0')
-    call describe_case(table)
-    call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=STATUS_NOTED)
+    call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
+    call describe_load_case(table)
+    call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=ENTRY_IGNORED)
     call table%option('FOLLOWER', VALUE_NONE, 'Forces keep their direction; a pressure on faces turns with them.', &
-      status=STATUS_REFUSED)
-    call table%option('USER', VALUE_NONE, 'Give the forces an AMPLITUDE; it may be by the routine UAMP.', status=STATUS_REFUSED)
+      status=ENTRY_REJECTED)
+    call table%option('USER', VALUE_NONE, 'Give the forces an AMPLITUDE; it may be by the routine UAMP.', status=ENTRY_REJECTED)
     call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the forces themselves.', &
-      status=STATUS_REFUSED)
-    call table%option('CYCLIC MODE|REGION TYPE', VALUE_TEXT, 'Write the forces themselves.', status=STATUS_REFUSED)
+      status=ENTRY_REJECTED)
+    call table%option('CYCLIC MODE|REGION TYPE', VALUE_TEXT, 'Write the forces themselves.', status=ENTRY_REJECTED)
 
-    call table%card('DLOAD', IN_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
+    call table%card('DLOAD', SCOPE_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
       'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
       'x, y, z and direction x, y, z of the axis; BX, BY or BZ, force per volume; without a region the whole model')
     call describe_distributed(table)
-    call table%card('DSLOAD', IN_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' // &
+    call table%card('DSLOAD', SCOPE_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' &
+      // &
       'area of the undeformed surface in a direction that stays.', data= &
       'surface, P, pressure; surface, TRVEC, magnitude, direction x, y, z')
     call describe_distributed(table)
@@ -430,14 +438,14 @@ contains
 
 
   !> What loads and supports share: the words for vibrations and for sectors, of which statics has the first.
-  subroutine describe_case(table)
+  subroutine describe_load_case(table)
     type(card_table_type), intent(inout) :: table
     call table%option('LOAD CASE', VALUE_WORD, 'The real part of a load; in statics there is no other.', allowed='1', &
       default='1')
-    call table%refuse_words('2', 'Only vibrations have an imaginary part.')
+    call table%reject_words('2', 'Only vibrations have an imaginary part.')
     call table%option('SECTOR', VALUE_WORD, 'The sector of a cyclic structure.', allowed='1', default='1')
-    call table%refuse_words('2|3|4|5|6|7|8|9|10|11|12', 'All sectors are loaded alike.')
-  end subroutine describe_case
+    call table%reject_words('2|3|4|5|6|7|8|9|10|11|12', 'All sectors are loaded alike.')
+  end subroutine describe_load_case
 
 
   !> What DLOAD and DSLOAD share.
@@ -451,41 +459,41 @@ contains
     call table%option('CONSTANT RESULTANT', VALUE_WORD, 'Under NLGEOM a traction is per undeformed area, which TRVEC then ' // &
       'needs to be told by YES.', allowed='YES|NO', default='NO')
     call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
-    call describe_case(table)
+    call describe_load_case(table)
     call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|REF NODE', &
-      VALUE_TEXT, 'Give pressures on faces.', status=STATUS_REFUSED)
+      VALUE_TEXT, 'Give pressures on faces.', status=ENTRY_REJECTED)
   end subroutine describe_distributed
 
 
   !> Steps, the procedure, the line search.
   subroutine describe_steps(table)
     type(card_table_type), intent(inout) :: table
-    character(*), parameter :: NOT_NEEDED = 'Newton''s method is our own and needs no hint.'
-    call table%card('STEP', IN_BOTH, 'Starts a load step; a line of text after it is its title.', data='free text')
+    character(*), parameter :: NOT_NEEDED_TEXT = 'Newton''s method is our own and needs no hint.'
+    call table%card('STEP', SCOPE_BOTH, 'Starts a load step; a line of text after it is its title.', data='free text')
     call table%option('NLGEOM', VALUE_OPTIONAL_WORD, 'Finite displacements and strains, in this step and all ' // &
       'later ones.', allowed='YES|NO', default='as in the step before')
     call table%option('INC', VALUE_INTEGER, 'Most increments of the step.', default='100')
     call table%option('AMPLITUDE', VALUE_WORD, 'Loads without an amplitude grow linearly, or act in full at once.', &
       allowed='RAMP|STEP', default='RAMP')
-    call table%option('NAME', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED, status=STATUS_NOTED)
+    call table%option('NAME', VALUE_TEXT, '', status=ENTRY_IGNORED)
+    call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED_TEXT, status=ENTRY_IGNORED)
     call table%option('PERTURBATION', VALUE_NONE, 'The step shows what its own loads do to the body at rest, and is forgotten ' // &
       'when it is over; of linear models, before any general step. Calculix dialect: the only step.')
-    call table%option('THERMAL STEADY STATE', VALUE_TEXT, 'There is no flow of heat.', status=STATUS_NOTED)
+    call table%option('THERMAL STEADY STATE', VALUE_TEXT, 'There is no flow of heat.', status=ENTRY_IGNORED)
 
-    call table%card('STATIC', IN_STEP, 'The step is quasi-static.', &
+    call table%card('STATIC', SCOPE_STEP, 'The step is quasi-static.', &
       data='first increment, length of the step, least increment, largest increment; all optional')
     call describe_static(table)
-    call table%card('NO ANALYSIS', IN_STEP, 'The deck is read and checked, as by amontons --check; nothing is solved.')
+    call table%card('NO ANALYSIS', SCOPE_STEP, 'The deck is read and checked, as by amontons --check; nothing is solved.')
 
-    call table%card('VISCO', IN_STEP, 'The step is quasi-static, and materials creep.', &
+    call table%card('VISCO', SCOPE_STEP, 'The step is quasi-static, and materials creep.', &
       data='first increment, length of the step, least increment, largest increment; all optional')
     call describe_static(table)
     call table%option('CETOL', VALUE_REAL, 'Creep is integrated implicitly; choose the largest increment instead.', &
-      status=STATUS_NOTED)
-    call table%option('CREEP', VALUE_WORD, 'Creep is always integrated implicitly.', status=STATUS_NOTED)
+      status=ENTRY_IGNORED)
+    call table%option('CREEP', VALUE_WORD, 'Creep is always integrated implicitly.', status=ENTRY_IGNORED)
 
-    call table%card('LINE SEARCH', IN_STEP, 'The one-step line search of contact, in this step and all later ones ' // &
+    call table%card('LINE SEARCH', SCOPE_STEP, 'The one-step line search of contact, in this step and all later ones ' // &
       '(our own card).')
     call table%option('TYPE', VALUE_WORD, 'NONE: full steps; ALL: one length from all unknowns; GLOBAL: one ' // &
       'length from the slave nodes; NODAL: a length for each slave node; AUTO: we choose.', allowed= &
@@ -494,7 +502,7 @@ contains
       'and moving contact make unsymmetric; LAGGED: by the stiffness of the bodies where the attempt began.', &
       allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
 
-    call table%card('RESTART', IN_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &
+    call table%card('RESTART', SCOPE_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &
       '(To go on with the same deck after a crash, amontons --resume job needs no card.)')
     call table%option('WRITE', VALUE_NONE, 'States are kept from this step on, with the deck, in job.res.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last of each step; 0: none. Under the ' // &
@@ -507,10 +515,10 @@ contains
     call table%option('STEP', VALUE_INTEGER, 'READ: the step to go on from.', default='the last')
     call table%option('INC', VALUE_INTEGER, 'READ: its increment. The rest of the step is done first.', default='the last')
     call table%option('END STEP', VALUE_NONE, 'READ: the step ends at that increment, with the loads that it has reached.')
-    call table%option('ITERATION', VALUE_TEXT, 'There is one state for an increment.', status=STATUS_NOTED)
-    call table%option('NUMBER INTERVAL|TIME MARKS', VALUE_TEXT, 'Use FREQUENCY.', status=STATUS_REFUSED)
+    call table%option('ITERATION', VALUE_TEXT, 'There is one state for an increment.', status=ENTRY_IGNORED)
+    call table%option('NUMBER INTERVAL|TIME MARKS', VALUE_TEXT, 'Use FREQUENCY.', status=ENTRY_REJECTED)
 
-    call table%card('END STEP', IN_STEP, 'Ends the step.')
+    call table%card('END STEP', SCOPE_STEP, 'Ends the step.')
   end subroutine describe_steps
 
 
@@ -524,7 +532,7 @@ contains
     call table%option('TIME RESET', VALUE_NONE, 'The total time at the end of the step is that at its start.')
     call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
       'that at the end of the step before')
-    call table%option('EXPLICIT', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
+    call table%option('EXPLICIT', VALUE_TEXT, 'There is no flow.', status=ENTRY_IGNORED)
     call table%option('STABILIZE', VALUE_OPTIONAL_REAL, 'Damping by the volume carries the step over a loss of stability: the ' // &
       'part of the strain energy that it would dissipate if the step went on as its first increment did.', default= &
       'no damping; alone: 0.0002')
@@ -532,77 +540,78 @@ contains
     call table%option('CONTINUE', VALUE_OPTIONAL_WORD, 'STABILIZE: with the factor of the step before.', allowed='YES|NO', &
       default='NO')
     call table%option('ALLSDTOL', VALUE_TEXT, 'The factor is not changed on the way; history/damped_work tells what was ' // &
-      'dissipated.', status=STATUS_NOTED)
-    call table%differ('STABILIZE is passed over under calculix, which does not know it.')
+      'dissipated.', status=ENTRY_IGNORED)
+    call table%add_dialect_note('STABILIZE is passed over under calculix, which does not know it.')
     call table%option('LONG TERM|ADIABATIC', VALUE_TEXT, 'Only viscoelasticity and heat use it, which are refused.', &
-      status=STATUS_NOTED)
+      status=ENTRY_IGNORED)
     call table%option('RIKS', VALUE_NONE, 'Prescribe the displacement of the loaded nodes in place of their force to go ' // &
-      'past a limit point.', status=STATUS_REFUSED)
-    call table%option('FULLY PLASTIC', VALUE_TEXT, 'Choose the length of the step instead.', status=STATUS_REFUSED)
+      'past a limit point.', status=ENTRY_REJECTED)
+    call table%option('FULLY PLASTIC', VALUE_TEXT, 'Choose the length of the step instead.', status=ENTRY_REJECTED)
   end subroutine describe_static
 
 
   !> The controls of a step.
   subroutine describe_controls(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('CONTROLS', IN_BOTH, 'Changes how a step is solved, in this step and all later ones; in the ' // &
+    call table%card('CONTROLS', SCOPE_BOTH, 'Changes how a step is solved, in this step and all later ones; in the ' // &
       'model, in all steps.', data= &
       'TIME INCREMENTATION: I0, IR, IP, IC, IL, IG, -, IA; second line DF, DC, DB, -, -, -, DD. FIELD: Rn, Cn, -, ' // &
       '-, Rp, -, -, Rl. LINE SEARCH: -, s max, s min. GAP: penetration allowed over the edge of a facet. A blank ' // &
       'field keeps its value.')
     call table%option('PARAMETERS', VALUE_WORD, 'What is changed.', &
       allowed='TIME INCREMENTATION|FIELD|LINE SEARCH|GAP|CONTACT|CONSTRAINTS')
-    call table%refuse_words('VCCT LINEAR SCALING|DIRECT CYCLIC|CFD', &
+    call table%reject_words('VCCT LINEAR SCALING|DIRECT CYCLIC|CFD', &
       'Use TIME INCREMENTATION, FIELD or LINE SEARCH.')
     call table%option('RESET', VALUE_NONE, 'Back to the defaults.')
-    call table%option('ANALYSIS|TYPE', VALUE_TEXT, 'The defaults serve contact.', status=STATUS_NOTED)
+    call table%option('ANALYSIS|TYPE', VALUE_TEXT, 'The defaults serve contact.', status=ENTRY_IGNORED)
     call table%option('FIELD', VALUE_WORD, 'The field that the numbers are for.', allowed='DISPLACEMENT|GLOBAL', &
       default='DISPLACEMENT')
-    call table%refuse_words('ROTATION|TEMPERATURE|PORE FLUID PRESSURE|ELECTRICAL POTENTIAL|HYDROSTATIC FLUID ' // &
+    call table%reject_words('ROTATION|TEMPERATURE|PORE FLUID PRESSURE|ELECTRICAL POTENTIAL|HYDROSTATIC FLUID ' // &
       'PRESSURE|CONCENTRATION|WARPING', 'Displacements are the only field.')
-    call table%differ('The defaults under calculix are near those of CalculiX, under abaqus tighter; --explain shows them.')
+    call table%add_dialect_note('The defaults under calculix are near those of CalculiX, under abaqus tighter; --explain ' // &
+      'shows them.')
   end subroutine describe_controls
 
 
   !> Requests for the .dat file.
   subroutine describe_prints(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('NODE PRINT', IN_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF, NT, COORD')
+    call table%card('NODE PRINT', SCOPE_STEP, 'Prints values of nodes to the .dat file.', data='variables: U, RF, NT, COORD')
     call describe_print(table)
     call table%option('NSET', VALUE_NAME, 'The nodes.', default='all (abaqus), required (calculix)')
     call table%option('GLOBAL', VALUE_WORD, 'Values are in global directions, or in those of *TRANSFORM.', &
       allowed='YES|NO', default='YES (abaqus), NO (calculix)')
-    call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
-    call table%differ('RF: abaqus the reactions of supports; calculix the internal forces. GLOBAL: YES or NO by default.')
+    call table%option('SUMMARY', VALUE_TEXT, '', status=ENTRY_IGNORED)
+    call table%add_dialect_note('RF: abaqus the reactions of supports; calculix the internal forces. GLOBAL: YES or NO by default.')
 
-    call table%card('EL PRINT', IN_STEP, 'Prints values of integration points to the .dat file.', data= &
+    call table%card('EL PRINT', SCOPE_STEP, 'Prints values of integration points to the .dat file.', data= &
       'variables: S, E, ME (without the thermal strain), PEEQ, CEEQ, ENER, ELSE, EVOL, COORD')
     call describe_print(table)
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='all (abaqus), required (calculix)')
     call table%option('GLOBAL', VALUE_WORD, 'Tensors are in global directions, or in the axes of the section.', &
       allowed='YES|NO', default='NO')
-    call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('SUMMARY', VALUE_TEXT, '', status=ENTRY_IGNORED)
     call table%option('POSITION', VALUE_TEXT, 'Values are at the integration points; those at nodes are in the result file.', &
-      status=STATUS_NOTED)
+      status=ENTRY_IGNORED)
 
-    call table%card('CONTACT PRINT', IN_STEP, 'Prints values of slave nodes, and sums over pairs, to the .dat file.', &
+    call table%card('CONTACT PRINT', SCOPE_STEP, 'Prints values of slave nodes, and sums over pairs, to the .dat file.', &
       data='variables: CDIS, CSTR, CELS, CNUM, SCEN; sums over each pair: CF (CFT, CMT, XT, CAREA), CFN (CMN, XN), CFS (CMS, XS)')
     call describe_print(table)
     call table%option('NSET', VALUE_NAME, 'Only these slave nodes; else all.')
     call table%option('SLAVE', VALUE_NAME, 'Only pairs with this slave surface.')
     call table%option('MASTER', VALUE_NAME, 'Only pairs with this master surface.')
-    call table%option('SET', VALUE_NAME, 'All slave nodes are printed.', status=STATUS_NOTED)
-    call table%option('SUMMARY', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('SET', VALUE_NAME, 'All slave nodes are printed.', status=ENTRY_IGNORED)
+    call table%option('SUMMARY', VALUE_TEXT, '', status=ENTRY_IGNORED)
 
-    call table%card('SECTION PRINT', IN_STEP, 'Prints the force and the moment that the stress carries through a ' // &
+    call table%card('SECTION PRINT', SCOPE_STEP, 'Prints the force and the moment that the stress carries through a ' // &
       'surface, its area, centre and mean normal to the .dat file.', data='variables: SOF, SOM, SOAREA; each of them ' // &
       'asks for all')
     call table%option('SURFACE', VALUE_NAME, 'A surface of element faces.', default='required')
     call table%option('NAME', VALUE_NAME, 'Name of the section, which is not needed.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
       default='1')
-    call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
-    call table%option('AXES|UPDATE|OP', VALUE_TEXT, 'Vectors are in global directions.', status=STATUS_NOTED)
+    call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=ENTRY_IGNORED)
+    call table%option('AXES|UPDATE|OP', VALUE_TEXT, 'Vectors are in global directions.', status=ENTRY_IGNORED)
   end subroutine describe_prints
 
 
@@ -611,8 +620,8 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
       default='1')
-    call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
-    call table%option('MODE|LAST MODE', VALUE_TEXT, 'There are no eigenmodes.', status=STATUS_NOTED)
+    call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=ENTRY_IGNORED)
+    call table%option('MODE|LAST MODE', VALUE_TEXT, 'There are no eigenmodes.', status=ENTRY_IGNORED)
     call table%option('TOTALS', VALUE_WORD, 'Prints the sum too, or only the sum.', allowed='NO|YES|ONLY', default='NO')
     call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
   end subroutine describe_print
@@ -626,54 +635,54 @@ contains
     character(*), parameter :: ALL_FIELDS = 'The result file holds all fields at all nodes.'
     integer :: i
     do i = 1, size(NAMES)
-      call table%card(trim(NAMES(i)), IN_STEP, 'Asks for results: job.vtkhdf always holds all fields; under the calculix ' // &
+      call table%card(trim(NAMES(i)), SCOPE_STEP, 'Asks for results: job.vtkhdf always holds all fields; under the calculix ' // &
         'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, ME, THE, PEEQ, ENER, SDV, ERR, NOE; CDIS, ' // &
         'CSTR, CELS')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
       call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
-      call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=STATUS_NOTED)
+      call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=ENTRY_IGNORED)
       call table%option('GLOBAL', VALUE_WORD, 'NO: job.frd has vectors in the directions of *TRANSFORM, tensors in the axes ' // &
         'of the section.', allowed='YES|NO', default='YES')
       call table%option('NSET', VALUE_NAME, 'Calculix dialect: job.frd has these variables at these nodes alone.', &
         default='all nodes')
-      call table%option('ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=STATUS_NOTED)
+      call table%option('ELSET|SET|SLAVE|MASTER|SURFACE|INTERACTION', VALUE_NAME, ALL_FIELDS, status=ENTRY_IGNORED)
       call table%option('OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
-        'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=STATUS_NOTED)
+        'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=ENTRY_IGNORED)
     end do
-    call table%card('OUTPUT', IN_STEP, 'Asks for results in the file; it always holds all fields.', data='none')
+    call table%card('OUTPUT', SCOPE_STEP, 'Asks for results in the file; it always holds all fields.', data='none')
     call table%option('FIELD|HISTORY|DIAGNOSTICS', VALUE_NONE, 'Kind of output.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
     call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
-    call table%option('NUMBER INTERVAL|TIME INTERVAL', VALUE_TEXT, 'Use FREQUENCY or TIME POINTS.', status=STATUS_NOTED)
-    call table%option('NAME|OP|VARIABLE|TIME MARKS|MODE LIST|FILTER', VALUE_TEXT, '', status=STATUS_NOTED)
+    call table%option('NUMBER INTERVAL|TIME INTERVAL', VALUE_TEXT, 'Use FREQUENCY or TIME POINTS.', status=ENTRY_IGNORED)
+    call table%option('NAME|OP|VARIABLE|TIME MARKS|MODE LIST|FILTER', VALUE_TEXT, '', status=ENTRY_IGNORED)
   end subroutine describe_files
 
 
   !> Cards that cannot change the solution.
-  subroutine describe_noted(table)
+  subroutine describe_ignored(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_NOTED, 'PREPRINT|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
+    call table%cards_with(ENTRY_IGNORED, 'PREPRINT|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
       'OUTPUT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
       'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
       'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|DISPLAY BODY|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &
       'we do not write; the result file holds all fields, and forces and moments are in its tables.')
-    call table%cards_with(STATUS_NOTED, 'CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
+    call table%cards_with(ENTRY_IGNORED, 'CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
       'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
       'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no flow of ' // &
       'heat here, so it has no effect.')
-    call table%cards_with(STATUS_NOTED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
+    call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
-    call table%cards_with(STATUS_NOTED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
+    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
       'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS|CONSTRAINT CONTROLS', 'Contact and the solver are our own and need no ' // &
       'such help.')
-  end subroutine describe_noted
+  end subroutine describe_ignored
 
 
   !> Materials, temperatures and directions that we do not have.
-  subroutine describe_refused_materials(table)
+  subroutine describe_rejected_materials(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_REFUSED, 'VISCOELASTIC|HYPOELASTIC|DRUCKER PRAGER|DRUCKER ' // &
+    call table%cards_with(ENTRY_REJECTED, 'VISCOELASTIC|HYPOELASTIC|DRUCKER PRAGER|DRUCKER ' // &
       'PRAGER HARDENING|DRUCKER PRAGER CREEP|CAP PLASTICITY|CAP HARDENING|CLAY PLASTICITY|CLAY HARDENING|' // &
       'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
@@ -683,63 +692,63 @@ contains
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
       'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
       'Give the material with *ELASTIC, *PLASTIC, *CREEP, *HYPERELASTIC or *HYPERFOAM, or by a routine UMAT (*USER MATERIAL).')
-    call table%cards_with(STATUS_REFUSED, 'MOHR COULOMB|MOHR COULOMB HARDENING', 'Give the law by a routine UMAT (*USER ' // &
+    call table%cards_with(ENTRY_REJECTED, 'MOHR COULOMB|MOHR COULOMB HARDENING', 'Give the law by a routine UMAT (*USER ' // &
       'MATERIAL), whose DDSDDE need not be symmetric.')
-    call table%cards_with(STATUS_REFUSED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
+    call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
       'routine UMAT (*USER MATERIAL), which is told the length of the increment.')
-    call table%cards_with(STATUS_REFUSED, 'USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL PROPERTY', &
+    call table%cards_with(ENTRY_REJECTED, 'USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL PROPERTY', &
       'Of the user subroutines there are UMAT, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
-    call table%cards_with(STATUS_REFUSED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
+    call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
-    call table%cards_with(STATUS_REFUSED, 'FIELD|PRESSURE STRESS|MASS FLOW RATE', &
+    call table%cards_with(ENTRY_REJECTED, 'FIELD|PRESSURE STRESS|MASS FLOW RATE', &
       'Give *INITIAL CONDITIONS and *TEMPERATURE.')
-    call table%cards_with(STATUS_REFUSED, 'SYSTEM', 'Give the coordinates of nodes in the global axes; *NODE, SYSTEM=C or S ' // &
+    call table%cards_with(ENTRY_REJECTED, 'SYSTEM', 'Give the coordinates of nodes in the global axes; *NODE, SYSTEM=C or S ' // &
       'takes cylindrical and spherical ones.')
-    call table%cards_with(STATUS_REFUSED, 'TRANSFORMF|NODAL ROTATION', &
+    call table%cards_with(ENTRY_REJECTED, 'TRANSFORMF|NODAL ROTATION', &
       'Supports and forces are in the global Cartesian directions; with skew supports use *EQUATION.')
-  end subroutine describe_refused_materials
+  end subroutine describe_rejected_materials
 
 
   !> Procedures, changes of the model and loads that we do not have.
-  subroutine describe_refused_procedures(table)
+  subroutine describe_rejected_procedures(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_REFUSED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
+    call table%cards_with(ENTRY_REJECTED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
       'FREQUENCY|BUCKLE|HEAT TRANSFER|UNCOUPLED TEMPERATURE-DISPLACEMENT|COUPLED TEMPERATURE-DISPLACEMENT|' // &
       'ELECTROMAGNETICS|GREEN|HCF|CRACK PROPAGATION|SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION|SUBSTRUCTURE ' // &
       'GENERATE|GEOSTATIC|SOILS|ANNEAL|DIRECT CYCLIC|RANDOM RESPONSE|RESPONSE SPECTRUM|MASS DIFFUSION|ACOUSTIC|' // &
       'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
       'EIGENVALUE EXTRACTION|CFD|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
       'deck without solving it, run amontons --check.')
-    call table%cards_with(STATUS_REFUSED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
+    call table%cards_with(ENTRY_REJECTED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
       'INITIALIZATION DATA', 'The model is the same in all steps.')
-    call table%cards_with(STATUS_REFUSED, 'SUBMODEL', 'Write the displacements of the cut boundary themselves into a file ' // &
+    call table%cards_with(ENTRY_REJECTED, 'SUBMODEL', 'Write the displacements of the cut boundary themselves into a file ' // &
       'with *BOUNDARY that *INCLUDE reads, or let the routine DISP give them (*BOUNDARY, USER).')
-    call table%cards_with(STATUS_REFUSED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
+    call table%cards_with(ENTRY_REJECTED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
       'RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|CAVITY DEFINITION|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
       'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|LOAD CASE|END ' // &
       'LOAD CASE|FOUNDATION|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
       'GEOMETRIC CONSTRAINT|GEOMETRIC TOLERANCES|RANDOM FIELD|RETAINED NODAL DOFS|SUBSTRUCTURE MATRIX OUTPUT|' // &
       'SUBSTRUCTURE PATH|SUBSTRUCTURE LOAD CASE', 'The loads are those of *BOUNDARY, *CLOAD and *DLOAD.')
-  end subroutine describe_refused_procedures
+  end subroutine describe_rejected_procedures
 
 
   !> Constraints, structural elements, parts and generators that we do not have.
-  subroutine describe_refused_parts(table)
+  subroutine describe_rejected_parts(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(STATUS_REFUSED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
+    call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
-    call table%cards_with(STATUS_REFUSED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
+    call table%cards_with(ENTRY_REJECTED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
       'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
       'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|HOURGLASS STIFFNESS|REBAR|REBAR LAYER|' // &
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
-    call table%cards_with(STATUS_REFUSED, 'NMAP|PARAMETER|PARAMETER DEPENDENCE|' // &
+    call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
-    call table%cards_with(STATUS_REFUSED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &
+    call table%cards_with(ENTRY_REJECTED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &
       'ASSIGNMENT|SURFACE PROPERTY ASSIGNMENT|SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &
       'IMPACTOR|BOND|GAP ELECTRICAL CONDUCTANCE', 'Name the pairs that may touch with *CONTACT PAIR.')
-  end subroutine describe_refused_parts
+  end subroutine describe_rejected_parts
 
 end module amontons_card_table

@@ -4,18 +4,19 @@
 !! The whole deck stands in one text; lines, cards and fields are positions in it, so that reading costs no copies.
 module amontons_cards
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: complaints_type, error_type, set_error, EXIT_IO
+  use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_IO
   use amontons_containers, only: sort_integers
-  use amontons_text, only: read_plain, read_beside, squeezed, text_of, is_blank, BLANK_CHARACTERS, NEWLINE, parse_integer, &
+  use amontons_text, only: read_text_file, read_relative_file, name_key, to_text, is_blank, BLANK_CHARACTERS, NEWLINE, &
+    parse_integer, &
     parse_real
   implicit none
   private
-  public :: cards_type, parameter_type, row_type, remarks_type
-  public :: open_cards, open_cards_text, publish_remarks, line_text, read_parameters
-  public :: start_text, append_line, find_cards, start_rows, next_row, field_text, field_integer, field_real, is_empty_field
+  public :: cards_type, parameter_type, data_row_type, deck_messages_type
+  public :: open_cards, open_cards_text, publish_messages, line_text, read_parameters
+  public :: start_deck_text, append_line, find_cards, start_rows, next_row, field_text, field_integer, field_real, is_empty_field
 
-  integer, parameter :: MAX_DEPTH = 32          !< includes within includes
-  integer, parameter :: MAX_LISTED = 200        !< errors listed one by one
+  integer, parameter :: MAX_INCLUDE_DEPTH = 32          !< includes within includes
+  integer, parameter :: MAX_LISTED_ERRORS = 200        !< errors listed one by one
 
   !> A file of the deck.
   type :: file_type
@@ -41,7 +42,7 @@ module amontons_cards
   end type parameter_type
 
   !> The cursor over the data rows of a card, and the fields of the present row.
-  type :: row_type
+  type :: data_row_type
     integer :: line = 0                         !< present line
     integer :: n = 0                            !< fields up to the last one that is not empty
     logical :: has_trailing_comma = .false.
@@ -49,28 +50,28 @@ module amontons_cards
     integer(I64), allocatable :: last(:)
     integer, private :: next = 0
     integer, private :: end = 0
-  end type row_type
+  end type data_row_type
 
   !> What the reader has to say, by line of the deck; ordered only when it is published.
-  type :: remark_type
+  type :: deck_message_type
     integer :: line = 0
     logical :: is_warning = .false.
     character(:), allocatable :: text
-  end type remark_type
+  end type deck_message_type
 
-  type :: remarks_type
+  type :: deck_messages_type
     integer :: n = 0
     integer :: n_errors = 0
-    type(remark_type), allocatable, private :: items(:)
+    type(deck_message_type), allocatable, private :: items(:)
   contains
-    procedure :: add => add_remark
-    procedure :: get => get_remark
-  end type remarks_type
+    procedure :: add => add_message
+    procedure :: get => get_message
+  end type deck_messages_type
 
   !> The deck as text, lines, cards.
   type :: cards_type
     character(:), allocatable :: text           !< all lines, includes in place, each ended by a newline
-    integer(I64) :: n_text = 0                  !< used part of it
+    integer(I64) :: text_length = 0                  !< used part of it
     integer :: n_lines = 0
     integer(I64), allocatable :: line_start(:)  !< first character of each line
     integer, allocatable :: line_length(:)      !< without newline and carriage return
@@ -85,54 +86,54 @@ module amontons_cards
 contains
 
   !> Reads a deck from a file. Tries the path as it stands, then with .inp after it.
-  subroutine open_cards(path, cards, remarks, error)
+  subroutine open_cards(path, cards, messages, error)
     character(*), intent(in) :: path
     type(cards_type), intent(out) :: cards
-    type(remarks_type), intent(inout) :: remarks
+    type(deck_messages_type), intent(inout) :: messages
     type(error_type), allocatable, intent(out) :: error   !< EXIT_IO
     character(:), allocatable :: text, taken
     logical :: is_read
-    call start_text(cards)
+    call start_deck_text(cards)
     taken = path
-    call read_plain(taken, text, is_read)
+    call read_text_file(taken, text, is_read)
     if (.not. is_read) then
       taken = path // '.inp'
-      call read_plain(taken, text, is_read)
+      call read_text_file(taken, text, is_read)
     end if
     if (.not. is_read) then
       call set_error(error, EXIT_IO, 'The deck ''' // path // ''' cannot be read, nor ''' // path // '.inp''.')
       return
     end if
-    call append_file(cards, remarks, taken, text, 0, 0)
+    call append_file(cards, messages, taken, text, 0, 0)
     call find_cards(cards)
   end subroutine open_cards
 
 
   !> Takes a deck from memory; its includes are relative to the working directory.
-  subroutine open_cards_text(text, name, cards, remarks)
+  subroutine open_cards_text(text, name, cards, messages)
     character(*), intent(in) :: text
     character(*), intent(in) :: name            !< stands for the file name in messages
     type(cards_type), intent(out) :: cards
-    type(remarks_type), intent(inout) :: remarks
-    call start_text(cards)
-    call append_file(cards, remarks, name, text, 0, 0)
+    type(deck_messages_type), intent(inout) :: messages
+    call start_deck_text(cards)
+    call append_file(cards, messages, name, text, 0, 0)
     call find_cards(cards)
   end subroutine open_cards_text
 
 
   !> An empty deck with room for some lines.
-  subroutine start_text(cards)
+  subroutine start_deck_text(cards)
     type(cards_type), intent(out) :: cards
     allocate (character(65536) :: cards%text)
     allocate (cards%line_start(1024), cards%line_length(1024), cards%line_file(1024), cards%line_number(1024))
     allocate (cards%files(0))
-  end subroutine start_text
+  end subroutine start_deck_text
 
 
   !> Appends a file's lines to the deck; an INCLUDE line becomes a comment that the included lines follow.
-  recursive subroutine append_file(cards, remarks, path, text, parent, parent_line)
+  recursive subroutine append_file(cards, messages, path, text, parent, parent_line)
     type(cards_type), intent(inout) :: cards
-    type(remarks_type), intent(inout) :: remarks
+    type(deck_messages_type), intent(inout) :: messages
     character(*), intent(in) :: path, text
     integer, intent(in) :: parent               !< index of the including file, 0 if none
     integer, intent(in) :: parent_line          !< line number there
@@ -152,10 +153,10 @@ contains
       start = first + int(mark, I64) - 1
       if (is_card) is_card = text(start:start) == '*'
       has_data = .false.
-      if (is_card) has_data = has_input(whole_card(text, first, last), mark)
+      if (is_card) has_data = has_input_file(card_with_continuations(text, first, last), mark)
       if (is_card) is_card = has_data .or. is_include(text(first:last), mark)
       if (is_card) then
-        call include_file(cards, remarks, text, here, first, last, number, has_data)
+        call include_file(cards, messages, text, here, first, last, number, has_data)
       else
         call append_line(cards, text(first:last), here, number)
       end if
@@ -190,7 +191,7 @@ contains
     is_card = .false.
     if (line(mark:mark) /= '*') return
     if (scan(line, 'uU') == 0) return
-    key = squeezed(line)
+    key = name_key(line)
     if (len(key) < 8) return
     is_card = key(:8) == '*INCLUDE'
     if (is_card .and. len(key) > 8) is_card = key(9:9) == ','
@@ -198,7 +199,7 @@ contains
 
 
   !> A keyword line with the lines on which it goes on.
-  pure function whole_card(text, first, last) result(card)
+  pure function card_with_continuations(text, first, last) result(card)
     character(*), intent(in) :: text
     integer(I64), intent(in) :: first, last     !< of the keyword line
     character(:), allocatable :: card, line
@@ -210,11 +211,11 @@ contains
       if (scan(line, '=') == 0) return
       card = card // line
     end do
-  end function whole_card
+  end function card_with_continuations
 
 
   !> Whether a line is a card whose data lines are in a file: NODE, ELEMENT or EQUATION with INPUT.
-  pure function has_input(line, mark) result(has_it)
+  pure function has_input_file(line, mark) result(has_it)
     character(*), intent(in) :: line
     integer, intent(in) :: mark                 !< its first character that is not blank
     logical :: has_it
@@ -222,17 +223,17 @@ contains
     integer :: comma
     has_it = .false.
     if (line(mark:mark) /= '*' .or. index(line, '=') == 0) return
-    key = squeezed(line)
+    key = name_key(line)
     comma = index(key, ',')
     if (index(key, ',INPUT=') == 0) return
     has_it = any(key(:comma - 1) == [character(9) :: '*NODE', '*ELEMENT', '*EQUATION'])
-  end function has_input
+  end function has_input_file
 
 
   !> Follows an INCLUDE card or an INPUT; the continuation lines of the card are taken over as it is.
-  recursive subroutine include_file(cards, remarks, text, here, first, last, number, has_data)
+  recursive subroutine include_file(cards, messages, text, here, first, last, number, has_data)
     type(cards_type), intent(inout) :: cards
-    type(remarks_type), intent(inout) :: remarks
+    type(deck_messages_type), intent(inout) :: messages
     character(*), intent(in) :: text             !< the including file
     integer, intent(in) :: here                  !< its index
     integer(I64), intent(in) :: first            !< start of the card's line
@@ -256,21 +257,21 @@ contains
     end do
     call include_path(card, path)
     if (path == '') then
-      call remarks%add(line, 'INCLUDE needs the name of a file: *INCLUDE, INPUT=name.')
+      call messages%add(line, 'INCLUDE needs the name of a file: *INCLUDE, INPUT=name.')
       return
     end if
     if (is_circular(cards, here, path)) then
-      call remarks%add(line, 'The file ''' // path // ''' includes itself, directly or through others, or the ' // &
-        'includes are deeper than ' // text_of(MAX_DEPTH) // ' levels.')
+      call messages%add(line, 'The file ''' // path // ''' includes itself, directly or through others, or the ' // &
+        'includes are deeper than ' // to_text(MAX_INCLUDE_DEPTH) // ' levels.')
       return
     end if
-    call read_beside(cards%files(here)%path, path, included, is_read)
+    call read_relative_file(cards%files(here)%path, path, included, is_read)
     if (.not. is_read) then
-      call remarks%add(line, 'The included file ''' // path // ''' cannot be read; it is looked for beside the ' // &
+      call messages%add(line, 'The included file ''' // path // ''' cannot be read; it is looked for beside the ' // &
         'including file, then in the working directory.')
       return
     end if
-    call append_file(cards, remarks, path, included, here, line_number)
+    call append_file(cards, messages, path, included, here, line_number)
   end subroutine include_file
 
 
@@ -330,7 +331,7 @@ contains
       f = cards%files(f)%parent
       depth = depth + 1
     end do
-    is_circle = is_circle .or. depth >= MAX_DEPTH
+    is_circle = is_circle .or. depth >= MAX_INCLUDE_DEPTH
   end function is_circular
 
 
@@ -347,13 +348,13 @@ contains
     call reserve_text(cards, int(n, I64) + 1)
     if (cards%n_lines == size(cards%line_start)) call reserve_lines(cards)
     cards%n_lines = cards%n_lines + 1
-    cards%line_start(cards%n_lines) = cards%n_text + 1
+    cards%line_start(cards%n_lines) = cards%text_length + 1
     cards%line_length(cards%n_lines) = n
     cards%line_file(cards%n_lines) = file
     cards%line_number(cards%n_lines) = number
-    cards%text(cards%n_text + 1:cards%n_text + int(n, I64)) = line(:n)
-    cards%n_text = cards%n_text + int(n, I64) + 1
-    cards%text(cards%n_text:cards%n_text) = NEWLINE
+    cards%text(cards%text_length + 1:cards%text_length + int(n, I64)) = line(:n)
+    cards%text_length = cards%text_length + int(n, I64) + 1
+    cards%text(cards%text_length:cards%text_length) = NEWLINE
   end subroutine append_line
 
 
@@ -362,9 +363,9 @@ contains
     type(cards_type), intent(inout) :: cards
     integer(I64), intent(in) :: n_more
     character(:), allocatable :: larger
-    if (cards%n_text + n_more <= len(cards%text, I64)) return
-    allocate (character(2*(cards%n_text + n_more)) :: larger)
-    larger(:cards%n_text) = cards%text(:cards%n_text)
+    if (cards%text_length + n_more <= len(cards%text, I64)) return
+    allocate (character(2*(cards%text_length + n_more)) :: larger)
+    larger(:cards%text_length) = cards%text(:cards%text_length)
     call move_alloc(larger, cards%text)
   end subroutine reserve_text
 
@@ -378,20 +379,20 @@ contains
     allocate (start(2 * n))
     start(:n) = cards%line_start
     call move_alloc(start, cards%line_start)
-    call double(cards%line_length)
-    call double(cards%line_file)
-    call double(cards%line_number)
+    call double_size(cards%line_length)
+    call double_size(cards%line_file)
+    call double_size(cards%line_number)
   end subroutine reserve_lines
 
 
   !> Doubles the size of an array.
-  subroutine double(array)
+  subroutine double_size(array)
     integer, allocatable, intent(inout) :: array(:)
     integer, allocatable :: larger(:)
     allocate (larger(2 * size(array)))
     larger(:size(array)) = array
     call move_alloc(larger, array)
-  end subroutine double
+  end subroutine double_size
 
 
   !> Cuts the lines into cards.
@@ -532,7 +533,7 @@ contains
     integer :: comma
     comma = index(line, ',')
     if (comma == 0) comma = len(line) + 1
-    key = squeezed(line(index(line, '*') + 1:comma - 1))
+    key = name_key(line(index(line, '*') + 1:comma - 1))
   end function keyword_key
 
 
@@ -578,7 +579,7 @@ contains
         if (text(i:i) == '"') is_quoted = .not. is_quoted
         if (text(i:i) /= ',' .or. is_quoted) cycle
       end if
-      if (first > 0) call take_parameter(text(first:i - 1), found, n)
+      if (first > 0) call add_parameter(text(first:i - 1), found, n)
       first = i + 1
     end do
     parameters = found(:n)
@@ -586,7 +587,7 @@ contains
 
 
   !> One piece NAME or NAME=VALUE between commas; an empty one is skipped.
-  subroutine take_parameter(piece, found, n)
+  subroutine add_parameter(piece, found, n)
     character(*), intent(in) :: piece
     type(parameter_type), intent(inout) :: found(:)
     integer, intent(inout) :: n
@@ -596,19 +597,19 @@ contains
     equal = index(piece, '=')
     found(n)%has_value = equal > 0
     if (equal == 0) equal = len(piece) + 1
-    found(n)%key = squeezed(piece(:equal - 1))
+    found(n)%key = name_key(piece(:equal - 1))
     found(n)%text = ''
     if (.not. found(n)%has_value) return
     first = equal + verify(piece(equal + 1:), BLANK_CHARACTERS // '"')
     last = verify(piece, BLANK_CHARACTERS // '"', back=.true.)
     if (first > equal .and. last >= first) found(n)%text = piece(first:last)
-  end subroutine take_parameter
+  end subroutine add_parameter
 
 
   !> Sets the cursor before the first data row of a card.
   pure subroutine start_rows(card, row)
     type(card_type), intent(in) :: card
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     row%next = card%data_first
     row%end = card%data_last
     row%line = card%line
@@ -620,7 +621,7 @@ contains
   !> Steps to the next data row; .false. if there is none. Comments and blank lines are no rows, a line of commas is.
   function next_row(cards, row) result(is_row)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     logical :: is_row
     integer(I64) :: first, last
     is_row = .false.
@@ -641,7 +642,7 @@ contains
   subroutine split_fields(text, first, last, row)
     character(*), intent(in) :: text
     integer(I64), intent(in) :: first, last
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     integer(I64) :: start, i
     integer :: n
     n = 0
@@ -652,7 +653,7 @@ contains
         if (text(i:i) /= ',') cycle
       end if
       n = n + 1
-      if (n > size(row%first)) call widen_row(row)
+      if (n > size(row%first)) call double_fields(row)
       row%first(n) = start
       row%last(n) = i - 1
       call trim_positions(text, row%first(n), row%last(n))
@@ -664,8 +665,8 @@ contains
 
 
   !> Doubles the room for fields.
-  subroutine widen_row(row)
-    type(row_type), intent(inout) :: row
+  subroutine double_fields(row)
+    type(data_row_type), intent(inout) :: row
     integer(I64), allocatable :: wider(:)
     integer :: n
     n = size(row%first)
@@ -675,12 +676,12 @@ contains
     allocate (wider(2 * n))
     wider(:n) = row%last
     call move_alloc(wider, row%last)
-  end subroutine widen_row
+  end subroutine double_fields
 
 
   !> Whether a field is missing or blank.
   pure function is_empty_field(row, i) result(is_empty)
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i
     logical :: is_empty
     is_empty = i > row%n
@@ -691,7 +692,7 @@ contains
   !> A field as written, without quotation marks around it; empty if it is missing.
   pure function field_text(cards, row, i) result(text)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i
     character(:), allocatable :: text
     text = ''
@@ -704,7 +705,7 @@ contains
   !> A field as an integer.
   pure subroutine field_integer(cards, row, i, value, status)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i
     integer, intent(out) :: value
     integer, intent(out) :: status               !< NUMBER_... of text
@@ -719,7 +720,7 @@ contains
   !> A field as a real.
   pure subroutine field_real(cards, row, i, value, status)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i
     real(DP), intent(out) :: value
     integer, intent(out) :: status               !< NUMBER_... of text
@@ -732,17 +733,17 @@ contains
 
 
   !> Adds a remark. Cost: amortised constant.
-  subroutine add_remark(self, line, text, is_warning)
-    class(remarks_type), intent(inout) :: self
+  subroutine add_message(self, line, text, is_warning)
+    class(deck_messages_type), intent(inout) :: self
     integer, intent(in) :: line                  !< line of the deck (all files counted through); 0: none
     character(*), intent(in) :: text             !< whole sentences
     logical, intent(in), optional :: is_warning  !< default .false.: an error
-    type(remark_type), allocatable :: larger(:)
+    type(deck_message_type), allocatable :: larger(:)
     logical :: is_note
     is_note = .false.
     if (present(is_warning)) is_note = is_warning
     if (.not. is_note) self%n_errors = self%n_errors + 1
-    if (self%n > 4 * MAX_LISTED) return
+    if (self%n > 4 * MAX_LISTED_ERRORS) return
     if (.not. allocated(self%items)) allocate (self%items(16))
     if (self%n == size(self%items)) then
       allocate (larger(2 * self%n))
@@ -750,13 +751,13 @@ contains
       call move_alloc(larger, self%items)
     end if
     self%n = self%n + 1
-    self%items(self%n) = remark_type(line, is_note, text)
-  end subroutine add_remark
+    self%items(self%n) = deck_message_type(line, is_note, text)
+  end subroutine add_message
 
 
   !> One remark, in the order in which they were made.
-  pure subroutine get_remark(self, i, line, is_warning, text)
-    class(remarks_type), intent(in) :: self
+  pure subroutine get_message(self, i, line, is_warning, text)
+    class(deck_messages_type), intent(in) :: self
     integer, intent(in) :: i                     !< 1 to n
     integer, intent(out) :: line                 !< of the deck; 0: none
     logical, intent(out) :: is_warning
@@ -764,64 +765,64 @@ contains
     line = self%items(i)%line
     is_warning = self%items(i)%is_warning
     text = self%items(i)%text
-  end subroutine get_remark
+  end subroutine get_message
 
 
   !> Hands the remarks over in the order of the deck, with file, line and the line as written. Of very many errors the
   !! first ones are listed and the others counted.
-  subroutine publish_remarks(cards, remarks, complaints)
+  subroutine publish_messages(cards, messages, diagnostics)
     type(cards_type), intent(in) :: cards
-    type(remarks_type), intent(in) :: remarks
-    type(complaints_type), intent(inout) :: complaints
+    type(deck_messages_type), intent(in) :: messages
+    type(diagnostic_list_type), intent(inout) :: diagnostics
     integer, allocatable :: lines(:), order(:)
     integer :: i, n_listed
-    if (remarks%n == 0) return
-    lines = [(merge(remarks%items(i)%line, huge(i), remarks%items(i)%line > 0), i=1, remarks%n)]
-    order = [(i, i=1, remarks%n)]
+    if (messages%n == 0) return
+    lines = [(merge(messages%items(i)%line, huge(i), messages%items(i)%line > 0), i=1, messages%n)]
+    order = [(i, i=1, messages%n)]
     call sort_integers(lines, order)
     n_listed = 0
-    do i = 1, remarks%n
-      associate (remark => remarks%items(order(i)))
-        if (.not. remark%is_warning) n_listed = n_listed + 1
-        if (n_listed > MAX_LISTED) exit
-        call publish_remark(cards, remark, complaints)
+    do i = 1, messages%n
+      associate (message => messages%items(order(i)))
+        if (.not. message%is_warning) n_listed = n_listed + 1
+        if (n_listed > MAX_LISTED_ERRORS) exit
+        call publish_message(cards, message, diagnostics)
       end associate
     end do
-    if (n_listed > MAX_LISTED) call complaints%add('', 0, '', 'More errors follow; only the first ' // &
-      text_of(MAX_LISTED) // ' are listed.')
-    complaints%n_errors = max(complaints%n_errors, remarks%n_errors)
-  end subroutine publish_remarks
+    if (n_listed > MAX_LISTED_ERRORS) call diagnostics%add('', 0, '', 'More errors follow; only the first ' // &
+      to_text(MAX_LISTED_ERRORS) // ' are listed.')
+    diagnostics%n_errors = max(diagnostics%n_errors, messages%n_errors)
+  end subroutine publish_messages
 
 
   !> A line as it stands in the deck: cards that became comments when they were read are cards again.
-  pure function as_it_stands(line) result(text)
+  pure function original_line(line) result(text)
     character(*), intent(in) :: line
     character(:), allocatable :: text
     text = line
     if (index(line, '** *') == 1) text = line(4:)
-  end function as_it_stands
+  end function original_line
 
 
   !> Hands one remark over, with the chain of includes that leads to it.
-  subroutine publish_remark(cards, remark, complaints)
+  subroutine publish_message(cards, message, diagnostics)
     type(cards_type), intent(in) :: cards
-    type(remark_type), intent(in) :: remark
-    type(complaints_type), intent(inout) :: complaints
+    type(deck_message_type), intent(in) :: message
+    type(diagnostic_list_type), intent(inout) :: diagnostics
     character(:), allocatable :: text
     integer :: file
-    if (remark%line == 0) then
-      call complaints%add(cards%files(1)%path, 0, '', remark%text, remark%is_warning)
+    if (message%line == 0) then
+      call diagnostics%add(cards%files(1)%path, 0, '', message%text, message%is_warning)
       return
     end if
-    text = remark%text
-    file = cards%line_file(remark%line)
+    text = message%text
+    file = cards%line_file(message%line)
     do while (cards%files(file)%parent > 0)
       text = text // ' (included from ' // cards%files(cards%files(file)%parent)%path // ', line ' // &
-        text_of(cards%files(file)%parent_line) // ')'
+        to_text(cards%files(file)%parent_line) // ')'
       file = cards%files(file)%parent
     end do
-    call complaints%add(cards%files(cards%line_file(remark%line))%path, cards%line_number(remark%line), &
-      as_it_stands(line_text(cards, remark%line)), text, remark%is_warning)
-  end subroutine publish_remark
+    call diagnostics%add(cards%files(cards%line_file(message%line))%path, cards%line_number(message%line), &
+      original_line(line_text(cards, message%line)), text, message%is_warning)
+  end subroutine publish_message
 
 end module amontons_cards

@@ -4,32 +4,34 @@
 !! Whole steps: where nothing in a model is nonlinear, neither motion nor material nor contact nor constraint, CalculiX solves
 !! once, for the loads at the end of the step, and prints once; a list of TIME POINTS is not met either. Under its dialect so do we.
 module amontons_deck
-  use amontons_cards, only: row_type, parameter_type, remarks_type, open_cards, open_cards_text, publish_remarks, line_text, &
+  use amontons_cards, only: data_row_type, parameter_type, deck_messages_type, open_cards, open_cards_text, publish_messages, &
+    line_text, &
     read_parameters, start_rows, next_row
-  use amontons_card_schema, only: find_entry, has_parameter, hint_at_cards, match_parameters, parameter_text, IN_MODEL, IN_STEP, &
-    IN_BOTH, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
+  use amontons_card_schema, only: find_entry, has_parameter, suggest_card, match_parameters, parameter_text, SCOPE_MODEL, &
+    SCOPE_STEP, &
+    SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
   use amontons_card_table, only: make_card_table
-  use amontons_deck_mesh, only: draft_type, read_nodes, read_elements, read_sections, keep_elements
+  use amontons_deck_mesh, only: element_draft_type, read_nodes, read_elements, read_sections, select_elements
   use amontons_deck_initial_conditions, only: read_orientations, read_initial_conditions
-  use amontons_deck_materials, only: read_materials, finish_materials
+  use amontons_deck_materials, only: read_materials, finalize_materials
   use amontons_deck_surfaces, only: read_heading, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
-  use amontons_deck_couplings, only: read_transforms, read_bonds
+  use amontons_deck_couplings, only: read_transforms, read_couplings
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_generate, only: generate_mesh
   use amontons_deck_restart, only: join_decks
-  use amontons_deck_reader, only: reader_type, complain, note, need_no_data, is_card
+  use amontons_deck_reader, only: reader_type, report_error, report_note, check_no_data, is_card
   use amontons_explain, only: explain_cards
-  use amontons_deck_mpc, only: read_spreads, read_sectors
-  use amontons_deck_springs, only: read_springs, read_ropes
+  use amontons_deck_mpc, only: read_distributing_couplings, read_cyclic_symmetry
+  use amontons_deck_springs, only: read_springs, read_distance_limits
   use amontons_deck_sets, only: read_sets
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
-  use amontons_errors, only: complaints_type, error_type, set_error, EXIT_DECK
+  use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
-  use amontons_text, only: is_one_of, squeezed, plural, parse_integer, NUMBER_OK
+  use amontons_text, only: is_one_of, name_key, plural, parse_integer, NUMBER_OK
   use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM, CREEP_NONE
-  use amontons_mpc_data, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
+  use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   implicit none
   private
   public :: read_deck, read_deck_text, explain_deck
@@ -40,15 +42,15 @@ contains
   !!
   !! After: the model is complete if no error is allocated. All errors of the deck are in the list of complaints, in the
   !! order of the deck. Cost: linear in the size of the deck.
-  subroutine read_deck(options, model, complaints, error)
+  subroutine read_deck(options, model, diagnostics, error)
     type(job_options_type), intent(in) :: options          !< with deck and dialect
     type(model_type), intent(out) :: model
-    type(complaints_type), intent(inout) :: complaints
+    type(diagnostic_list_type), intent(inout) :: diagnostics
     type(error_type), allocatable, intent(out) :: error    !< EXIT_IO, EXIT_DECK
     type(reader_type) :: reader
-    call open_cards(options%deck, reader%cards, reader%remarks, error)
+    call open_cards(options%deck, reader%cards, reader%messages, error)
     if (allocated(error)) return
-    call read_model(reader, options, model, complaints, error)
+    call read_model(reader, options, model, diagnostics, error)
   end subroutine read_deck
 
 
@@ -59,61 +61,61 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(reader_type) :: reader
     type(model_type) :: model
-    type(complaints_type) :: complaints
-    call open_cards(options%deck, reader%cards, reader%remarks, error)
+    type(diagnostic_list_type) :: diagnostics
+    call open_cards(options%deck, reader%cards, reader%messages, error)
     if (allocated(error)) then
       text = ''
       return
     end if
-    call read_model(reader, options, model, complaints, error)
+    call read_model(reader, options, model, diagnostics, error)
     call explain_cards(reader, model, text)
   end subroutine explain_deck
 
 
   !> Reads a deck from memory.
-  subroutine read_deck_text(text, options, model, complaints, error)
+  subroutine read_deck_text(text, options, model, diagnostics, error)
     character(*), intent(in) :: text                       !< the whole deck, lines ended by newline
     type(job_options_type), intent(in) :: options          !< with dialect; deck names the deck in messages if allocated
     type(model_type), intent(out) :: model
-    type(complaints_type), intent(inout) :: complaints
+    type(diagnostic_list_type), intent(inout) :: diagnostics
     type(error_type), allocatable, intent(out) :: error    !< EXIT_DECK
     type(reader_type) :: reader
     if (allocated(options%deck)) then
-      call open_cards_text(text, options%deck, reader%cards, reader%remarks)
+      call open_cards_text(text, options%deck, reader%cards, reader%messages)
     else
-      call open_cards_text(text, 'deck', reader%cards, reader%remarks)
+      call open_cards_text(text, 'deck', reader%cards, reader%messages)
     end if
-    call read_model(reader, options, model, complaints, error)
+    call read_model(reader, options, model, diagnostics, error)
   end subroutine read_deck_text
 
 
   !> From cards to model. Names are known before they are used: the order of the cards in the model does not matter.
-  subroutine read_model(reader, options, model, complaints, error)
+  subroutine read_model(reader, options, model, diagnostics, error)
     type(reader_type), intent(inout) :: reader
     type(job_options_type), intent(in) :: options
     type(model_type), intent(inout) :: model
-    type(complaints_type), intent(inout) :: complaints
+    type(diagnostic_list_type), intent(inout) :: diagnostics
     type(error_type), allocatable, intent(out) :: error
-    type(draft_type) :: draft
+    type(element_draft_type) :: draft
     logical :: is_flat
     call make_card_table(reader%table)
-    if (reader%remarks%n_errors == 0) call join_decks(reader%cards, reader%remarks, options, model%origin, error)
+    if (reader%messages%n_errors == 0) call join_decks(reader%cards, reader%messages, options, model%origin, error)
     if (allocated(error)) return
-    model%deck_text = reader%cards%text(:reader%cards%n_text)
-    call generate_mesh(reader%cards, reader%remarks)
+    model%deck_text = reader%cards%text(:reader%cards%text_length)
+    call generate_mesh(reader%cards, reader%messages)
     call check_assembly(reader)
-    call flatten_parts(reader%cards, reader%remarks, is_flat)
-    is_flat = is_flat .and. reader%remarks%n_errors == 0
+    call flatten_parts(reader%cards, reader%messages, is_flat)
+    is_flat = is_flat .and. reader%messages%n_errors == 0
     if (.not. is_flat) then
-      call publish_remarks(reader%cards, reader%remarks, complaints)
-      call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // ' in the deck.')
+      call publish_messages(reader%cards, reader%messages, diagnostics)
+      call set_error(error, EXIT_DECK, plural(reader%messages%n_errors, 'error') // ' in the deck.')
       return
     end if
     call choose_dialect(reader, options)
     if (allocated(model%origin%path)) then
       reader%dialect = model%origin%dialect
-      reader%cut_step = merge(model%origin%label%step, 0, model%origin%is_cut)
-      reader%cut_time = model%origin%label%step_time
+      reader%truncated_step = merge(model%origin%label%step, 0, model%origin%is_step_ended)
+      reader%truncated_time = model%origin%label%step_time
     end if
     model%dialect = reader%dialect
     call check_cards(reader)
@@ -124,28 +126,28 @@ contains
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
     call read_springs(reader, model, draft)
-    call read_ropes(reader, model, draft)
-    call keep_elements(reader, model, draft)
+    call read_distance_limits(reader, model, draft)
+    call select_elements(reader, model, draft)
     call read_amplitudes(reader, model)
     call read_time_points(reader)
     call read_surfaces(reader, model)
     call read_interactions(reader, model)
     call read_pairs(reader, model)
     call read_transforms(reader, model)
-    call read_bonds(reader, model)
-    call read_spreads(reader, model)
-    call read_sectors(reader, model)
+    call read_couplings(reader, model)
+    call read_distributing_couplings(reader, model)
+    call read_cyclic_symmetry(reader, model)
     call read_clearances(reader, model)
     call read_equations(reader, model)
     call read_orientations(reader, model)
     call read_initial_conditions(reader, model)
     call read_steps(reader, model)
-    call finish_materials(model)
+    call finalize_materials(model)
     call check_perturbations(reader, model)
-    if (reader%remarks%n_errors == 0) call take_whole_steps(model)
+    if (reader%messages%n_errors == 0) call set_single_increments(model)
     call read_restart(reader, model)
-    call publish_remarks(reader%cards, reader%remarks, complaints)
-    if (reader%remarks%n_errors > 0) call set_error(error, EXIT_DECK, plural(reader%remarks%n_errors, 'error') // &
+    call publish_messages(reader%cards, reader%messages, diagnostics)
+    if (reader%messages%n_errors > 0) call set_error(error, EXIT_DECK, plural(reader%messages%n_errors, 'error') // &
       ' in the deck.')
   end subroutine read_model
 
@@ -159,16 +161,16 @@ contains
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'RESTART')) cycle
       call read_parameters(reader%cards, reader%cards%cards(c), parameters)
-      if (has_parameter(parameters, 'READ') .and. reader%step_of_card(c) > 0) call complain(reader, &
+      if (has_parameter(parameters, 'READ') .and. reader%step_of_card(c) > 0) call report_error(reader, &
         reader%cards%cards(c)%line, '*RESTART, READ must stand before the first step.')
       if (.not. has_parameter(parameters, 'WRITE')) cycle
       frequency = 1
       if (has_parameter(parameters, 'FREQUENCY')) then
         call parse_integer(parameter_text(parameters, 'FREQUENCY'), frequency, status)
-        if (status == NUMBER_OK .and. frequency < 0) call complain(reader, reader%cards%cards(c)%line, &
+        if (status == NUMBER_OK .and. frequency < 0) call report_error(reader, reader%cards%cards(c)%line, &
           'FREQUENCY must not be negative.')
       end if
-      model%keeps_restart = model%keeps_restart .or. frequency > 0
+      model%keeps_checkpoint = model%keeps_checkpoint .or. frequency > 0
       first = max(1, reader%step_of_card(c))
       model%steps(first:)%restart_frequency = frequency
       model%steps(first:)%is_restart_overlay = has_parameter(parameters, 'OVERLAY')
@@ -190,7 +192,7 @@ contains
     end do
     reader%dialect = DIALECT_ABAQUS
     do line = 1, last
-      key = squeezed(line_text(reader%cards, line))
+      key = name_key(line_text(reader%cards, line))
       if (len(key) < 10) cycle
       if (key(:10) /= '**DIALECT:') cycle
       if (key(11:) == 'CALCULIX') then
@@ -198,7 +200,7 @@ contains
       else if (key(11:) == 'ABAQUS') then
         reader%dialect = DIALECT_ABAQUS
       else
-        call complain(reader, line, 'The dialect must be abaqus or calculix.')
+        call report_error(reader, line, 'The dialect must be abaqus or calculix.')
       end if
     end do
     if (options%dialect /= DIALECT_FROM_DECK) reader%dialect = options%dialect
@@ -212,41 +214,41 @@ contains
     integer :: c, n_steps
     logical :: is_in_step
     allocate (reader%step_of_card(reader%cards%n_cards), source=0)
-    call tell_text_before_cards(reader)
+    call report_text_before_cards(reader)
     owner = ''
     n_steps = 0
     is_in_step = .false.
     do c = 1, reader%cards%n_cards
       call look_up_card(reader, c)
       if (is_card(reader, c, 'STEP')) then
-        if (is_in_step) call complain(reader, reader%cards%cards(c)%line, 'The step before this one has no *END STEP.')
+        if (is_in_step) call report_error(reader, reader%cards%cards(c)%line, 'The step before this one has no *END STEP.')
         n_steps = n_steps + 1
         is_in_step = .true.
       end if
       if (is_in_step) reader%step_of_card(c) = n_steps
-      call check_place(reader, c, is_in_step, n_steps, owner)
+      call check_card_scope(reader, c, is_in_step, n_steps, owner)
       call check_parameters(reader, c)
       if (is_card(reader, c, 'ENDSTEP')) is_in_step = .false.
     end do
-    if (is_in_step) call complain(reader, 0, 'The last step has no *END STEP.')
+    if (is_in_step) call report_error(reader, 0, 'The last step has no *END STEP.')
   end subroutine check_cards
 
 
   !> Tells text that stands before the first card.
-  subroutine tell_text_before_cards(reader)
+  subroutine report_text_before_cards(reader)
     type(reader_type), intent(inout) :: reader
     character(:), allocatable :: text
     integer :: line, last
     last = reader%cards%n_lines
     if (reader%cards%n_cards > 0) last = reader%cards%first_card_line - 1
     do line = 1, last
-      text = squeezed(line_text(reader%cards, line))
+      text = name_key(line_text(reader%cards, line))
       if (text == '') cycle
       if (text(1:1) == '*') cycle
-      call note(reader, line, 'Text before the first card is passed over.')
+      call report_note(reader, line, 'Text before the first card is passed over.')
       return
     end do
-  end subroutine tell_text_before_cards
+  end subroutine report_text_before_cards
 
 
   !> Finds the entry of a card in the table; tells a card that is not there, refused or noted.
@@ -258,28 +260,30 @@ contains
       call find_entry(reader%table, card%key, card%entry, is_abbreviated)
       if (card%entry == 0) then
         if (reader%dialect == DIALECT_CALCULIX) then
-          call note(reader, card%line, 'The card *' // card%key // ' is not known, to CalculiX neither; it is passed over ' // &
+          call report_note(reader, card%line, 'The card *' // card%key &
+            // ' is not known, to CalculiX neither; it is passed over ' // &
             'as CalculiX does. amontons --cards lists all cards.')
         else
-          call complain(reader, card%line, 'The card *' // card%key // ' is not known' // hint_at_cards(reader%table, card%key) // &
+          call report_error(reader, card%line, 'The card *' // card%key // ' is not known' // suggest_card(reader%table, &
+            card%key) // &
             ' amontons --cards lists all cards.')
         end if
         return
       end if
       associate (entry => reader%table%entries(card%entry))
-        if (is_abbreviated) call note(reader, card%line, 'The card *' // card%key // ' is taken as *' // entry%keyword &
+        if (is_abbreviated) call report_note(reader, card%line, 'The card *' // card%key // ' is taken as *' // entry%keyword &
           // '; abbreviations are better written out.')
-        if (entry%status == STATUS_REFUSED) call complain(reader, card%line, 'The card *' // entry%keyword // &
-          ' is not supported. ' // entry%sentence)
-        if (entry%status == STATUS_NOTED) call note(reader, card%line, 'The card *' // entry%keyword // &
-          ' is read past. ' // entry%sentence)
+        if (entry%status == ENTRY_REJECTED) call report_error(reader, card%line, 'The card *' // entry%keyword // &
+          ' is not supported. ' // entry%description)
+        if (entry%status == ENTRY_IGNORED) call report_note(reader, card%line, 'The card *' // entry%keyword // &
+          ' is read past. ' // entry%description)
       end associate
     end associate
   end subroutine look_up_card
 
 
   !> Tells a card that stands in the wrong place. Cards that we do not read end no block.
-  subroutine check_place(reader, c, is_in_step, n_steps, owner)
+  subroutine check_card_scope(reader, c, is_in_step, n_steps, owner)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     logical, intent(in) :: is_in_step
@@ -289,22 +293,22 @@ contains
     logical :: is_abbreviated
     if (reader%cards%cards(c)%entry == 0) return
     associate (entry => reader%table%entries(reader%cards%cards(c)%entry), line => reader%cards%cards(c)%line)
-      if (entry%status /= STATUS_USED) return
+      if (entry%status /= ENTRY_SUPPORTED) return
       if (entry%parent == '') then
         owner = entry%key
       else if (index('|' // entry%parent // '|', '|' // owner // '|') == 0) then
         call find_entry(reader%table, first_word(entry%parent), position, is_abbreviated)
-        call complain(reader, line, 'The card *' // entry%keyword // ' must stand in the block of a *' // &
+        call report_error(reader, line, 'The card *' // entry%keyword // ' must stand in the block of a *' // &
           reader%table%entries(position)%keyword // '.')
       end if
-      if (entry%where == IN_STEP .and. .not. is_in_step) call complain(reader, line, 'The card *' // entry%keyword // &
+      if (entry%scope == SCOPE_STEP .and. .not. is_in_step) call report_error(reader, line, 'The card *' // entry%keyword // &
         ' must stand in a step, between *STEP and *END STEP.')
-      if (entry%where == IN_MODEL .and. n_steps > 0) call complain(reader, line, 'The card *' // entry%keyword // &
+      if (entry%scope == SCOPE_MODEL .and. n_steps > 0) call report_error(reader, line, 'The card *' // entry%keyword // &
         ' must stand before the first step.')
-      if (entry%where == IN_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
-        complain(reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
+      if (entry%scope == SCOPE_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
+        report_error(reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
     end associate
-  end subroutine check_place
+  end subroutine check_card_scope
 
 
   !> The first of words that are separated by |.
@@ -320,16 +324,16 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     associate (card => reader%cards%cards(c))
       if (card%entry == 0) return
-      if (reader%table%entries(card%entry)%status /= STATUS_USED) return
+      if (reader%table%entries(card%entry)%status /= ENTRY_SUPPORTED) return
       call read_parameters(reader%cards, card, parameters)
       call match_parameters(reader%table%entries(card%entry), parameters, card%line, &
-        reader%dialect == DIALECT_CALCULIX, reader%remarks)
+        reader%dialect == DIALECT_CALCULIX, reader%messages)
       if (reader%table%entries(card%entry)%data /= '') return
       call start_rows(card, row)
-      if (next_row(reader%cards, row)) call need_no_data(reader, row)
+      if (next_row(reader%cards, row)) call check_no_data(reader, row)
     end associate
   end subroutine check_parameters
 
@@ -338,7 +342,7 @@ contains
   subroutine check_assembly(reader)
     type(reader_type), intent(inout) :: reader
     type(parameter_type), allocatable :: parameters(:)
-    type(remarks_type) :: found
+    type(deck_messages_type) :: found
     character(:), allocatable :: text
     integer :: c, entry, line
     logical :: is_short, is_warning
@@ -351,7 +355,7 @@ contains
     end do
     do c = 1, found%n
       call found%get(c, line, is_warning, text)
-      if (.not. is_warning) call complain(reader, line, text)
+      if (.not. is_warning) call report_error(reader, line, text)
     end do
   end subroutine check_assembly
 
@@ -374,33 +378,33 @@ contains
         trouble = 'after a general step: it would show the response of the loaded body alone'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps) > 1) then
         trouble = 'with other steps: there CalculiX goes on from a state of its own'
-      else if (model%steps(n)%is_nlgeom .or. model%steps(n)%is_creeping .or. .not. is_linear(model)) then
+      else if (model%steps(n)%is_nlgeom .or. model%steps(n)%has_creep .or. .not. is_linear(model)) then
         trouble = 'where contact, a material, a constraint or NLGEOM makes the step nonlinear'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps(n)%temperatures) > 0) then
         trouble = 'with *TEMPERATURE, which CalculiX leaves out in such a step'
       end if
-      if (trouble /= '') call complain(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
+      if (trouble /= '') call report_error(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
         '. Write a general step: its loads, and all those that the step before had.')
     end do
   end subroutine check_perturbations
 
 
   !> Makes each linear step of a linear model one increment.
-  pure subroutine take_whole_steps(model)
+  pure subroutine set_single_increments(model)
     type(model_type), intent(inout) :: model
     integer :: i
     if (.not. is_linear(model)) return
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
         if (model%dialect /= DIALECT_CALCULIX .and. .not. step%is_perturbation) cycle
-        if (step%is_nlgeom .or. step%is_creeping .or. allocated(step%is_absent)) cycle
+        if (step%is_nlgeom .or. step%has_creep .or. allocated(step%is_inactive)) cycle
         step%dt_initial = step%period
         step%dt_max = step%period
         if (allocated(step%print_times)) deallocate (step%print_times)
         if (allocated(step%file_times)) deallocate (step%file_times)
       end associate
     end do
-  end subroutine take_whole_steps
+  end subroutine set_single_increments
 
 
   !> Whether contact, materials and constraints are linear at small displacements.
@@ -411,9 +415,9 @@ contains
     do i = 1, size(model%materials)
       is_linear = is_linear .and. has_linear_law(model%materials(i))
     end do
-    if (.not. allocated(model%bonds)) return
-    do i = 1, size(model%bonds)
-      is_linear = is_linear .and. all(model%bonds(i)%kind /= [BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE])
+    if (.not. allocated(model%nonlinear_mpcs)) return
+    do i = 1, size(model%nonlinear_mpcs)
+      is_linear = is_linear .and. all(model%nonlinear_mpcs(i)%kind /= [MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE])
     end do
   end function is_linear
 
@@ -421,7 +425,8 @@ contains
   !> Whether the stress is linear in the strain.
   pure logical function has_linear_law(material)
     type(material_type), intent(in) :: material
-    has_linear_law = .not. (allocated(material%isotropic) .or. allocated(material%kinematic) .or. material%is_user .or. &
+    has_linear_law = .not. (allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening) &
+      .or. material%is_user .or. &
       material%has_deformation_plasticity .or. material%creep_law /= CREEP_NONE .or. &
       material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM)
   end function has_linear_law

@@ -2,31 +2,33 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_analytic_surfaces
   use amontons_kinds, only: DP
-  use amontons_text, only: upper_case, text_of, parse_real, NUMBER_OK
+  use amontons_text, only: upper_case, to_text, parse_real, NUMBER_OK
   use amontons_tensor, only: cross_product
-  use amontons_analytic_profiles, only: profile_type, add_line, add_arc, finish_profile, extent_of, PROFILE_FLAT, PROFILE_DRAWN, &
-    PROFILE_TURNED
+  use amontons_analytic_profiles, only: analytic_profile_type, add_line, add_arc, connect_pieces, profile_length, PROFILE_PLANAR, &
+    PROFILE_EXTRUDED, &
+    PROFILE_REVOLVED
   use amontons_mesh, only: append_node
   use amontons_surfaces, only: surface_type
-  use amontons_mpc_data, only: bond_type
+  use amontons_mpc_data, only: nonlinear_mpc_type
   use amontons_model, only: model_type
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_at_most
+  use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields
   implicit none
   private
-  public :: read_profile, carry_profile, is_profile_word
+  public :: read_profile, attach_profile, is_analytic_type
 
-  real(DP), parameter :: SKEW = 1.0e-4_DP      !< largest cosine between axes that are meant to be perpendicular [-]
-  real(DP), parameter :: ROUND = 1.0e-3_DP     !< both ends of an arc are equally far from its centre to this part of the radius [-]
+  real(DP), parameter :: TOL_PERPENDICULAR = 1.0e-4_DP      !< largest cosine between axes that are meant to be perpendicular [-]
+  real(DP), parameter :: TOL_ARC_RADIUS = 1.0e-3_DP     !< both ends of an arc are equally far from its centre to this part of the
+                                                        !! radius [-]
 
 contains
 
   !> Whether a TYPE of SURFACE is that of an analytic surface.
-  pure logical function is_profile_word(word)
+  pure logical function is_analytic_type(word)
     character(*), intent(in) :: word             !< squeezed
-    is_profile_word = word == 'SEGMENTS' .or. word == 'CYLINDER' .or. word == 'REVOLUTION'
-  end function is_profile_word
+    is_analytic_type = word == 'SEGMENTS' .or. word == 'CYLINDER' .or. word == 'REVOLUTION'
+  end function is_analytic_type
 
 
   !> The profile of one card: its local axes, then START and the pieces.
@@ -35,8 +37,8 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(surface_type), intent(inout) :: surface
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
-    type(profile_type) :: profile
+    type(data_row_type) :: row
+    type(analytic_profile_type) :: profile
     real(DP) :: axes(9), fillet
     integer :: n_axes, status
     logical :: is_ok, has_row
@@ -49,10 +51,10 @@ contains
     n_axes = 0
     select case (parameter_word(parameters, 'TYPE', ''))
     case ('CYLINDER')
-      profile%kind = PROFILE_DRAWN
+      profile%kind = PROFILE_EXTRUDED
       n_axes = 9
     case ('REVOLUTION')
-      profile%kind = PROFILE_TURNED
+      profile%kind = PROFILE_REVOLVED
       axes(4:6) = [0.0_DP, 1.0_DP, 0.0_DP]
       n_axes = 6
     end select
@@ -63,11 +65,11 @@ contains
     fillet = 0.0_DP
     if (has_parameter(parameters, 'FILLET RADIUS')) then
       call parse_real(parameter_text(parameters, 'FILLET RADIUS'), fillet, status)
-      if (status /= NUMBER_OK .or. fillet <= 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
+      if (status /= NUMBER_OK .or. fillet <= 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
         'FILLET RADIUS must be a positive number.')
-      if (is_ok .and. fillet > 0.0_DP) call round_corners(reader, c, fillet, profile)
+      if (is_ok .and. fillet > 0.0_DP) call apply_fillets(reader, c, fillet, profile)
     end if
-    call finish_profile(profile)
+    call connect_pieces(profile)
     surface%profile = profile
   end subroutine read_profile
 
@@ -75,7 +77,7 @@ contains
   !> The lines before START: points a and b, then for CYLINDER point c. They may be left out, or blank.
   subroutine read_axes(reader, row, n_axes, axes, has_row, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     integer, intent(in) :: n_axes                !< numbers expected: 0, 6 or 9
     real(DP), intent(inout) :: axes(9)           !< a, b, c [length]
     logical, intent(inout) :: has_row
@@ -86,9 +88,9 @@ contains
       if (upper_case(field_text(reader%cards, row, 1)) == 'START') return
       if (row%n > 0 .and. field_text(reader%cards, row, 1) // field_text(reader%cards, row, 2) // &
         field_text(reader%cards, row, 3) /= '') then
-        call need_at_most(reader, row, min(6, n_axes - start))
+        call check_n_fields(reader, row, min(6, n_axes - start))
         do i = 1, min(6, n_axes - start)
-          call need_real(reader, row, i, 'coordinate', axes(start + i), is_ok, 0.0_DP)
+          call read_real(reader, row, i, 'coordinate', axes(start + i), is_ok, 0.0_DP)
         end do
       end if
       has_row = next_row(reader%cards, row)
@@ -101,20 +103,20 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     real(DP), intent(in) :: axes(9)              !< a, b, c [length]
-    type(profile_type), intent(inout) :: profile
+    type(analytic_profile_type), intent(inout) :: profile
     logical, intent(inout) :: is_ok
     real(DP) :: along(3), third(3)
-    if (profile%kind == PROFILE_FLAT) return
+    if (profile%kind == PROFILE_PLANAR) return
     profile%origin = axes(:3)
     along = axes(4:6) - axes(:3)
     third = axes(:3) - axes(7:9)
-    is_ok = norm2(along) > 0.0_DP .and. (norm2(third) > 0.0_DP .or. profile%kind == PROFILE_TURNED)
+    is_ok = norm2(along) > 0.0_DP .and. (norm2(third) > 0.0_DP .or. profile%kind == PROFILE_REVOLVED)
     if (.not. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, 'The points of the local axes must differ from the origin.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The points of the local axes must differ from the origin.')
       return
     end if
     along = along / norm2(along)
-    if (profile%kind == PROFILE_TURNED) then
+    if (profile%kind == PROFILE_REVOLVED) then
       third = along
       along = 0.0_DP
       along(minloc(abs(third), dim=1)) = 1.0_DP
@@ -122,8 +124,8 @@ contains
       along = along / norm2(along)
     else
       third = third / norm2(third)
-      is_ok = abs(dot_product(along, third)) <= SKEW
-      if (.not. is_ok) call complain(reader, reader%cards%cards(c)%line, 'The generator (a to c) must be perpendicular ' // &
+      is_ok = abs(dot_product(along, third)) <= TOL_PERPENDICULAR
+      if (.not. is_ok) call report_error(reader, reader%cards%cards(c)%line, 'The generator (a to c) must be perpendicular ' // &
         'to the local x axis (a to b).')
       third = third - dot_product(along, third) * along
       third = third / norm2(third)
@@ -136,9 +138,9 @@ contains
   subroutine read_pieces(reader, c, row, has_row, profile, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
-    type(row_type), intent(inout) :: row         !< at the row of START
+    type(data_row_type), intent(inout) :: row         !< at the row of START
     logical, intent(inout) :: has_row
-    type(profile_type), intent(inout) :: profile
+    type(analytic_profile_type), intent(inout) :: profile
     logical, intent(inout) :: is_ok
     character(:), allocatable :: word
     real(DP) :: from(2), x(4)
@@ -149,16 +151,17 @@ contains
       word = upper_case(field_text(reader%cards, row, 1))
       n = merge(4, 2, word == 'CIRCL')
       if (word /= 'START' .and. word /= 'LINE' .and. word /= 'CIRCL') then
-        call complain(reader, row%line, 'A line of an analytic surface begins with START, LINE or CIRCL, not with ''' // word // &
+        call report_error(reader, row%line, 'A line of an analytic surface begins with START, LINE or CIRCL, not with ''' // word &
+          // &
           '''; put CIRCL for PARAB.')
         is_ok = .false.
       else if ((word == 'START') .eqv. has_start) then
-        call complain(reader, row%line, 'An analytic surface is one chain: START once, then LINE and CIRCL.')
+        call report_error(reader, row%line, 'An analytic surface is one chain: START once, then LINE and CIRCL.')
         is_ok = .false.
       else
-        call need_at_most(reader, row, n + 1)
+        call check_n_fields(reader, row, n + 1)
         do i = 1, n
-          call need_real(reader, row, i + 1, 'coordinate', x(i), is_ok)
+          call read_real(reader, row, i + 1, 'coordinate', x(i), is_ok)
         end do
         if (is_ok .and. word /= 'START') call add_piece(reader, row, word, from, x, profile, is_ok)
         from = x(:2)
@@ -166,7 +169,7 @@ contains
       has_start = has_start .or. word == 'START'
       has_row = next_row(reader%cards, row)
     end do
-    if (is_ok .and. profile%n == 0) call complain(reader, reader%cards%cards(c)%line, &
+    if (is_ok .and. profile%n == 0) call report_error(reader, reader%cards%cards(c)%line, &
       'The surface has no pieces: START, then LINE or CIRCL.')
     if (profile%n == 0) is_ok = .false.
   end subroutine read_pieces
@@ -175,28 +178,28 @@ contains
   !> One piece, if it is one.
   subroutine add_piece(reader, row, word, from, x, profile, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     character(*), intent(in) :: word
     real(DP), intent(in) :: from(2)              !< [length]
     real(DP), intent(in) :: x(4)                 !< end, centre [length]
-    type(profile_type), intent(inout) :: profile
+    type(analytic_profile_type), intent(inout) :: profile
     logical, intent(inout) :: is_ok
     real(DP) :: a(2), b(2), radius
     a = from - x(3:4)
     b = x(:2) - x(3:4)
     radius = norm2(a)
-    if (profile%kind == PROFILE_TURNED .and. min(from(1), x(1)) < 0.0_DP) then
-      call complain(reader, row%line, 'The radius of a surface of revolution must not be negative.')
+    if (profile%kind == PROFILE_REVOLVED .and. min(from(1), x(1)) < 0.0_DP) then
+      call report_error(reader, row%line, 'The radius of a surface of revolution must not be negative.')
     else if (norm2(x(:2) - from) <= 0.0_DP) then
-      call complain(reader, row%line, 'The piece has no length.')
+      call report_error(reader, row%line, 'The piece has no length.')
     else if (word == 'LINE') then
       call add_line(profile, from, x(:2))
       return
-    else if (abs(norm2(b) - radius) > ROUND * radius .or. .not. radius > 0.0_DP) then
-      call complain(reader, row%line, 'The ends of the arc are ' // text_of(radius) // ' and ' // text_of(norm2(b)) // &
+    else if (abs(norm2(b) - radius) > TOL_ARC_RADIUS * radius .or. .not. radius > 0.0_DP) then
+      call report_error(reader, row%line, 'The ends of the arc are ' // to_text(radius) // ' and ' // to_text(norm2(b)) // &
         ' from its centre; they must be equally far.')
     else if (abs(a(1) * b(2) - a(2) * b(1)) <= 1.0e-9_DP * radius**2) then
-      call complain(reader, row%line, 'An arc must be less than half a circle; make two of it.')
+      call report_error(reader, row%line, 'An arc must be less than half a circle; make two of it.')
     else
       call add_arc(profile, from, x(:2), x(3:4))
       return
@@ -206,12 +209,12 @@ contains
 
 
   !> FILLET RADIUS: corners between lines become arcs that both lines run into smoothly.
-  subroutine round_corners(reader, c, radius, profile)
+  subroutine apply_fillets(reader, c, radius, profile)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     real(DP), intent(in) :: radius               !< [length]
-    type(profile_type), intent(inout) :: profile
-    type(profile_type) :: rounded
+    type(analytic_profile_type), intent(inout) :: profile
+    type(analytic_profile_type) :: rounded
     real(DP) :: from(2), corner(2), t(2), s(2), cut, side
     integer :: k
     rounded%kind = profile%kind
@@ -229,13 +232,14 @@ contains
       end if
       if (abs(side) > 1.0e-6_DP) then
         cut = radius * abs(side) / (1.0_DP + dot_product(t, s))
-        if (any(abs(profile%bend(k:k + 1)) > 0.0_DP) .or. cut > 0.5_DP * minval(profile%extent(k:k + 1))) then
-          call complain(reader, reader%cards%cards(c)%line, 'FILLET RADIUS rounds corners between lines that are longer than ' // &
-            'twice what it cuts off; give the arc at piece ' // text_of(k) // ' by CIRCL.')
+        if (any(abs(profile%signed_radius(k:k + 1)) > 0.0_DP) .or. cut > 0.5_DP * minval(profile%piece_length(k:k + 1))) then
+          call report_error(reader, reader%cards%cards(c)%line, &
+            'FILLET RADIUS rounds corners between lines that are longer than ' // &
+            'twice what it cuts off; give the arc at piece ' // to_text(k) // ' by CIRCL.')
           return
         end if
       end if
-      if (abs(profile%bend(k)) > 0.0_DP) then
+      if (abs(profile%signed_radius(k)) > 0.0_DP) then
         call add_arc(rounded, from, corner, profile%centre(:, k))
       else
         call add_line(rounded, from, corner - cut * (corner - from) / norm2(corner - from))
@@ -247,57 +251,57 @@ contains
       end if
     end do
     profile = rounded
-  end subroutine round_corners
+  end subroutine apply_fillets
 
 
   !> The direction in which a piece ends.
   pure function end_direction(profile, k) result(t)
-    type(profile_type), intent(in) :: profile
+    type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k
     real(DP) :: t(2), n(2)
-    n = (profile%finish(:, k) - profile%centre(:, k)) / max(abs(profile%bend(k)), tiny(1.0_DP))
-    t = sign(1.0_DP, profile%bend(k)) * [n(2), -n(1)]
-    if (abs(profile%bend(k)) <= 0.0_DP) t = (profile%finish(:, k) - profile%start(:, k)) / profile%extent(k)
+    n = (profile%finish(:, k) - profile%centre(:, k)) / max(abs(profile%signed_radius(k)), tiny(1.0_DP))
+    t = sign(1.0_DP, profile%signed_radius(k)) * [n(2), -n(1)]
+    if (abs(profile%signed_radius(k)) <= 0.0_DP) t = (profile%finish(:, k) - profile%start(:, k)) / profile%piece_length(k)
   end function end_direction
 
 
   !> The direction in which a piece starts.
   pure function start_direction(profile, k) result(t)
-    type(profile_type), intent(in) :: profile
+    type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k
     real(DP) :: t(2), n(2)
-    n = (profile%start(:, k) - profile%centre(:, k)) / max(abs(profile%bend(k)), tiny(1.0_DP))
-    t = sign(1.0_DP, profile%bend(k)) * [n(2), -n(1)]
-    if (abs(profile%bend(k)) <= 0.0_DP) t = (profile%finish(:, k) - profile%start(:, k)) / profile%extent(k)
+    n = (profile%start(:, k) - profile%centre(:, k)) / max(abs(profile%signed_radius(k)), tiny(1.0_DP))
+    t = sign(1.0_DP, profile%signed_radius(k)) * [n(2), -n(1)]
+    if (abs(profile%signed_radius(k)) <= 0.0_DP) t = (profile%finish(:, k) - profile%start(:, k)) / profile%piece_length(k)
   end function start_direction
 
 
   !> RIGID BODY, ANALYTICAL SURFACE: the nodes that carry the surface are made at the reference node and beside it, and bound.
-  subroutine carry_profile(model, surface, body)
+  subroutine attach_profile(model, surface, body)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: surface               !< index of the surface
-    type(bond_type), intent(in) :: body          !< with reference node and rotation node
-    type(bond_type) :: bond
+    type(nonlinear_mpc_type), intent(in) :: body          !< with reference node and rotation node
+    type(nonlinear_mpc_type) :: bond
     real(DP) :: x(3)
     integer :: k
-    if (.not. allocated(model%surfaces(surface)%profile%extent)) return   ! what is wrong with it is told
+    if (.not. allocated(model%surfaces(surface)%profile%piece_length)) return   ! what is wrong with it is told
     associate (profile => model%surfaces(surface)%profile)
-      profile%n_carriers = merge(3, 4, profile%kind == PROFILE_FLAT)
+      profile%n_carrier_nodes = merge(3, 4, profile%kind == PROFILE_PLANAR)
       profile%anchor = model%mesh%coordinates(:, body%reference)
-      profile%span = max(extent_of(profile), tiny(1.0_DP))
-      do k = 1, profile%n_carriers
+      profile%span = max(profile_length(profile), tiny(1.0_DP))
+      do k = 1, profile%n_carrier_nodes
         x = profile%anchor
         x = x + merge(profile%span, 0.0_DP, [1, 2, 3] == k - 1)
         call append_node(model%mesh, x, profile%carriers(k))
         model%rotation_of = [model%rotation_of, 0]
-        model%mesh%is_idle(3, profile%carriers(k)) = profile%kind == PROFILE_FLAT
+        model%mesh%is_unstiffened(3, profile%carriers(k)) = profile%kind == PROFILE_PLANAR
       end do
-      model%surfaces(surface)%nodes = profile%carriers(:profile%n_carriers)
+      model%surfaces(surface)%nodes = profile%carriers(:profile%n_carrier_nodes)
       bond = body
-      bond%node = profile%carriers(:profile%n_carriers)
-      bond%is_bound(3) = profile%kind /= PROFILE_FLAT
-      model%bonds = [model%bonds, bond]
+      bond%node = profile%carriers(:profile%n_carrier_nodes)
+      bond%is_bound(3) = profile%kind /= PROFILE_PLANAR
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
     end associate
-  end subroutine carry_profile
+  end subroutine attach_profile
 
 end module amontons_deck_analytic_surfaces

@@ -2,9 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_contact
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, is_card, &
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, check_no_data, &
+    is_card, &
     check_name
   use amontons_deck_surfaces, only: find_slave_surface
   use amontons_mesh, only: mesh_type
@@ -12,19 +13,19 @@ module amontons_deck_contact
   use amontons_steps, only: step_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
     BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
-  use amontons_text, only: text_of, parse_real, NUMBER_OK
+  use amontons_text, only: to_text, parse_real, NUMBER_OK
   implicit none
   private
   public :: read_interactions, read_pairs, read_clearances, read_contact_change
 
   ! CalculiX's defaults, in terms of Young's modulus E of the first material
-  real(DP), parameter :: HARD_STIFFNESS = 50.0_DP        !< K/E [1/length]
+  real(DP), parameter :: DEFAULT_STIFFNESS_RATIO = 50.0_DP        !< K/E [1/length]
   real(DP), parameter :: TENSION = 1.0_DP / 70000.0_DP   !< sigma_inf/E [-]
-  real(DP), parameter :: SIZABLE = 1.0e-3_DP             !< a strain that is seen [-]
+  real(DP), parameter :: MIN_REPORTED_STRAIN = 1.0e-3_DP             !< a strain that is seen [-]
   real(DP), parameter :: REACH = 1.0e-3_DP               !< c0 over the root of the area [-]
   real(DP), parameter :: STICK_SLOPE = 0.5_DP            !< lambda/E [1/length]
   ! The ratio of two of them, which has no unit
-  real(DP), parameter :: STICK_SHARE = STICK_SLOPE / HARD_STIFFNESS   !< lambda/K [-]
+  real(DP), parameter :: STICK_TO_NORMAL_RATIO = STICK_SLOPE / DEFAULT_STIFFNESS_RATIO   !< lambda/K [-]
 
 contains
 
@@ -32,7 +33,7 @@ contains
   subroutine read_interactions(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(interaction_type) :: interaction
     integer :: c, k
@@ -50,10 +51,10 @@ contains
         if (is_new) then
           model%interactions = [model%interactions, interaction]
         else
-          call complain(reader, reader%cards%cards(c)%line, 'The surface interaction ''' // interaction%name // &
+          call report_error(reader, reader%cards%cards(c)%line, 'The surface interaction ''' // interaction%name // &
             ''' is defined twice.')
         end if
-        if (next_row(reader%cards, row)) call need_at_most(reader, row, 1)
+        if (next_row(reader%cards, row)) call check_n_fields(reader, row, 1)
         if (k > 0 .and. is_new .and. has_parameter(parameters, 'USER')) then
           model%interactions(k)%behavior = BEHAVIOR_USER
           call read_properties(reader, parameters, row, model%interactions(k))
@@ -79,16 +80,16 @@ contains
 
 
   !> The largest growth of pressure with the overclosure of a compliant law, EXPONENTIAL at gap zero [stress/length].
-  pure real(DP) function steepest_slope(law) result(slope)
+  pure real(DP) function max_pressure_slope(law) result(slope)
     type(interaction_type), intent(in) :: law
     integer :: n
     slope = law%stiffness
-    if (law%behavior == BEHAVIOR_EXPONENTIAL) slope = law%pressure * log(100.0_DP) / law%reach
+    if (law%behavior == BEHAVIOR_EXPONENTIAL) slope = law%pressure * log(100.0_DP) / law%cutoff_clearance
     if (law%behavior /= BEHAVIOR_TABULAR) return
     n = size(law%table_pressure)
     slope = maxval((law%table_pressure(2:n) - law%table_pressure(:n - 1)) / &
       (law%table_overclosure(2:n) - law%table_overclosure(:n - 1)))
-  end function steepest_slope
+  end function max_pressure_slope
 
 
   !> A compliant law with friction needs a stick slope. What is tied has that of its law of pressure; under the calculix dialect
@@ -105,13 +106,15 @@ contains
     end if
     if (law%friction <= 0.0_DP .and. .not. law%is_user_friction) return
     if (reader%dialect == DIALECT_ABAQUS) then
-      law%stick_slope = STICK_SHARE * steepest_slope(law)
-      call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; a hundredth of the slope ' // &
-        'of its law of pressure is taken: ' // text_of(law%stick_slope) // '.')
+      law%stick_slope = STICK_TO_NORMAL_RATIO * max_pressure_slope(law)
+      call report_note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; a hundredth of the slope ' &
+        // &
+        'of its law of pressure is taken: ' // to_text(law%stick_slope) // '.')
     else
       law%stick_slope = STICK_SLOPE * first_modulus(model)
-      call note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' // &
-        'of the first material is taken: ' // text_of(law%stick_slope) // '.')
+      call report_note(reader, 0, 'The surface interaction ''' // law%name // ''' has no stick slope; half of Young''s modulus ' &
+        // &
+        'of the first material is taken: ' // to_text(law%stick_slope) // '.')
     end if
   end subroutine complete_law
 
@@ -122,12 +125,12 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(interaction_type), intent(inout) :: law
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     logical :: has_row
     call open_card(reader, c, parameters, row)
     if (law%behavior == BEHAVIOR_USER) then
-      call complain(reader, reader%cards%cards(c)%line, 'UINTER gives the pressure too; *SURFACE BEHAVIOR has no ' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'UINTER gives the pressure too; *SURFACE BEHAVIOR has no ' // &
         'place in this interaction.')
       return
     end if
@@ -148,28 +151,28 @@ contains
     case default
       law%behavior = BEHAVIOR_HARD
       has_row = next_row(reader%cards, row)
-      if (has_row .and. row%n > 0) call need_no_data(reader, row)
-      if (reader%dialect == DIALECT_CALCULIX) call soften(reader, model, c, law)
+      if (has_row .and. row%n > 0) call check_no_data(reader, row)
+      if (reader%dialect == DIALECT_CALCULIX) call replace_hard_by_linear(reader, model, c, law)
     end select
     if (has_row) has_row = next_row(reader%cards, row)
-    if (has_row) call need_no_data(reader, row)
+    if (has_row) call check_no_data(reader, row)
   end subroutine read_behavior
 
 
   !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material, for its mortar pairs too.
-  subroutine soften(reader, model, c, law)
+  subroutine replace_hard_by_linear(reader, model, c, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(interaction_type), intent(inout) :: law
     if (first_modulus(model) <= 0.0_DP) return
     law%behavior = BEHAVIOR_LINEAR
-    law%stiffness = HARD_STIFFNESS * first_modulus(model)
-    call take_tension(reader, model, reader%cards%cards(c)%line, law)
-    law%reach = REACH
-    call note(reader, reader%cards%cards(c)%line, 'HARD is LINEAR under the calculix dialect, with K = ' // &
-      text_of(law%stiffness) // ', 50 times Young''s modulus of the first material; the abaqus dialect enforces it exactly.')
-  end subroutine soften
+    law%stiffness = DEFAULT_STIFFNESS_RATIO * first_modulus(model)
+    call set_default_tension(reader, model, reader%cards%cards(c)%line, law)
+    law%cutoff_clearance = REACH
+    call report_note(reader, reader%cards%cards(c)%line, 'HARD is LINEAR under the calculix dialect, with K = ' // &
+      to_text(law%stiffness) // ', 50 times Young''s modulus of the first material; the abaqus dialect enforces it exactly.')
+  end subroutine replace_hard_by_linear
 
 
   !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults. Under the abaqus dialect there
@@ -177,67 +180,67 @@ contains
   subroutine read_linear(reader, model, row, has_row, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     logical, intent(in) :: has_row
     type(interaction_type), intent(inout) :: law
     logical :: is_ok
     is_ok = .true.
     if (.not. has_row) row%n = 0
     law%behavior = BEHAVIOR_LINEAR
-    call need_at_most(reader, row, 3)
-    call need_real(reader, row, 1, 'stiffness', law%stiffness, is_ok, 0.0_DP)
-    call need_real(reader, row, 2, 'tension at large gaps', law%tension, is_ok, 0.0_DP)
-    call need_real(reader, row, 3, 'reach', law%reach, is_ok, 0.0_DP)
-    if (law%tension <= 0.0_DP .and. reader%dialect == DIALECT_ABAQUS) then
-      law%reach = 0.0_DP
+    call check_n_fields(reader, row, 3)
+    call read_real(reader, row, 1, 'stiffness', law%stiffness, is_ok, 0.0_DP)
+    call read_real(reader, row, 2, 'tension at large gaps', law%tension_limit, is_ok, 0.0_DP)
+    call read_real(reader, row, 3, 'reach', law%cutoff_clearance, is_ok, 0.0_DP)
+    if (law%tension_limit <= 0.0_DP .and. reader%dialect == DIALECT_ABAQUS) then
+      law%cutoff_clearance = 0.0_DP
     else
-      if (law%tension <= 0.0_DP) call take_tension(reader, model, row%line, law)
-      if (law%reach <= 0.0_DP) law%reach = REACH
+      if (law%tension_limit <= 0.0_DP) call set_default_tension(reader, model, row%line, law)
+      if (law%cutoff_clearance <= 0.0_DP) law%cutoff_clearance = REACH
     end if
     if (law%stiffness > 0.0_DP .or. .not. is_ok) return
-    law%stiffness = HARD_STIFFNESS * first_modulus(model)
-    call note(reader, row%line, 'The stiffness must be positive; 50 times Young''s modulus of the first material is ' // &
-      'taken: ' // text_of(law%stiffness) // '.')
+    law%stiffness = DEFAULT_STIFFNESS_RATIO * first_modulus(model)
+    call report_note(reader, row%line, 'The stiffness must be positive; 50 times Young''s modulus of the first material is ' // &
+      'taken: ' // to_text(law%stiffness) // '.')
   end subroutine read_linear
 
 
   !> The tension that CalculiX takes where none is given; said where it would pull a soft body out by a thousandth.
-  subroutine take_tension(reader, model, line, law)
+  subroutine set_default_tension(reader, model, line, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: line
     type(interaction_type), intent(inout) :: law
     real(DP) :: softest
     integer :: k
-    law%tension = TENSION * first_modulus(model)
+    law%tension_limit = TENSION * first_modulus(model)
     softest = minval(model%materials%youngs_modulus, mask=model%materials%youngs_modulus > 0.0_DP .and. &
       [(any(model%mesh%material == k), k=1, size(model%materials))])
-    if (law%tension <= SIZABLE * softest) return
-    call note(reader, line, 'Bodies pull at each other by up to ' // text_of(law%tension) // ' before they part: ' // &
+    if (law%tension_limit <= MIN_REPORTED_STRAIN * softest) return
+    call report_note(reader, line, 'Bodies pull at each other by up to ' // to_text(law%tension_limit) // ' before they part: ' // &
       'CalculiX''s default, a 70000th of Young''s modulus of the first material, which is much for the softest one (' // &
-      text_of(softest) // '). Give a smaller second number with PRESSURE-OVERCLOSURE=LINEAR, or take the abaqus dialect, ' // &
+      to_text(softest) // '). Give a smaller second number with PRESSURE-OVERCLOSURE=LINEAR, or take the abaqus dialect, ' // &
       'which has no tension.')
-  end subroutine take_tension
+  end subroutine set_default_tension
 
 
   !> EXPONENTIAL: c0, p0.
   subroutine read_exponential(reader, row, has_row, law)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     logical, intent(in) :: has_row
     type(interaction_type), intent(inout) :: law
     logical :: is_ok
     is_ok = has_row
     law%behavior = BEHAVIOR_EXPONENTIAL
-    law%reach = 1.0_DP
+    law%cutoff_clearance = 1.0_DP
     if (has_row) then
-      call need_at_most(reader, row, 2)
-      call need_real(reader, row, 1, 'gap c0 where the pressure begins', law%reach, is_ok)
-      call need_real(reader, row, 2, 'pressure p0 at gap zero', law%pressure, is_ok)
-      if (is_ok .and. (law%reach <= 0.0_DP .or. law%pressure < 0.0_DP)) call complain(reader, row%line, &
+      call check_n_fields(reader, row, 2)
+      call read_real(reader, row, 1, 'gap c0 where the pressure begins', law%cutoff_clearance, is_ok)
+      call read_real(reader, row, 2, 'pressure p0 at gap zero', law%pressure, is_ok)
+      if (is_ok .and. (law%cutoff_clearance <= 0.0_DP .or. law%pressure < 0.0_DP)) call report_error(reader, row%line, &
         'EXPONENTIAL needs a positive gap c0 and a pressure p0 that is not negative.')
     else
-      call complain(reader, row%line, 'EXPONENTIAL needs a data line: c0, p0.')
+      call report_error(reader, row%line, 'EXPONENTIAL needs a data line: c0, p0.')
     end if
   end subroutine read_exponential
 
@@ -245,34 +248,34 @@ contains
   !> TABULAR: pressure, overclosure; the overclosures ascend.
   subroutine read_table(reader, row, law)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(interaction_type), intent(inout) :: law
     real(DP) :: p, h
     logical :: is_ok
     is_ok = .true.
     law%behavior = BEHAVIOR_TABULAR
-    law%reach = REACH
+    law%cutoff_clearance = REACH
     allocate (law%table_pressure(0), law%table_overclosure(0))
     do while (next_row(reader%cards, row))
-      call need_at_most(reader, row, 3)
-      call need_real(reader, row, 1, 'pressure', p, is_ok)
-      call need_real(reader, row, 2, 'overclosure', h, is_ok)
+      call check_n_fields(reader, row, 3)
+      call read_real(reader, row, 1, 'pressure', p, is_ok)
+      call read_real(reader, row, 2, 'overclosure', h, is_ok)
       if (.not. is_ok) cycle
       if (size(law%table_pressure) > 0) then
-        if (h <= law%table_overclosure(size(law%table_overclosure))) call complain(reader, row%line, &
+        if (h <= law%table_overclosure(size(law%table_overclosure))) call report_error(reader, row%line, &
           'The overclosures of the table must ascend.')
       end if
       law%table_pressure = [law%table_pressure, p]
       law%table_overclosure = [law%table_overclosure, h]
     end do
-    if (size(law%table_pressure) == 0 .and. is_ok) call complain(reader, row%line, &
+    if (size(law%table_pressure) == 0 .and. is_ok) call report_error(reader, row%line, &
       'TABULAR needs data lines: pressure, overclosure.')
     if (size(law%table_pressure) == 0) then
       law%table_pressure = [0.0_DP]
       law%table_overclosure = [0.0_DP]
     end if
     if (reader%dialect == DIALECT_ABAQUS) law%clearance = max(0.0_DP, -law%table_overclosure(1))
-    if (reader%dialect == DIALECT_CALCULIX .and. law%table_overclosure(1) < 0.0_DP) call note(reader, row%line, &
+    if (reader%dialect == DIALECT_CALCULIX .and. law%table_overclosure(1) < 0.0_DP) call report_note(reader, row%line, &
       'The table begins before bodies touch. Under the calculix dialect contact acts from where they touch on, as in ' // &
       'CalculiX: its pressure jumps there, and there may be no balance. Begin with 0., 0. or use the abaqus dialect.')
   end subroutine read_table
@@ -282,7 +285,7 @@ contains
   subroutine read_properties(reader, parameters, row, law)
     type(reader_type), intent(inout) :: reader
     type(parameter_type), intent(in) :: parameters(:)
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(interaction_type), intent(inout) :: law
     integer, parameter :: FIELDS = 8
     integer :: i, k, n
@@ -294,14 +297,15 @@ contains
     i = 0
     is_ok = .true.
     do while (next_row(reader%cards, row) .and. is_ok)
-      call need_at_most(reader, row, min(FIELDS, n - i))
+      call check_n_fields(reader, row, min(FIELDS, n - i))
       do k = 1, min(FIELDS, n - i)
-        call need_real(reader, row, k, 'property', law%props(i + k), is_ok, 0.0_DP)
+        call read_real(reader, row, k, 'property', law%props(i + k), is_ok, 0.0_DP)
       end do
       i = i + min(FIELDS, n - i)
     end do
-    if (i < n .and. is_ok) call complain(reader, row%line, 'PROPERTIES is ' // text_of(n) // ', but there is room for only ' // &
-      text_of(i) // ' in the data lines, eight in each.')
+    if (i < n .and. is_ok) call report_error(reader, row%line, 'PROPERTIES is ' // to_text(n) // ', but there is room for only ' &
+      // &
+      to_text(i) // ' in the data lines, eight in each.')
   end subroutine read_properties
 
 
@@ -323,7 +327,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(interaction_type), intent(inout) :: law
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     real(DP) :: second
     integer :: status
@@ -332,7 +336,8 @@ contains
     law%shear_limit = NO_SHEAR_LIMIT
     law%is_user_friction = has_parameter(parameters, 'USER')
     if (law%behavior == BEHAVIOR_USER) then
-      call complain(reader, reader%cards%cards(c)%line, 'UINTER gives friction too; *FRICTION has no place in this interaction.')
+      call report_error(reader, reader%cards%cards(c)%line, 'UINTER gives friction too; *FRICTION has no place in this ' // &
+        'interaction.')
       return
     end if
     if (law%is_user_friction) then
@@ -342,29 +347,29 @@ contains
     end if
     if (has_parameter(parameters, 'TAUMAX')) then
       call parse_real(parameter_text(parameters, 'TAUMAX'), law%shear_limit, status)
-      if (status == NUMBER_OK .and. law%shear_limit <= 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
+      if (status == NUMBER_OK .and. law%shear_limit <= 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
         'TAUMAX must be positive.')
     end if
     call check_elastic_slip(reader, parameters, reader%cards%cards(c)%line)
     if (has_parameter(parameters, 'ROUGH')) law%friction = ROUGH_FRICTION
     if (.not. next_row(reader%cards, row)) then
-      if (.not. has_parameter(parameters, 'ROUGH')) call complain(reader, row%line, &
+      if (.not. has_parameter(parameters, 'ROUGH')) call report_error(reader, row%line, &
         '*FRICTION needs a data line: the coefficient of friction.')
       return
     end if
     if (has_parameter(parameters, 'ROUGH')) then
-      call need_no_data(reader, row)
+      call check_no_data(reader, row)
       return
     end if
     is_ok = .true.
-    call need_real(reader, row, 1, 'coefficient of friction', law%friction, is_ok)
-    call need_real(reader, row, 2, merge('slip rate  ', 'stick slope', reader%dialect == DIALECT_ABAQUS), second, &
+    call read_real(reader, row, 1, 'coefficient of friction', law%friction, is_ok)
+    call read_real(reader, row, 2, merge('slip rate  ', 'stick slope', reader%dialect == DIALECT_ABAQUS), second, &
       is_ok, 0.0_DP)
-    call need_at_most(reader, row, merge(4, 2, reader%dialect == DIALECT_ABAQUS))
-    if (is_ok .and. law%friction < 0) call complain(reader, row%line, &
+    call check_n_fields(reader, row, merge(4, 2, reader%dialect == DIALECT_ABAQUS))
+    if (is_ok .and. law%friction < 0) call report_error(reader, row%line, &
       'The coefficient of friction must not be negative; 0 is frictionless.')
-    if (is_ok .and. abs(second) > 0) call take_second(reader, row, second, law)
-    if (next_row(reader%cards, row)) call complain(reader, row%line, 'A second line would be for another slip ' // &
+    if (is_ok .and. abs(second) > 0) call read_second_value(reader, row, second, law)
+    if (next_row(reader%cards, row)) call report_error(reader, row%line, 'A second line would be for another slip ' // &
       'rate, pressure or temperature; the coefficient of friction is a constant.')
   end subroutine read_friction
 
@@ -374,47 +379,47 @@ contains
     type(reader_type), intent(inout) :: reader
     type(parameter_type), intent(in) :: parameters(:)
     integer, intent(in) :: line
-    character(14), parameter :: WAYS(3) = [character(14) :: 'SLIP TOLERANCE', 'ELASTIC SLIP', 'LAGRANGE']
+    character(14), parameter :: SLIP_PARAMETERS(3) = [character(14) :: 'SLIP TOLERANCE', 'ELASTIC SLIP', 'LAGRANGE']
     logical :: is_given(3)
     real(DP) :: slip
     integer :: i, status
-    is_given = [(has_parameter(parameters, trim(WAYS(i))), i=1, 3)]
-    if (count(is_given) > 1) call complain(reader, line, 'SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE exclude each other.')
-    if (any(is_given) .and. has_parameter(parameters, 'ROUGH')) call complain(reader, line, &
+    is_given = [(has_parameter(parameters, trim(SLIP_PARAMETERS(i))), i=1, 3)]
+    if (count(is_given) > 1) call report_error(reader, line, 'SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE exclude each other.')
+    if (any(is_given) .and. has_parameter(parameters, 'ROUGH')) call report_error(reader, line, &
       'Rough surfaces never slip; leave out SLIP TOLERANCE, ELASTIC SLIP and LAGRANGE.')
     do i = 1, 2
       if (.not. is_given(i)) cycle
-      call parse_real(parameter_text(parameters, trim(WAYS(i))), slip, status)
+      call parse_real(parameter_text(parameters, trim(SLIP_PARAMETERS(i))), slip, status)
       if (status /= NUMBER_OK) slip = 0.0_DP
-      if (slip <= 0.0_DP) call complain(reader, line, trim(WAYS(i)) // ' must be a positive number.')
+      if (slip <= 0.0_DP) call report_error(reader, line, trim(SLIP_PARAMETERS(i)) // ' must be a positive number.')
     end do
   end subroutine check_elastic_slip
 
 
   !> The second value of FRICTION.
-  subroutine take_second(reader, row, second, law)
+  subroutine read_second_value(reader, row, second, law)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     real(DP), intent(in) :: second
     type(interaction_type), intent(inout) :: law
     if (reader%dialect == DIALECT_ABAQUS) then
-      call complain(reader, row%line, 'The second value is a slip rate (abaqus dialect), on which friction ' // &
+      call report_error(reader, row%line, 'The second value is a slip rate (abaqus dialect), on which friction ' // &
         'cannot depend; leave it out. If it is the stick slope of CalculiX, put ''** dialect: calculix'' at the ' // &
         'top of the deck.')
       return
     end if
     law%stick_slope = second
-    if (second < 0.0_DP) call complain(reader, row%line, 'The stick slope must not be negative.')
-    if (.not. is_compliant(law)) call note(reader, row%line, 'The second value is taken as the stick slope (calculix ' // &
+    if (second < 0.0_DP) call report_error(reader, row%line, 'The stick slope must not be negative.')
+    if (.not. is_compliant(law)) call report_note(reader, row%line, 'The second value is taken as the stick slope (calculix ' // &
       'dialect); without a *SURFACE BEHAVIOR before it, sticking is enforced exactly and does not use it.')
-  end subroutine take_second
+  end subroutine read_second_value
 
 
   !> CONTACT PAIR: slave, master; several rows give several pairs.
   subroutine read_pairs(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(contact_pair_type) :: common
     integer :: c, n, line
@@ -426,27 +431,29 @@ contains
       call open_card(reader, c, parameters, row)
       common = contact_pair_type()
       common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
-      if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call complain(reader, &
+      if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call report_error(reader, &
         line, 'There is no surface interaction ''' // parameter_text(parameters, 'INTERACTION') &
-        // '''' // reader%interactions%hint(parameter_text(parameters, 'INTERACTION')))
+        // '''' // reader%interactions%suggest(parameter_text(parameters, 'INTERACTION')))
       common%is_small_sliding = has_parameter(parameters, 'SMALL SLIDING')
       common%is_mortar = parameter_word(parameters, 'TYPE', 'NODETOSURFACE') /= 'NODETOSURFACE'
-      common%is_pointwise = reader%dialect == DIALECT_CALCULIX .and. index(parameter_word(parameters, 'TYPE', ''), 'SURFACE') == 1
+      common%has_point_contact = reader%dialect == DIALECT_CALCULIX .and. index(parameter_word(parameters, 'TYPE', ''), &
+        'SURFACE') == 1
       call read_adjust(reader, model%mesh, c, parameters, common)
       n = 0
       do while (next_row(reader%cards, row))
         n = n + 1
-        call need_at_most(reader, row, 2)
+        call check_n_fields(reader, row, 2)
         call read_pair(reader, row, common, model)
       end do
-      if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
+      if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT PAIR needs a data line: slave, master.')
     end do
     if (any(model%pairs%interaction == 0)) return
-    if (.not. all(is_compliant(model%interactions(model%pairs%interaction)))) model%pairs%is_pointwise = .false.
+    if (.not. all(is_compliant(model%interactions(model%pairs%interaction)))) model%pairs%has_point_contact = .false.
     if (.not. any(model%interactions%is_user_friction .or. model%interactions%behavior == BEHAVIOR_USER)) return
-    if (any(model%pairs%is_pointwise)) call note(reader, line, 'The values STATEV of a routine of the user belong to slave ' // &
+    if (any(model%pairs%has_point_contact)) call report_note(reader, line, &
+      'The values STATEV of a routine of the user belong to slave ' // &
       'nodes: surface to surface contact is by the dual mortar method here, and not by points of the faces.')
-    model%pairs%is_pointwise = .false.
+    model%pairs%has_point_contact = .false.
   end subroutine read_pairs
 
 
@@ -467,7 +474,7 @@ contains
       pair%adjust_nodes = mesh%node_sets(set)%members
       return
     end if
-    if (status /= NUMBER_OK .or. pair%adjust < 0) call complain(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
+    if (status /= NUMBER_OK .or. pair%adjust < 0) call report_error(reader, reader%cards%cards(c)%line, 'ADJUST=' // &
       parameter_text(parameters, 'ADJUST') // ' must be a distance that is not negative, or a node set.')
   end subroutine read_adjust
 
@@ -475,7 +482,7 @@ contains
   !> One row of CONTACT PAIR.
   subroutine read_pair(reader, row, common, model)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(contact_pair_type), intent(in) :: common
     type(model_type), intent(inout) :: model
     type(contact_pair_type) :: pair
@@ -483,29 +490,30 @@ contains
     slave = field_text(reader%cards, row, 1)
     master = field_text(reader%cards, row, 2)
     if (slave == '' .or. master == '') then
-      call complain(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
+      call report_error(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
       return
     end if
     pair = common
     pair%name = slave // ' / ' // master
     pair%slave = find_slave_surface(reader, slave)
     pair%master = reader%surfaces%find(master)
-    if (pair%slave == 0) call complain(reader, row%line, 'There is no surface ''' // slave // '''' // reader%surfaces%hint(slave))
-    if (pair%master == 0) call complain(reader, row%line, 'There is no surface ''' // master // '''' // &
-      reader%surfaces%hint(master))
-    if (pair%slave > 0 .and. pair%slave == pair%master) call complain(reader, row%line, &
+    if (pair%slave == 0) call report_error(reader, row%line, 'There is no surface ''' // slave // '''' &
+      // reader%surfaces%suggest(slave))
+    if (pair%master == 0) call report_error(reader, row%line, 'There is no surface ''' // master // '''' // &
+      reader%surfaces%suggest(master))
+    if (pair%slave > 0 .and. pair%slave == pair%master) call report_error(reader, row%line, &
       'A surface cannot be in contact with itself; name two surfaces.')
     if (pair%master > 0) then
-      call use_profile(reader, row, model%surfaces(pair%master), pair)
-      if (model%surfaces(pair%master)%is_node_based) call complain(reader, row%line, 'The master surface ''' // master &
+      call set_analytic_master(reader, row, model%surfaces(pair%master), pair)
+      if (model%surfaces(pair%master)%is_node_based) call report_error(reader, row%line, 'The master surface ''' // master &
         // ''' is made of nodes; a master needs element faces.')
     end if
     if (pair%slave > 0) then
-      if (allocated(model%surfaces(pair%slave)%profile)) call complain(reader, row%line, 'The slave surface ''' // slave // &
+      if (allocated(model%surfaces(pair%slave)%profile)) call report_error(reader, row%line, 'The slave surface ''' // slave // &
         ''' is analytic; only a master can be.')
     end if
     if (pair%slave > 0 .and. pair%is_mortar) then
-      if (model%surfaces(pair%slave)%is_node_based) call complain(reader, row%line, 'The slave surface ''' // slave &
+      if (model%surfaces(pair%slave)%is_node_based) call report_error(reader, row%line, 'The slave surface ''' // slave &
         // ''' is made of nodes; surface-to-surface contact needs element faces. Give faces, or use TYPE=NODE TO SURFACE.')
     end if
     model%pairs = [model%pairs, pair]
@@ -513,24 +521,24 @@ contains
 
 
   !> A pair with an analytic master: contact is enforced at the nodes of the slave, whatever its TYPE.
-  subroutine use_profile(reader, row, master, pair)
+  subroutine set_analytic_master(reader, row, master, pair)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(surface_type), intent(in) :: master
     type(contact_pair_type), intent(inout) :: pair
     if (.not. allocated(master%profile)) return
-    if (pair%is_mortar) call note(reader, row%line, 'The master is analytic: contact is enforced at the nodes of the ' // &
+    if (pair%is_mortar) call report_note(reader, row%line, 'The master is analytic: contact is enforced at the nodes of the ' // &
       'slave, as with TYPE=NODE TO SURFACE.')
     pair%is_mortar = .false.
-    pair%is_pointwise = .false.
-  end subroutine use_profile
+    pair%has_point_contact = .false.
+  end subroutine set_analytic_master
 
 
   !> CLEARANCE: the gap of a pair at the start, whatever the mesh says.
   subroutine read_clearances(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, p, status
     do c = 1, reader%cards%n_cards
@@ -539,27 +547,28 @@ contains
       p = find_pair(reader, model, parameter_text(parameters, 'SLAVE'), parameter_text(parameters, 'MASTER'), &
         reader%cards%cards(c)%line)
       if (p == 0) cycle
-      if (has_no_clearance(reader, model, model%pairs(p))) then
-        call note(reader, reader%cards%cards(c)%line, 'CLEARANCE has no effect on a pair of TYPE=NODE TO SURFACE under the ' // &
+      if (ignores_clearance(reader, model, model%pairs(p))) then
+        call report_note(reader, reader%cards%cards(c)%line, &
+          'CLEARANCE has no effect on a pair of TYPE=NODE TO SURFACE under the ' // &
           'calculix dialect, as in CalculiX.')
         cycle
       end if
       model%pairs(p)%has_clearance = .true.
       call parse_real(parameter_text(parameters, 'VALUE'), model%pairs(p)%clearance, status)
-      if (status == NUMBER_OK .and. model%pairs(p)%has_adjust) call complain(reader, reader%cards%cards(c)%line, &
+      if (status == NUMBER_OK .and. model%pairs(p)%has_adjust) call report_error(reader, reader%cards%cards(c)%line, &
         'The pair has both ADJUST and CLEARANCE; give one of them.')
     end do
   end subroutine read_clearances
 
 
   !> Whether CalculiX leaves CLEARANCE of a pair out: that of springs at slave nodes.
-  pure logical function has_no_clearance(reader, model, pair)
+  pure logical function ignores_clearance(reader, model, pair)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
     type(contact_pair_type), intent(in) :: pair
-    has_no_clearance = reader%dialect == DIALECT_CALCULIX .and. .not. pair%is_mortar .and. pair%interaction > 0
-    if (has_no_clearance) has_no_clearance = is_compliant(model%interactions(pair%interaction))
-  end function has_no_clearance
+    ignores_clearance = reader%dialect == DIALECT_CALCULIX .and. .not. pair%is_mortar .and. pair%interaction > 0
+    if (ignores_clearance) ignores_clearance = is_compliant(model%interactions(pair%interaction))
+  end function ignores_clearance
 
 
   !> The pair of two surfaces; tells it if there is none.
@@ -574,7 +583,7 @@ contains
       if (model%pairs(p)%slave == 0 .or. model%pairs(p)%slave /= find_slave_surface(reader, slave)) cycle
       if (model%pairs(p)%master == reader%surfaces%find(master)) pair = p
     end do
-    if (pair == 0) call complain(reader, line, 'There is no contact pair of the slave ''' // slave // &
+    if (pair == 0) call report_error(reader, line, 'There is no contact pair of the slave ''' // slave // &
       ''' and the master ''' // master // '''.')
   end function find_pair
 
@@ -587,12 +596,12 @@ contains
     integer, intent(in) :: c                     !< index of the card
     integer, intent(inout) :: interaction        !< the one that a CHANGE card names; its FRICTION or BEHAVIOR follows
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     call open_card(reader, c, parameters, row)
     if (is_card(reader, c, 'CHANGEFRICTION') .or. is_card(reader, c, 'CHANGESURFACEBEHAVIOR')) then
       interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
-      if (interaction == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no surface interaction ''' // &
+      if (interaction == 0) call report_error(reader, reader%cards%cards(c)%line, 'There is no surface interaction ''' // &
         parameter_text(parameters, 'INTERACTION') // '''.')
       return
     end if
@@ -622,12 +631,12 @@ contains
     else
       if (allocated(law%table_pressure)) deallocate (law%table_pressure, law%table_overclosure)
       call read_behavior(reader, model, c, law)
-      if (is_compliant(law) .neqv. is_compliant(step%interactions(interaction))) call complain(reader, &
+      if (is_compliant(law) .neqv. is_compliant(step%interactions(interaction))) call report_error(reader, &
         reader%cards%cards(c)%line, 'A step cannot change a HARD interaction to a compliant one, or back: their slave ' // &
         'nodes are not the same. Use one kind in all steps.')
     end if
     if (law%n_statev /= model%interactions(interaction)%n_statev) then
-      call complain(reader, reader%cards%cards(c)%line, 'A step cannot change DEPVAR of an interaction.')
+      call report_error(reader, reader%cards%cards(c)%line, 'A step cannot change DEPVAR of an interaction.')
     end if
     call complete_law(reader, model, law)
     step%interactions(interaction) = law
@@ -640,17 +649,17 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(step_type), intent(inout) :: step
     integer :: p
     if (has_parameter(parameters, 'ADD') .eqv. has_parameter(parameters, 'REMOVE')) then
-      call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
+      call report_error(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
       return
     end if
     if (parameter_word(parameters, 'TYPE', 'CONTACTPAIR') /= 'CONTACTPAIR') return
     if (.not. allocated(step%is_removed)) allocate (step%is_removed(size(model%pairs)), source=.false.)
     do while (next_row(reader%cards, row))
-      call need_at_most(reader, row, 2)
+      call check_n_fields(reader, row, 2)
       p = find_pair(reader, model, field_text(reader%cards, row, 1), field_text(reader%cards, row, 2), row%line)
       if (p > 0) step%is_removed(p) = has_parameter(parameters, 'REMOVE')
     end do
@@ -663,7 +672,7 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(step_type), intent(inout) :: step
     logical :: is_ok
     integer :: p, n
@@ -671,17 +680,17 @@ contains
     n = 0
     if (.not. allocated(step%interference)) then
       allocate (step%interference(size(model%pairs)), source=0.0_DP)
-      allocate (step%is_shrink(size(model%pairs)), source=.false.)
+      allocate (step%is_shrink_fit(size(model%pairs)), source=.false.)
     end if
     do while (next_row(reader%cards, row))
       n = n + 1
-      call need_at_most(reader, row, 3)
+      call check_n_fields(reader, row, 3)
       p = find_pair(reader, model, field_text(reader%cards, row, 1), field_text(reader%cards, row, 2), row%line)
       if (p == 0) cycle
-      step%is_shrink(p) = has_parameter(parameters, 'SHRINK')
-      call need_real(reader, row, 3, 'allowed interference', step%interference(p), is_ok, 0.0_DP)
+      step%is_shrink_fit(p) = has_parameter(parameters, 'SHRINK')
+      call read_real(reader, row, 3, 'allowed interference', step%interference(p), is_ok, 0.0_DP)
     end do
-    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*CONTACT INTERFERENCE needs data lines: slave, ' // &
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT INTERFERENCE needs data lines: slave, ' // &
       'master, interference.')
   end subroutine read_interference
 

@@ -5,23 +5,24 @@
 !! Rotations are displacements of a rotation node: ROT NODE, or one that is made beside the reference node.
 module amontons_deck_couplings
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_faces, only: find_side
+  use amontons_deck_faces, only: find_side_elements
   use amontons_deck_surfaces, only: fill_surface_nodes
-  use amontons_deck_mpc, only: read_mpc, make_rotation
-  use amontons_deck_analytic_surfaces, only: carry_profile
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+  use amontons_deck_mpc, only: read_mpc, make_rotation_node
+  use amontons_deck_analytic_surfaces, only: attach_profile
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, is_card
-  use amontons_mesh, only: append_node, append_copies
+  use amontons_mesh, only: append_node, append_node_copies
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
-  use amontons_text, only: parse_real, parse_integer, plural, squeezed, NUMBER_OK
-  use amontons_mpc_data, only: bond_type, tie_type, spread_type, frame_rule_type, frame_at, BOND_BODY
-  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
+  use amontons_text, only: parse_real, parse_integer, plural, name_key, NUMBER_OK
+  use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at, &
+    MPC_RIGID_BODY
+  use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
   private
-  public :: read_transforms, read_bonds, find_orientation
+  public :: read_transforms, read_couplings, find_orientation
 
 contains
 
@@ -29,9 +30,9 @@ contains
   subroutine read_transforms(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(frame_rule_type) :: rule
+    type(coordinate_system_type) :: rule
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: frames(:, :, :)
     integer :: c, i, n
@@ -41,9 +42,9 @@ contains
       if (.not. is_card(reader, c, 'TRANSFORM')) cycle
       call open_card(reader, c, parameters, row)
       is_ok = .true.
-      rule = frame_rule_type(is_cylindrical=parameter_word(parameters, 'TYPE', 'R') == 'C')
-      call set_nodes(reader, model, c, parameter_text(parameters, 'NSET'), nodes, is_ok)
-      call read_rule(reader, row, rule, is_ok)
+      rule = coordinate_system_type(is_cylindrical=parameter_word(parameters, 'TYPE', 'R') == 'C')
+      call nodes_of_set(reader, model, c, parameter_text(parameters, 'NSET'), nodes, is_ok)
+      call read_coordinate_system(reader, row, rule, is_ok)
       if (.not. is_ok) cycle
       if (.not. allocated(model%frame_of)) then
         allocate (model%frame_of(model%mesh%n_nodes), source=0)
@@ -53,7 +54,7 @@ contains
       frames(:, :, :n) = model%frames(:, :, :n)
       do i = 1, size(nodes)
         n = n + 1
-        frames(:, :, n) = frame_at(rule, model%mesh%coordinates(:, nodes(i)))
+        frames(:, :, n) = axes_at(rule, model%mesh%coordinates(:, nodes(i)))
         model%frame_of(nodes(i)) = n
       end do
       call move_alloc(frames, model%frames)
@@ -62,20 +63,20 @@ contains
 
 
   !> The six coordinates of a rule, in the next row.
-  subroutine read_rule(reader, row, rule, is_ok)
+  subroutine read_coordinate_system(reader, row, rule, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
-    type(frame_rule_type), intent(inout) :: rule
+    type(data_row_type), intent(inout) :: row
+    type(coordinate_system_type), intent(inout) :: rule
     logical, intent(inout) :: is_ok
     integer :: k
     if (.not. next_row(reader%cards, row)) then
-      call complain(reader, row%line, 'A line with the coordinates of two points is missing.')
+      call report_error(reader, row%line, 'A line with the coordinates of two points is missing.')
       is_ok = .false.
       return
     end if
     do k = 1, 3
-      call need_real(reader, row, k, 'coordinate of the first point', rule%a(k), is_ok, 0.0_DP)
-      call need_real(reader, row, k + 3, 'coordinate of the second point', rule%b(k), is_ok, 0.0_DP)
+      call read_real(reader, row, k, 'coordinate of the first point', rule%a(k), is_ok, 0.0_DP)
+      call read_real(reader, row, k + 3, 'coordinate of the second point', rule%b(k), is_ok, 0.0_DP)
     end do
     if (.not. is_ok) return
     if (rule%is_cylindrical) then
@@ -83,13 +84,13 @@ contains
     else
       is_ok = norm2(cross_product(rule%a, rule%b)) > 0.0_DP
     end if
-    if (.not. is_ok) call complain(reader, row%line, 'The two points give no directions: those of an axis must ' // &
+    if (.not. is_ok) call report_error(reader, row%line, 'The two points give no directions: those of an axis must ' // &
       'differ, those of a rectangular system must not lie on one line with the origin.')
-  end subroutine read_rule
+  end subroutine read_coordinate_system
 
 
   !> The nodes of a set by its name, or one node by its number.
-  subroutine set_nodes(reader, model, c, name, nodes, is_ok)
+  subroutine nodes_of_set(reader, model, c, name, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
@@ -108,12 +109,12 @@ contains
     if (found > 0) nodes = [found]
     if (found > 0) return
     is_ok = .false.
-    if (name /= '') call complain(reader, reader%cards%cards(c)%line, 'There is no node or node set ''' // name // '''.')
-  end subroutine set_nodes
+    if (name /= '') call report_error(reader, reader%cards%cards(c)%line, 'There is no node or node set ''' // name // '''.')
+  end subroutine nodes_of_set
 
 
   !> One node: of a set with one member, or by its number.
-  subroutine one_node(reader, model, c, name, node, is_ok)
+  subroutine single_node(reader, model, c, name, node, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c
@@ -122,23 +123,23 @@ contains
     logical, intent(inout) :: is_ok
     integer, allocatable :: nodes(:)
     node = 0
-    call set_nodes(reader, model, c, name, nodes, is_ok)
+    call nodes_of_set(reader, model, c, name, nodes, is_ok)
     if (.not. is_ok) return
     if (size(nodes) /= 1) then
-      call complain(reader, reader%cards%cards(c)%line, 'The node set ''' // name // ''' must hold one node.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The node set ''' // name // ''' must hold one node.')
       is_ok = .false.
       return
     end if
     node = nodes(1)
-  end subroutine one_node
+  end subroutine single_node
 
 
   !> All other cards of this room. Before: sets, surfaces and transforms are read.
-  subroutine read_bonds(reader, model)
+  subroutine read_couplings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer :: c
-    allocate (model%bonds(0), model%ties(0), model%spreads(0), model%equations(0))
+    allocate (model%nonlinear_mpcs(0), model%ties(0), model%distributing_couplings(0), model%equations(0))
     allocate (model%rotation_of(model%mesh%n_nodes), source=0)
     do c = 1, reader%cards%n_cards               ! first, since nodes of surfaces become others
       if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
@@ -150,23 +151,23 @@ contains
       if (is_card(reader, c, 'KINEMATICCOUPLING')) call read_kinematic(reader, model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
     end do
-    call free_idle(model)
-    call check_carried(reader, model)
+    call release_out_of_plane(model)
+    call check_analytic_carrier(reader, model)
     if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
       spread(0, 1, model%mesh%n_nodes - size(model%frame_of))]
-  end subroutine read_bonds
+  end subroutine read_couplings
 
 
   !> Nodes of plane and axisymmetric elements do not leave their plane: the body that binds them alone has nothing that could hold
   !! its reference node there, and need not bind them.
-  subroutine free_idle(model)
+  subroutine release_out_of_plane(model)
     type(model_type), intent(inout) :: model
     integer :: i
-    do i = 1, size(model%bonds)
-      if (model%bonds(i)%kind /= BOND_BODY .or. allocated(model%bonds(i)%axes)) cycle
-      if (all(model%mesh%is_idle(3, model%bonds(i)%node))) model%bonds(i)%is_bound(3) = .false.
+    do i = 1, size(model%nonlinear_mpcs)
+      if (model%nonlinear_mpcs(i)%kind /= MPC_RIGID_BODY .or. allocated(model%nonlinear_mpcs(i)%axes)) cycle
+      if (all(model%mesh%is_unstiffened(3, model%nonlinear_mpcs(i)%node))) model%nonlinear_mpcs(i)%is_bound(3) = .false.
     end do
-  end subroutine free_idle
+  end subroutine release_out_of_plane
 
 
   !> RIGID BODY: the nodes of a node set or of an element set, and a reference node.
@@ -174,9 +175,9 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(bond_type) :: bond
+    type(nonlinear_mpc_type) :: bond
     integer, allocatable :: nodes(:)
     integer :: i, surface
     logical :: is_ok
@@ -185,23 +186,23 @@ contains
     bond%card = 'RIGID BODY'
     bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
     surface = rigid_surface(reader, model, c, parameters, is_ok)
-    call body_nodes(reader, model, c, parameters, nodes, is_ok)
-    call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
-    if (has_parameter(parameters, 'ROT NODE')) call one_node(reader, model, c, &
+    call rigid_body_nodes(reader, model, c, parameters, nodes, is_ok)
+    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
+    if (has_parameter(parameters, 'ROT NODE')) call single_node(reader, model, c, &
       parameter_text(parameters, 'ROT NODE'), bond%rotation, is_ok)
     if (.not. is_ok) return
-    if (bond%rotation == 0) call make_rotation(model, bond%reference, bond%rotation)
-    model%mesh%is_abstract(bond%rotation) = .true.
+    if (bond%rotation == 0) call make_rotation_node(model, bond%reference, bond%rotation)
+    model%mesh%is_auxiliary(bond%rotation) = .true.
     model%rotation_of(bond%reference) = bond%rotation
     bond%node = pack(nodes, [(nodes(i) /= bond%reference .and. nodes(i) /= bond%rotation, i=1, size(nodes))])
-    if (surface > 0) call carry_profile(model, surface, bond)
+    if (surface > 0) call attach_profile(model, surface, bond)
     if (size(bond%node) == 0 .and. surface == 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes.')
     else if (any(bond%rotation == model%mesh%nodes)) then
-      call complain(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
         'be a rotation. Name a node of its own.')
     else if (size(bond%node) > 0) then
-      model%bonds = [model%bonds, bond]
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
     end if
   end subroutine read_rigid_body
 
@@ -223,30 +224,30 @@ contains
       wrong = 'There is no surface ''' // name // '''.'
     else if (.not. allocated(model%surfaces(surface)%profile)) then
       wrong = 'The surface ''' // name // ''' is not analytic; name the elements of the body with ELSET.'
-    else if (model%surfaces(surface)%profile%n_carriers > 0) then
+    else if (model%surfaces(surface)%profile%n_carrier_nodes > 0) then
       wrong = 'The surface ''' // name // ''' belongs to another rigid body already.'
     end if
     if (wrong == '') return
     is_ok = .false.
-    call complain(reader, reader%cards%cards(c)%line, wrong)
+    call report_error(reader, reader%cards%cards(c)%line, wrong)
   end function rigid_surface
 
 
   !> An analytic surface is carried by a rigid body.
-  subroutine check_carried(reader, model)
+  subroutine check_analytic_carrier(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer :: s
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
-      if (model%surfaces(s)%profile%n_carriers == 0) call complain(reader, 0, 'The analytic surface ''' // &
+      if (model%surfaces(s)%profile%n_carrier_nodes == 0) call report_error(reader, 0, 'The analytic surface ''' // &
         model%surfaces(s)%name // ''' needs a *RIGID BODY, ANALYTICAL SURFACE=' // model%surfaces(s)%name // ', REF NODE=.')
     end do
-  end subroutine check_carried
+  end subroutine check_analytic_carrier
 
 
   !> The nodes of NSET, PIN NSET and TIE NSET and of the elements of ELSET, each once.
-  subroutine body_nodes(reader, model, c, parameters, nodes, is_ok)
+  subroutine rigid_body_nodes(reader, model, c, parameters, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c
@@ -260,7 +261,7 @@ contains
     allocate (is_member(0:model%mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is told
     do i = 1, size(NAMES)
       if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
-      call set_nodes(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
+      call nodes_of_set(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
       is_member(named) = .true.
     end do
     nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))
@@ -268,7 +269,8 @@ contains
     set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
     if (set == 0) then
       if (has_parameter(parameters, 'ANALYTICAL SURFACE') .and. .not. has_parameter(parameters, 'ELSET')) return
-      if (is_ok) call complain(reader, reader%cards%cards(c)%line, 'The rigid body needs NSET or ELSET, the name of a set, ' // &
+      if (is_ok) call report_error(reader, reader%cards%cards(c)%line, &
+        'The rigid body needs NSET or ELSET, the name of a set, ' // &
         'or ANALYTICAL SURFACE.')
       is_ok = .false.
       return
@@ -278,7 +280,7 @@ contains
       is_member(model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1)) = .true.
     end do
     nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))
-  end subroutine body_nodes
+  end subroutine rigid_body_nodes
 
 
   !> COUPLING with KINEMATIC or DISTRIBUTING below it.
@@ -286,18 +288,18 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(frame_rule_type) :: rule
-    type(spread_type) :: spread_out
+    type(coordinate_system_type) :: rule
+    type(distributing_coupling_type) :: spread_out
     logical :: is_bound(6), is_ok, is_kinematic, has_rule
     integer :: reference, surface
     call open_card(reader, c, parameters, row)
     is_ok = .true.
-    call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), reference, is_ok)
+    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), reference, is_ok)
     surface = reader%surfaces%find(parameter_text(parameters, 'SURFACE'))
     if (surface == 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
         parameter_text(parameters, 'SURFACE') // '''.')
       is_ok = .false.
     end if
@@ -308,39 +310,39 @@ contains
     if (.not. is_kinematic) then
       if (c == reader%cards%n_cards) is_ok = .false.
       if (is_ok) is_ok = is_card(reader, c + 1, 'DISTRIBUTING')
-      if (.not. is_ok) call complain(reader, reader%cards%cards(c)%line, &
+      if (.not. is_ok) call report_error(reader, reader%cards%cards(c)%line, &
         'Below *COUPLING must stand *KINEMATIC or *DISTRIBUTING.')
     end if
     if (.not. is_ok) return
-    call read_bound(reader, c + 1, is_bound, is_ok)
+    call read_coupled_dofs(reader, c + 1, is_bound, is_ok)
     if (.not. is_ok) return
     if (is_kinematic) then
       call add_kinematic(reader, model, c, reference, surface, is_bound)
-      if (has_rule) call give_axes(model, rule)
+      if (has_rule) call set_mpc_axes(model, rule)
     else
       if (model%surfaces(surface)%is_node_based) then
-        call complain(reader, reader%cards%cards(c)%line, 'DISTRIBUTING needs a surface of element faces.')
+        call report_error(reader, reader%cards%cards(c)%line, 'DISTRIBUTING needs a surface of element faces.')
         return
       end if
       spread_out%reference = reference
-      call make_rotation(model, reference, spread_out%rotation)
+      call make_rotation_node(model, reference, spread_out%rotation)
       spread_out%surface = surface
       spread_out%is_bound = is_bound(4:6)
-      spread_out%axes = frame_at(rule, model%mesh%coordinates(:, reference))
+      spread_out%axes = axes_at(rule, model%mesh%coordinates(:, reference))
       spread_out%line = reader%cards%line_number(reader%cards%cards(c)%line)
-      model%spreads = [model%spreads, spread_out]
+      model%distributing_couplings = [model%distributing_couplings, spread_out]
     end if
   end subroutine read_coupling
 
 
   !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all, in CalculiX no rotations of
   !! DISTRIBUTING.
-  subroutine read_bound(reader, c, is_bound, is_ok)
+  subroutine read_coupled_dofs(reader, c, is_bound, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of that card
     logical, intent(out) :: is_bound(6)
     logical, intent(inout) :: is_ok
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: first, last, n
     call open_card(reader, c, parameters, row)
@@ -348,12 +350,12 @@ contains
     n = 0
     do while (next_row(reader%cards, row))
       n = n + 1
-      call need_at_most(reader, row, 2)
-      call need_integer(reader, row, 1, 'first degree of freedom', first, is_ok, default=1)
-      call need_integer(reader, row, 2, 'last degree of freedom', last, is_ok, default=first)
+      call check_n_fields(reader, row, 2)
+      call read_integer(reader, row, 1, 'first degree of freedom', first, is_ok, default=1)
+      call read_integer(reader, row, 2, 'last degree of freedom', last, is_ok, default=first)
       if (.not. is_ok) return
       if (first < 1 .or. last < first .or. last > 6) then
-        call complain(reader, row%line, 'The degrees of freedom must be 1 to 6, the first not above the last.')
+        call report_error(reader, row%line, 'The degrees of freedom must be 1 to 6, the first not above the last.')
         is_ok = .false.
         return
       end if
@@ -364,13 +366,15 @@ contains
     if (reader%dialect /= DIALECT_CALCULIX) return
     if (is_card(reader, c, 'DISTRIBUTING')) then
       is_bound(4:6) = .false.
-      call note(reader, reader%cards%cards(c)%line, 'Without a row 1, 6 below it this card binds no rotation, as in CalculiX: ' // &
+      call report_note(reader, reader%cards%cards(c)%line, 'Without a row 1, 6 below it this card binds no rotation, as in ' // &
+        'CalculiX: ' // &
         'moments on the reference node do nothing.')
     else
-      call note(reader, reader%cards%cards(c)%line, 'Without a row below it this card binds all directions, as in Abaqus; ' // &
+      call report_note(reader, reader%cards%cards(c)%line, 'Without a row below it this card binds all directions, as in ' // &
+        'Abaqus; ' // &
         'CalculiX binds none. Write 1, 3.')
     end if
-  end subroutine read_bound
+  end subroutine read_coupled_dofs
 
 
   !> KINEMATIC COUPLING, the older card: rows of node or node set, first and last degree of freedom.
@@ -378,42 +382,44 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(frame_rule_type) :: rule
-    type(bond_type) :: bond
+    type(coordinate_system_type) :: rule
+    type(nonlinear_mpc_type) :: bond
     integer, allocatable :: nodes(:)
     integer :: first, last, n
     logical :: is_ok, is_row
     call open_card(reader, c, parameters, row)
     is_ok = .true.
-    call one_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
+    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
     if (has_parameter(parameters, 'ORIENTATION')) call find_orientation(reader, c, parameter_text(parameters, 'ORIENTATION'), &
       rule, is_ok)
     if (.not. is_ok) return
-    call make_rotation(model, bond%reference, bond%rotation)
+    call make_rotation_node(model, bond%reference, bond%rotation)
     bond%card = 'KINEMATIC COUPLING'
     bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
     n = 0
     do while (next_row(reader%cards, row))
       n = n + 1
       is_row = .true.
-      call need_at_most(reader, row, 3)
+      call check_n_fields(reader, row, 3)
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_row)
-      call need_integer(reader, row, 2, 'first degree of freedom', first, is_row, default=1)
-      call need_integer(reader, row, 3, 'last degree of freedom', last, is_row, default=merge(6, first, row%n < 2))
+      call read_integer(reader, row, 2, 'first degree of freedom', first, is_row, default=1)
+      call read_integer(reader, row, 3, 'last degree of freedom', last, is_row, default=merge(6, first, row%n < 2))
       if (.not. is_row) cycle
       if (first < 1 .or. last < first .or. last > 6 .or. first > 3) then
-        call complain(reader, row%line, 'The degrees of freedom must be 1 to 3, the first not above the last; rotations of ' // &
+        call report_error(reader, row%line, 'The degrees of freedom must be 1 to 3, the first not above the last; rotations of ' &
+          // &
           'solids do not exist.')
         cycle
       end if
       bond%is_bound = [first <= 1, first <= 2 .and. last >= 2, last >= 3]
       bond%node = pack(nodes, nodes /= bond%reference)
-      model%bonds = [model%bonds, bond]
-      if (has_parameter(parameters, 'ORIENTATION')) call give_axes(model, rule)
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+      if (has_parameter(parameters, 'ORIENTATION')) call set_mpc_axes(model, rule)
     end do
-    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*KINEMATIC COUPLING needs data lines: node or node set, ' // &
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, &
+      '*KINEMATIC COUPLING needs data lines: node or node set, ' // &
       'first and last degree of freedom.')
   end subroutine read_kinematic
 
@@ -423,21 +429,21 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card that names it
     character(*), intent(in) :: name
-    type(frame_rule_type), intent(out) :: rule
+    type(coordinate_system_type), intent(out) :: rule
     logical, intent(inout) :: is_ok
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: k
     do k = 1, reader%cards%n_cards
       if (.not. is_card(reader, k, 'ORIENTATION')) cycle
       call open_card(reader, k, parameters, row)
-      if (squeezed(parameter_text(parameters, 'NAME')) /= squeezed(name)) cycle
+      if (name_key(parameter_text(parameters, 'NAME')) /= name_key(name)) cycle
       rule%is_cylindrical = parameter_word(parameters, 'SYSTEM', 'RECTANGULAR') == 'CYLINDRICAL'
-      call read_rule(reader, row, rule, is_ok)
+      call read_coordinate_system(reader, row, rule, is_ok)
       return
     end do
     is_ok = .false.
-    call complain(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // name // '''.')
+    call report_error(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // name // '''.')
   end subroutine find_orientation
 
 
@@ -447,34 +453,34 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c, reference, surface
     logical, intent(in) :: is_bound(6)
-    type(bond_type) :: bond
+    type(nonlinear_mpc_type) :: bond
     if (.not. any(is_bound(:3))) then
-      call complain(reader, reader%cards%cards(c)%line, 'KINEMATIC binds displacements of the surface: name at ' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'KINEMATIC binds displacements of the surface: name at ' // &
         'least one of the degrees of freedom 1 to 3.')
       return
     end if
     bond%card = 'COUPLING'
     bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
     bond%reference = reference
-    call make_rotation(model, reference, bond%rotation)
+    call make_rotation_node(model, reference, bond%rotation)
     bond%is_bound = is_bound(:3)
     bond%node = pack(model%surfaces(surface)%nodes, model%surfaces(surface)%nodes /= reference)
-    model%bonds = [model%bonds, bond]
+    model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
   end subroutine add_kinematic
 
 
   !> Directions by a rule for the last bond.
-  subroutine give_axes(model, rule)
+  subroutine set_mpc_axes(model, rule)
     type(model_type), intent(inout) :: model
-    type(frame_rule_type), intent(in) :: rule
+    type(coordinate_system_type), intent(in) :: rule
     integer :: i
-    associate (bond => model%bonds(size(model%bonds)))
+    associate (bond => model%nonlinear_mpcs(size(model%nonlinear_mpcs)))
       allocate (bond%axes(3, 3, size(bond%node)))
       do i = 1, size(bond%node)
-        bond%axes(:, :, i) = frame_at(rule, model%mesh%coordinates(:, bond%node(i)))
+        bond%axes(:, :, i) = axes_at(rule, model%mesh%coordinates(:, bond%node(i)))
       end do
     end associate
-  end subroutine give_axes
+  end subroutine set_mpc_axes
 
 
   !> TIE: slave surface, master surface; both of them one from the start.
@@ -482,7 +488,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(tie_type) :: common
     integer :: status, n
@@ -493,16 +499,16 @@ contains
     common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
     if (has_parameter(parameters, 'POSITION TOLERANCE')) then
       call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), common%tolerance, status)
-      if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call complain(reader, reader%cards%cards(c)%line, &
+      if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
         'POSITION TOLERANCE must not be negative.')
     end if
     n = 0
     do while (next_row(reader%cards, row))
       n = n + 1
-      call need_at_most(reader, row, 2)
+      call check_n_fields(reader, row, 2)
       call add_tie(reader, model, row, common)
     end do
-    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*TIE needs a data line: slave surface, master surface.')
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*TIE needs a data line: slave surface, master surface.')
   end subroutine read_tie
 
 
@@ -510,7 +516,7 @@ contains
   subroutine add_tie(reader, model, row, common)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(tie_type), intent(in) :: common
     type(tie_type) :: tie
     integer :: i
@@ -518,14 +524,14 @@ contains
     tie%slave = reader%surfaces%find(field_text(reader%cards, row, 1))
     tie%master = reader%surfaces%find(field_text(reader%cards, row, 2))
     do i = 1, 2
-      if (reader%surfaces%find(field_text(reader%cards, row, i)) == 0) call complain(reader, row%line, &
+      if (reader%surfaces%find(field_text(reader%cards, row, i)) == 0) call report_error(reader, row%line, &
         'There is no surface ''' // field_text(reader%cards, row, i) // '''.')
     end do
     if (tie%slave == 0 .or. tie%master == 0) return
     if (tie%slave == tie%master) then
-      call complain(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
+      call report_error(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
     else if (model%surfaces(tie%master)%is_node_based .and. .not. tie%is_cyclic) then
-      call complain(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
+      call report_error(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
         ''' is made of nodes; a master needs element faces.')
     else
       model%ties = [model%ties, tie]
@@ -539,7 +545,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: partner(:), side(:)
     real(DP) :: normal(3)
@@ -548,9 +554,9 @@ contains
     call open_card(reader, c, parameters, row)
     line = reader%cards%line_number(reader%cards%cards(c)%line)
     is_ok = .true.
-    call one_node(reader, model, c, parameter_text(parameters, 'NODE'), pilot, is_ok)
+    call single_node(reader, model, c, parameter_text(parameters, 'NODE'), pilot, is_ok)
     if (has_parameter(parameters, 'ELEMENT') .eqv. has_parameter(parameters, 'SURFACE')) then
-      call complain(reader, reader%cards%cards(c)%line, '*PRE-TENSION SECTION needs either SURFACE or ELEMENT.')
+      call report_error(reader, reader%cards%cards(c)%line, '*PRE-TENSION SECTION needs either SURFACE or ELEMENT.')
       return
     end if
     if (has_parameter(parameters, 'ELEMENT')) then
@@ -559,32 +565,32 @@ contains
     end if
     surface = reader%surfaces%find(parameter_text(parameters, 'SURFACE'))
     if (surface == 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'There is no surface ''' // &
         parameter_text(parameters, 'SURFACE') // '''.')
       return
     end if
     if (model%surfaces(surface)%is_node_based) then
-      call complain(reader, reader%cards%cards(c)%line, 'A pre-tension section needs a surface of element faces.')
+      call report_error(reader, reader%cards%cards(c)%line, 'A pre-tension section needs a surface of element faces.')
       return
     end if
     if (any(model%mesh%nodes < 1)) return        ! an element names a node that is not there: that was told
     call read_normal(reader, model, row, surface, normal, is_ok)
     if (.not. is_ok) return
     if (any(model%mesh%nodes == pilot)) then
-      call complain(reader, reader%cards%cards(c)%line, 'The pre-tension node belongs to an element; name a node of its own.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The pre-tension node belongs to an element; name a node of its own.')
       return
     end if
-    call find_side(model%mesh, model%surfaces(surface)%element, model%surfaces(surface)%face, side, is_ok)
+    call find_side_elements(model%mesh, model%surfaces(surface)%element, model%surfaces(surface)%face, side, is_ok)
     if (model%dialect == DIALECT_CALCULIX) then
-      call keep_to_faces(reader, c, model%surfaces(surface)%element, side)
+      call restrict_to_face_elements(reader, c, model%surfaces(surface)%element, side)
     else if (.not. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // parameter_text(parameters, 'SURFACE') // &
+      call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // parameter_text(parameters, 'SURFACE') // &
         ''' does not cut its body through: elements on its two sides hang together around its edge, or it names faces of ' // &
         'both sides.')
       return
     end if
-    call part_body(model, side, surface, partner)
-    call overlap_nodes(model, partner, pilot, normal, line)
+    call split_body(model, side, surface, partner)
+    call add_pretension_equations(model, partner, pilot, normal, line)
   end subroutine read_pretension
 
 
@@ -596,7 +602,7 @@ contains
     character(*), intent(in) :: name             !< of an element, or of a set that holds one
     integer, intent(in) :: pilot
     logical, intent(in) :: is_ok
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer, allocatable :: partner(:)
     real(DP) :: axis(3)
     integer :: e, label, status, set
@@ -610,7 +616,8 @@ contains
     if (e > 0) entry = element_kind(model%mesh%kind(e))
     if (e == 0) entry%family = -1
     if (entry%family /= FAMILY_TRUSS .or. entry%n_nodes /= 2) then
-      call complain(reader, reader%cards%cards(c)%line, 'ELEMENT must name one truss T3D2; bodies of solids are cut at a SURFACE.')
+      call report_error(reader, reader%cards%cards(c)%line, 'ELEMENT must name one truss T3D2; bodies of solids are cut at ' // &
+        'a SURFACE.')
       return
     end if
     if (.not. is_ok) return
@@ -622,13 +629,13 @@ contains
       call append_node(mesh, mesh%coordinates(:, set), partner(set))
       mesh%nodes(first + 1) = partner(set)
     end associate
-    call overlap_nodes(model, partner, pilot, axis / norm2(axis), reader%cards%line_number(reader%cards%cards(c)%line))
+    call add_pretension_equations(model, partner, pilot, axis / norm2(axis), reader%cards%line_number(reader%cards%cards(c)%line))
   end subroutine pretension_truss
 
 
   !> The equations of a section: u_new = u_old + n u_1 of the pilot. The first of each is bound: the new node, unless contact is to
   !! push it and not the old one.
-  subroutine overlap_nodes(model, partner, pilot, normal, line)
+  subroutine add_pretension_equations(model, partner, pilot, normal, line)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: partner(:)            !< new node of each old one, 0
     integer, intent(in) :: pilot
@@ -636,7 +643,7 @@ contains
     integer, intent(in) :: line                  !< of the deck
     logical :: is_slave(model%mesh%n_nodes)
     integer :: i, k
-    model%mesh%is_abstract(pilot) = .true.
+    model%mesh%is_auxiliary(pilot) = .true.
     is_slave = .false.
     do i = 1, size(model%pairs)
       is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
@@ -654,14 +661,14 @@ contains
       end do
     end do
     model%rotation_of = [model%rotation_of, spread(0, 1, model%mesh%n_nodes - size(model%rotation_of))]
-  end subroutine overlap_nodes
+  end subroutine add_pretension_equations
 
 
   !> The normal of a section: given, or the mean normal of its faces.
   subroutine read_normal(reader, model, row, surface, normal, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     integer, intent(in) :: surface
     real(DP), intent(out) :: normal(3)
     logical, intent(inout) :: is_ok
@@ -670,13 +677,13 @@ contains
     normal = 0.0_DP
     if (next_row(reader%cards, row)) then
       do k = 1, 3
-        call need_real(reader, row, k, 'component of the normal', normal(k), is_ok, 0.0_DP)
+        call read_real(reader, row, k, 'component of the normal', normal(k), is_ok, 0.0_DP)
       end do
     else
       do i = 1, size(model%surfaces(surface)%element)
         nodes = face_nodes(model, surface, i)
         associate (x => model%mesh%coordinates(:, nodes))
-          if (size(nodes) == 2 .or. size(nodes) == 3 .and. is_flat(model, surface, i)) then
+          if (size(nodes) == 2 .or. size(nodes) == 3 .and. is_plane_edge(model, surface, i)) then
             normal = normal + [x(2, 2) - x(2, 1), x(1, 1) - x(1, 2), 0.0_DP]
           else
             normal = normal + cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
@@ -687,20 +694,20 @@ contains
     if (.not. is_ok) return
     is_ok = norm2(normal) > 0.0_DP
     if (is_ok) normal = normal / norm2(normal)
-    if (.not. is_ok) call complain(reader, row%line, 'The normal of the pre-tension section must not be zero.')
+    if (.not. is_ok) call report_error(reader, row%line, 'The normal of the pre-tension section must not be zero.')
   end subroutine read_normal
 
 
   !> Whether a face of a surface is an edge of a plane element.
-  pure logical function is_flat(model, surface, i)
+  pure logical function is_plane_edge(model, surface, i)
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface, i
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: shape
     entry = element_kind(model%mesh%kind(model%surfaces(surface)%element(i)))
     shape = facet_kind(entry%face_kind(model%surfaces(surface)%face(i)))
-    is_flat = shape%n_corners == 2
-  end function is_flat
+    is_plane_edge = shape%n_corners == 2
+  end function is_plane_edge
 
 
   !> The nodes of a face of a surface: corners first.
@@ -708,7 +715,7 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface, i            !< the surface, its face
     integer, allocatable :: nodes(:)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: e
     e = model%surfaces(surface)%element(i)
     entry = element_kind(model%mesh%kind(e))
@@ -719,7 +726,7 @@ contains
 
 
   !> CalculiX parts the elements of the faces alone: the others on that side are left out, which is told.
-  subroutine keep_to_faces(reader, c, element, side)
+  subroutine restrict_to_face_elements(reader, c, element, side)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: element(:)            !< of the faces
@@ -728,14 +735,15 @@ contains
     n = size(side)
     side = pack(side, [(any(element == side(i)), i=1, n)])
     if (size(side) == n) return
-    call note(reader, reader%cards%cards(c)%line, plural(n - size(side), 'element') // ' beside the section touch it with no ' // &
+    call report_note(reader, reader%cards%cards(c)%line, plural(n - size(side), &
+      'element') // ' beside the section touch it with no ' // &
       'more than an edge or a corner. CalculiX leaves them tied to its other side, where they carry load past the section, ' // &
       'and so does its dialect here; the abaqus dialect parts them.')
-  end subroutine keep_to_faces
+  end subroutine restrict_to_face_elements
 
 
   !> Gives elements nodes of their own on a surface, in the order of its faces; the nodes of all surfaces follow.
-  subroutine part_body(model, side, surface, partner)
+  subroutine split_body(model, side, surface, partner)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: side(:)               !< elements
     integer, intent(in) :: surface
@@ -753,7 +761,7 @@ contains
       end do
     end do
     associate (mesh => model%mesh)
-      call append_copies(mesh, nodes)
+      call append_node_copies(mesh, nodes)
       do e = 1, size(side)
         do i = mesh%first(side(e)), mesh%first(side(e) + 1) - 1
           if (partner(mesh%nodes(i)) > 0) mesh%nodes(i) = partner(mesh%nodes(i))
@@ -764,6 +772,6 @@ contains
       if (.not. (model%surfaces(i)%is_node_based .or. allocated(model%surfaces(i)%profile))) &
         call fill_surface_nodes(model%mesh, model%surfaces(i))
     end do
-  end subroutine part_body
+  end subroutine split_body
 
 end module amontons_deck_couplings

@@ -4,22 +4,22 @@ module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
   use amontons_containers, only: integer_list_type
   use amontons_mesh, only: mesh_type
-  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
-  public :: faces_type, find_free_faces, find_left_faces, find_side, n_hidden_faces
+  public :: node_elements_type, find_free_faces, find_omitted_faces, find_side_elements, count_shared_faces
 
   !> The elements at each node, for looking up faces.
-  type :: faces_type
+  type :: node_elements_type
     integer, allocatable :: first(:)             !< (n_nodes + 1) start in elements; not there: not indexed yet
     integer, allocatable :: elements(:)
-  end type faces_type
+  end type node_elements_type
 
 contains
 
   !> Indexes the elements by their nodes, once. Cost: linear.
   subroutine index_faces(faces, mesh)
-    type(faces_type), intent(inout) :: faces
+    type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
     integer, allocatable :: next(:)
     integer :: e, i, n
@@ -44,26 +44,26 @@ contains
 
 
   !> The corner nodes of a face of an element.
-  pure function corners_of(mesh, e, face) result(corners)
+  pure function corner_nodes(mesh, e, face) result(corners)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, face
     integer, allocatable :: corners(:)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: facet
     entry = element_kind(mesh%kind(e))
     facet = facet_kind(entry%face_kind(face))
     corners = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:facet%n_corners, face))
-  end function corners_of
+  end function corner_nodes
 
 
   !> The faces whose corners are some nodes: how many there are, and the first one.
-  subroutine match_face(faces, mesh, corners, n, element, face, without)
-    type(faces_type), intent(in) :: faces        !< indexed
+  subroutine match_face(faces, mesh, corners, n, element, face, excluded)
+    type(node_elements_type), intent(in) :: faces        !< indexed
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: corners(:)
     integer, intent(out) :: n, element, face     !< 0, 0, 0 if there is none
-    integer, intent(in), optional :: without     !< element that does not count
-    type(kind_type) :: entry
+    integer, intent(in), optional :: excluded     !< element that does not count
+    type(element_kind_type) :: entry
     integer, allocatable :: found(:)
     integer :: k, i, j
     n = 0
@@ -71,12 +71,12 @@ contains
     face = 0
     do k = faces%first(corners(1)), faces%first(corners(1) + 1) - 1
       associate (e => faces%elements(k))
-        if (present(without)) then
-          if (e == without) cycle
+        if (present(excluded)) then
+          if (e == excluded) cycle
         end if
         entry = element_kind(mesh%kind(e))
         do i = 1, entry%n_faces
-          found = corners_of(mesh, e, i)
+          found = corner_nodes(mesh, e, i)
           if (size(found) /= size(corners)) cycle
           if (.not. all([(any(found == corners(j)), j=1, size(corners))])) cycle
           n = n + 1
@@ -89,8 +89,8 @@ contains
 
 
   !> How many of some faces another element shares.
-  integer function n_hidden_faces(faces, mesh, element, face) result(n_hidden)
-    type(faces_type), intent(inout) :: faces
+  integer function count_shared_faces(faces, mesh, element, face) result(n_hidden)
+    type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element(:), face(:)
     integer :: i, n, e, f
@@ -98,20 +98,20 @@ contains
     if (any(mesh%nodes < 1)) return
     call index_faces(faces, mesh)
     do i = 1, size(element)
-      call match_face(faces, mesh, corners_of(mesh, element(i), face(i)), n, e, f)
+      call match_face(faces, mesh, corner_nodes(mesh, element(i), face(i)), n, e, f)
       if (n > 1) n_hidden = n_hidden + 1
     end do
-  end function n_hidden_faces
+  end function count_shared_faces
 
 
   !> The faces of some elements that no other element of the mesh shares.
   subroutine find_free_faces(faces, mesh, members, element, face)
-    type(faces_type), intent(inout) :: faces
+    type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: members(:)            !< elements
     integer, allocatable, intent(out) :: element(:), face(:)
     type(integer_list_type) :: elements, numbers
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: i, k, n, e, f
     allocate (element(0), face(0))
     if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
@@ -119,7 +119,7 @@ contains
     do i = 1, size(members)
       entry = element_kind(mesh%kind(members(i)))
       do k = 1, entry%n_faces
-        call match_face(faces, mesh, corners_of(mesh, members(i), k), n, e, f)
+        call match_face(faces, mesh, corner_nodes(mesh, members(i), k), n, e, f)
         if (n /= 1) cycle
         call elements%add(members(i))
         call numbers%add(k)
@@ -131,11 +131,11 @@ contains
 
 
   !> The element faces on which elements lie that were left out (faces or edges that a mesh generator wrote with the body).
-  subroutine find_left_faces(reader, faces, mesh, members, element, face, n_without)
+  subroutine find_omitted_faces(reader, faces, mesh, members, element, face, n_without)
     type(reader_type), intent(in) :: reader
-    type(faces_type), intent(inout) :: faces
+    type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
-    integer, intent(in) :: members(:)            !< indices into reader%left_first
+    integer, intent(in) :: members(:)            !< indices into reader%omitted_first
     integer, allocatable, intent(out) :: element(:), face(:)
     integer, intent(out) :: n_without            !< of them, that lie on no face
     type(integer_list_type) :: elements, numbers
@@ -145,7 +145,7 @@ contains
     if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
     call index_faces(faces, mesh)
     do i = 1, size(members)
-      associate (nodes => reader%left_nodes(reader%left_first(members(i)):reader%left_first(members(i) + 1) - 1))
+      associate (nodes => reader%omitted_nodes(reader%omitted_first(members(i)):reader%omitted_first(members(i) + 1) - 1))
         n_corners = size(nodes)
         if (n_corners == 6 .or. n_corners == 8) n_corners = n_corners / 2
         call match_face(faces, mesh, nodes(:n_corners), n, e, f)
@@ -161,19 +161,19 @@ contains
     end do
     element = elements%trimmed()
     face = numbers%trimmed()
-  end subroutine find_left_faces
+  end subroutine find_omitted_faces
 
 
   !> The elements on that side of some faces inside a body on which the faces were named, those that touch the faces with no more
   !! than an edge or a corner too. Faces that hold a node of the given ones lead from element to element, the given ones do not.
-  subroutine find_side(mesh, element, face, side, is_cut_through)
+  subroutine find_side_elements(mesh, element, face, side, is_cut_through)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element(:), face(:)   !< the given faces
     integer, allocatable, intent(out) :: side(:) !< elements
     logical, intent(out) :: is_cut_through       !< .false.: the way leads around the edge of the faces to their other side
-    type(faces_type) :: faces
+    type(node_elements_type) :: faces
     type(integer_list_type) :: reached
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: beyond(size(element)), i, k, n, other, f
     logical :: is_given(6, mesh%n_elements), is_on(mesh%n_nodes), is_reached(mesh%n_elements)
     call index_faces(faces, mesh)
@@ -182,8 +182,8 @@ contains
     is_reached = .false.
     do i = 1, size(element)
       is_given(face(i), element(i)) = .true.
-      is_on(corners_of(mesh, element(i), face(i))) = .true.
-      call match_face(faces, mesh, corners_of(mesh, element(i), face(i)), n, beyond(i), f, without=element(i))
+      is_on(corner_nodes(mesh, element(i), face(i))) = .true.
+      call match_face(faces, mesh, corner_nodes(mesh, element(i), face(i)), n, beyond(i), f, excluded=element(i))
       if (.not. is_reached(element(i))) call reached%add(element(i))
       is_reached(element(i)) = .true.
     end do
@@ -192,8 +192,8 @@ contains
       i = i + 1
       entry = element_kind(mesh%kind(reached%items(i)))
       do k = 1, entry%n_faces
-        if (is_given(k, reached%items(i)) .or. .not. any(is_on(corners_of(mesh, reached%items(i), k)))) cycle
-        call match_face(faces, mesh, corners_of(mesh, reached%items(i), k), n, other, f, without=reached%items(i))
+        if (is_given(k, reached%items(i)) .or. .not. any(is_on(corner_nodes(mesh, reached%items(i), k)))) cycle
+        call match_face(faces, mesh, corner_nodes(mesh, reached%items(i), k), n, other, f, excluded=reached%items(i))
         if (other == 0) cycle
         if (.not. is_reached(other)) call reached%add(other)
         is_reached(other) = .true.
@@ -201,6 +201,6 @@ contains
     end do
     side = reached%trimmed()
     is_cut_through = .not. any(is_reached(pack(beyond, beyond > 0)))
-  end subroutine find_side
+  end subroutine find_side_elements
 
 end module amontons_deck_faces

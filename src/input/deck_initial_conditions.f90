@@ -2,34 +2,34 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_real
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_real
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_reader, only: reader_type, open_card, complain, need_real, need_integer, need_at_most, &
-    need_no_data, note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
+  use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, check_n_fields, &
+    check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
   use amontons_loads, only: temperature_type, load_value
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
     HISTORY_INELASTIC, HISTORY_BACK
   use amontons_mesh, only: mesh_type
-  use amontons_model, only: model_type, with_twins, DIALECT_CALCULIX
-  use amontons_text, only: text_of, squeezed, NUMBER_OK, NUMBER_EMPTY
+  use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
+  use amontons_text, only: to_text, name_key, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
   public :: read_orientations, read_initial_conditions
-  public :: thermal_type, start_thermal, begin_thermal_step, read_temperature, hand_over_temperatures, &
-    cut_temperatures
+  public :: active_temperatures_type, init_temperatures, propagate_temperatures, read_temperature, get_step_temperatures, &
+    truncate_temperatures
 
-  integer, parameter :: DECK_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
+  integer, parameter :: DECK_VOIGT_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
 
   !> The temperatures that stand at this point of the deck.
-  type :: thermal_type
+  type :: active_temperatures_type
     integer :: step = 0                          !< present step
     logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
     real(DP), allocatable :: before(:)           !< (n_nodes) at the end of the step before [temperature]
     type(temperature_type), allocatable :: loads(:)   !< what acts in this step
     integer, allocatable :: at(:)                !< (n_nodes) index into loads, 0: none
     integer :: n = 0
-  end type thermal_type
+  end type active_temperatures_type
 
 contains
 
@@ -38,7 +38,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     type(name_table_type) :: names
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(orientation_type) :: orientation
     integer, allocatable :: distribution(:)      !< (orientations) its DISTRIBUTION card, 0: none
@@ -56,7 +56,7 @@ contains
         parameter_word(parameters, 'SYSTEM', 'RECTANGULAR') == 'CYLINDRICAL')
       call names%add(orientation%name, k, is_new)
       if (.not. is_new) then
-        call complain(reader, reader%cards%cards(c)%line, 'The orientation ''' // orientation%name // &
+        call report_error(reader, reader%cards%cards(c)%line, 'The orientation ''' // orientation%name // &
           ''' is defined twice.')
         cycle
       end if
@@ -73,7 +73,7 @@ contains
   subroutine read_axes(reader, c, row, orientation, distribution)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(orientation_type), intent(inout) :: orientation
     integer, intent(out) :: distribution         !< DISTRIBUTION card that it names; 0: none
     real(DP) :: value
@@ -82,25 +82,25 @@ contains
     distribution = 0
     is_ok = .true.
     if (.not. next_row(reader%cards, row)) then
-      call complain(reader, reader%cards%cards(c)%line, '*ORIENTATION needs a data line: the coordinates of two points.')
+      call report_error(reader, reader%cards%cards(c)%line, '*ORIENTATION needs a data line: the coordinates of two points.')
       return
     end if
     call field_real(reader%cards, row, 1, value, status)
     if (status /= NUMBER_OK .and. status /= NUMBER_EMPTY) then
       distribution = find_distribution(reader, field_text(reader%cards, row, 1))
-      if (distribution == 0) call complain(reader, row%line, 'There is no distribution ''' // &
+      if (distribution == 0) call report_error(reader, row%line, 'There is no distribution ''' // &
         field_text(reader%cards, row, 1) // '''.')
     else
       call read_points(reader, row, 1, orientation, is_ok)
     end if
     if (.not. next_row(reader%cards, row)) return
-    call need_at_most(reader, row, 2)
-    call need_integer(reader, row, 1, 'local axis', orientation%turn_axis, is_ok, 1)
-    call need_real(reader, row, 2, 'angle', orientation%turn_angle, is_ok, 0.0_DP)
-    orientation%turn_angle = orientation%turn_angle * PI / 180
-    if (orientation%turn_axis < 1 .or. orientation%turn_axis > 3) call complain(reader, row%line, &
+    call check_n_fields(reader, row, 2)
+    call read_integer(reader, row, 1, 'local axis', orientation%rotation_axis, is_ok, 1)
+    call read_real(reader, row, 2, 'angle', orientation%rotation_angle, is_ok, 0.0_DP)
+    orientation%rotation_angle = orientation%rotation_angle * PI / 180
+    if (orientation%rotation_axis < 1 .or. orientation%rotation_axis > 3) call report_error(reader, row%line, &
       'The local axis to turn about must be 1, 2 or 3.')
-    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
   end subroutine read_axes
 
 
@@ -108,12 +108,12 @@ contains
   integer function find_distribution(reader, name) result(c)
     type(reader_type), intent(in) :: reader
     character(*), intent(in) :: name
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'DISTRIBUTION')) cycle
       call open_card(reader, c, parameters, row)
-      if (squeezed(parameter_text(parameters, 'NAME')) == squeezed(name)) return
+      if (name_key(parameter_text(parameters, 'NAME')) == name_key(name)) return
     end do
     c = 0
   end function find_distribution
@@ -122,15 +122,15 @@ contains
   !> Two points, six coordinates.
   subroutine read_points(reader, row, first, orientation, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: first                 !< field of the first coordinate
     type(orientation_type), intent(inout) :: orientation
     logical, intent(inout) :: is_ok
     real(DP) :: x(6), cross(3)
     integer :: i
-    call need_at_most(reader, row, first + 5)
+    call check_n_fields(reader, row, first + 5)
     do i = 1, 6
-      call need_real(reader, row, first + i - 1, 'coordinate', x(i), is_ok, 0.0_DP)
+      call read_real(reader, row, first + i - 1, 'coordinate', x(i), is_ok, 0.0_DP)
     end do
     orientation%a = x(:3)
     orientation%b = x(4:)
@@ -143,7 +143,7 @@ contains
         is_ok = norm2(cross) > 1.0e-10_DP * norm2(a) * norm2(b)
       end if
     end associate
-    if (.not. is_ok) call complain(reader, row%line, 'These two points give no axes: they must not coincide, nor lie ' // &
+    if (.not. is_ok) call report_error(reader, row%line, 'These two points give no axes: they must not coincide, nor lie ' // &
       'on one line through the origin (RECTANGULAR).')
   end subroutine read_points
 
@@ -154,7 +154,7 @@ contains
     type(name_table_type), intent(in) :: names
     integer, intent(in) :: distribution(:)
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, k, set
     do c = 1, reader%cards%n_cards
@@ -163,7 +163,7 @@ contains
       if (parameter_text(parameters, 'ORIENTATION') == '') cycle
       k = names%find(parameter_text(parameters, 'ORIENTATION'))
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
-      if (k == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // &
+      if (k == 0) call report_error(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // &
         parameter_text(parameters, 'ORIENTATION') // '''.')
       if (k == 0 .or. set == 0) cycle
       associate (members => model%mesh%element_sets(set)%members)
@@ -180,7 +180,7 @@ contains
     integer, intent(in) :: c                     !< DISTRIBUTION card
     integer, intent(in) :: members(:)            !< elements of the section
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(orientation_type) :: orientation
     integer, allocatable :: elements(:)
@@ -212,7 +212,7 @@ contains
   subroutine read_initial_conditions(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: what
     integer :: c
@@ -220,7 +220,8 @@ contains
       if (.not. is_card(reader, c, 'INITIALCONDITIONS')) cycle
       call open_card(reader, c, parameters, row)
       what = parameter_word(parameters, 'TYPE', '')
-      if (what == 'DISPLACEMENT') call note(reader, reader%cards%cards(c)%line, 'Initial displacements have no effect in a ' // &
+      if (what == 'DISPLACEMENT') call report_note(reader, reader%cards%cards(c)%line, &
+        'Initial displacements have no effect in a ' // &
         'static step: the loads and supports of the first increment decide where it ends, as in CalculiX.')
       if (what == 'TEMPERATURE' .and. .not. allocated(model%initial_temperature)) &
         allocate (model%initial_temperature(model%mesh%n_nodes), source=0.0_DP)
@@ -229,7 +230,7 @@ contains
       if ((what == 'PLASTICSTRAIN' .or. what == 'HARDENING') .and. .not. allocated(model%initial_history)) &
         allocate (model%initial_history(HISTORY_BACK + 5, model%mesh%n_points), source=0.0_DP)
       if (has_parameter(parameters, 'USER')) then
-        if (what /= 'SOLUTION') call complain(reader, reader%cards%cards(c)%line, 'USER goes with TYPE=SOLUTION alone.')
+        if (what /= 'SOLUTION') call report_error(reader, reader%cards%cards(c)%line, 'USER goes with TYPE=SOLUTION alone.')
         model%has_sdvini = .true.
       else if (what == 'SOLUTION') then
         call read_initial_variables(reader, row, model)
@@ -249,7 +250,7 @@ contains
   !> Rows: element or element set, seven STATEV; then eight in a line until the material of the elements has enough.
   subroutine read_initial_variables(reader, row, model)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(model_type), intent(inout) :: model
     integer, allocatable :: elements(:)
     real(DP), allocatable :: values(:)
@@ -266,14 +267,14 @@ contains
       do i = 1, size(elements)
         if (model%mesh%material(elements(i)) > 0) n = max(n, model%materials(model%mesh%material(elements(i)))%n_statev)
       end do
-      if (n == 0) call complain(reader, row%line, 'The material of these elements has no *DEPVAR: there are no STATEV to set.')
+      if (n == 0) call report_error(reader, row%line, 'The material of these elements has no *DEPVAR: there are no STATEV to set.')
       allocate (values(n), source=0.0_DP)
       first = 2
       k = 0
       do
-        call need_at_most(reader, row, min(first - 1 + n - k, 8))
+        call check_n_fields(reader, row, min(first - 1 + n - k, 8))
         do i = first, min(first - 1 + n - k, 8)
-          call need_real(reader, row, i, 'STATEV', values(k + i - first + 1), is_ok, 0.0_DP)
+          call read_real(reader, row, i, 'STATEV', values(k + i - first + 1), is_ok, 0.0_DP)
         end do
         k = min(n, k + 9 - first)
         if (k >= n) exit
@@ -294,15 +295,15 @@ contains
   !> Row: node or node set, temperature; gradients of shells may follow and are passed over.
   subroutine read_initial_temperature(reader, row, model)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(model_type), intent(inout) :: model
     integer, allocatable :: nodes(:)
     real(DP) :: value
     logical :: is_ok
     is_ok = .true.
     call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-    call need_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
-    if (is_ok) model%initial_temperature(with_twins(model, nodes)) = value
+    call read_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
+    if (is_ok) model%initial_temperature(with_pretension_copies(model, nodes)) = value
   end subroutine read_initial_temperature
 
 
@@ -310,7 +311,7 @@ contains
   !! equivalent plastic strain before them.
   subroutine read_initial_points(reader, row, what, model)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     character(*), intent(in) :: what             !< STRESS, PLASTICSTRAIN or HARDENING
     type(model_type), intent(inout) :: model
     integer, allocatable :: elements(:)
@@ -322,56 +323,56 @@ contains
     first = 2
     point = 0
     if (reader%dialect == DIALECT_CALCULIX .and. what /= 'HARDENING') then
-      call need_integer(reader, row, 2, 'integration point', point, is_ok)
+      call read_integer(reader, row, 2, 'integration point', point, is_ok)
       first = 3
     end if
     n = merge(7, 6, what == 'HARDENING')
-    call need_at_most(reader, row, first + n - 1)
+    call check_n_fields(reader, row, first + n - 1)
     do i = 1, n
-      call need_real(reader, row, first + i - 1, 'component', x(i), is_ok, 0.0_DP)
+      call read_real(reader, row, first + i - 1, 'component', x(i), is_ok, 0.0_DP)
     end do
     if (.not. is_ok) return
     do i = 1, size(elements)
       p = model%mesh%point_first(elements(i))
       last = model%mesh%point_first(elements(i) + 1) - 1
       if (first == 3 .and. (point < 1 .or. p + point - 1 > last)) then
-        call complain(reader, row%line, 'The element ' // text_of(model%mesh%element_label(elements(i))) // &
-          ' has no integration point ' // text_of(point) // '; it has ' // text_of(last - p + 1) // '.')
+        call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // &
+          ' has no integration point ' // to_text(point) // '; it has ' // to_text(last - p + 1) // '.')
         return
       end if
       if (first == 3) p = p + point - 1
       if (first == 3) last = p
       if (what == 'STRESS') then
-        model%initial_stress(:, p:last) = spread(x(DECK_ORDER), 2, last - p + 1)
+        model%initial_stress(:, p:last) = spread(x(DECK_VOIGT_ORDER), 2, last - p + 1)
       else if (what == 'PLASTICSTRAIN') then
-        model%initial_history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p:last) = spread(x(DECK_ORDER), 2, last - p + 1)
+        model%initial_history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p:last) = spread(x(DECK_VOIGT_ORDER), 2, last - p + 1)
       else
         model%initial_history(HISTORY_PEEQ, p:last) = x(1)
-        model%initial_history(HISTORY_BACK:HISTORY_BACK + 5, p:last) = spread(x(1 + DECK_ORDER), 2, last - p + 1)
+        model%initial_history(HISTORY_BACK:HISTORY_BACK + 5, p:last) = spread(x(1 + DECK_VOIGT_ORDER), 2, last - p + 1)
       end if
     end do
   end subroutine read_initial_points
 
 
   !> The temperatures before the first step.
-  subroutine start_thermal(model, thermal)
+  subroutine init_temperatures(model, thermal)
     type(model_type), intent(in) :: model
-    type(thermal_type), intent(out) :: thermal
+    type(active_temperatures_type), intent(out) :: thermal
     allocate (thermal%before(model%mesh%n_nodes), source=0.0_DP)
     if (allocated(model%initial_temperature)) thermal%before = model%initial_temperature
     allocate (thermal%at(model%mesh%n_nodes), source=0)
     allocate (thermal%loads(0))
-  end subroutine start_thermal
+  end subroutine init_temperatures
 
 
   !> A new step: all nodes keep the temperature that they had at the end of the step before; amplitudes in total time
   !! run on.
-  subroutine begin_thermal_step(model, period, total_time, is_step, thermal)
+  subroutine propagate_temperatures(model, period, total_time, is_step, thermal)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]
     real(DP), intent(in) :: total_time           !< total time at its end [time]
     logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
-    type(thermal_type), intent(inout) :: thermal
+    type(active_temperatures_type), intent(inout) :: thermal
     integer :: i, n
     thermal%step = thermal%step + 1
     thermal%is_step = is_step
@@ -388,12 +389,12 @@ contains
       end associate
     end do
     thermal%n = n
-  end subroutine begin_thermal_step
+  end subroutine propagate_temperatures
 
 
   !> What the temperatures of a step that ends early have reached.
-  subroutine cut_temperatures(thermal, fraction)
-    type(thermal_type), intent(inout) :: thermal
+  subroutine truncate_temperatures(thermal, fraction)
+    type(active_temperatures_type), intent(inout) :: thermal
     real(DP), intent(in) :: fraction             !< of the step that was done [-]
     integer :: i
     do i = 1, thermal%n
@@ -401,7 +402,7 @@ contains
         if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
       end associate
     end do
-  end subroutine cut_temperatures
+  end subroutine truncate_temperatures
 
 
   !> TEMPERATURE in the present step.
@@ -409,8 +410,8 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(thermal_type), intent(inout) :: thermal
-    type(row_type) :: row
+    type(active_temperatures_type), intent(inout) :: thermal
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     real(DP) :: value
@@ -428,9 +429,9 @@ contains
     do while (next_row(reader%cards, row))
       is_ok = .true.
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-      call need_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
+      call read_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
       if (.not. is_ok) cycle
-      nodes = with_twins(model, nodes)
+      nodes = with_pretension_copies(model, nodes)
       do i = 1, size(nodes)
         call set_temperature(nodes(i), value, amplitude, thermal)
       end do
@@ -443,7 +444,7 @@ contains
     integer, intent(in) :: node
     real(DP), intent(in) :: value                !< [temperature]
     integer, intent(in) :: amplitude             !< 0: none
-    type(thermal_type), intent(inout) :: thermal
+    type(active_temperatures_type), intent(inout) :: thermal
     type(temperature_type), allocatable :: larger(:)
     integer :: i
     i = thermal%at(node)
@@ -467,10 +468,10 @@ contains
 
 
   !> The list of the present step.
-  subroutine hand_over_temperatures(thermal, temperatures)
-    type(thermal_type), intent(in) :: thermal
+  subroutine get_step_temperatures(thermal, temperatures)
+    type(active_temperatures_type), intent(in) :: thermal
     type(temperature_type), allocatable, intent(out) :: temperatures(:)
     temperatures = thermal%loads(:thermal%n)
-  end subroutine hand_over_temperatures
+  end subroutine get_step_temperatures
 
 end module amontons_deck_initial_conditions

@@ -2,105 +2,106 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_labels
   use amontons_kinds, only: DP, PI
-  use amontons_cards, only: cards_type, row_type, parameter_type, read_parameters, start_rows, next_row, field_text, &
+  use amontons_cards, only: cards_type, data_row_type, parameter_type, read_parameters, start_rows, next_row, field_text, &
     field_integer, field_real
   use amontons_containers, only: integer_list_type, name_table_type
-  use amontons_text, only: squeezed, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, kind_of_name
+  use amontons_text, only: name_key, NUMBER_OK
+  use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name
   implicit none
   private
-  public :: element_type, scope_type, clear, take_card, set_of, add_node, add_element, add_members, sort_items, index_of, &
-    find_element, cartesian, has, value_of
+  public :: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, add_element, &
+    add_members, sort_unique, find_label_index, &
+    find_element, to_cartesian, has_key, key_value
 
   !> One element as the deck has it.
-  type :: element_type
+  type :: deck_element_type
     integer :: label = 0
     character(:), allocatable :: type            !< word of TYPE
     integer, allocatable :: nodes(:)             !< labels
-  end type element_type
+  end type deck_element_type
 
   !> What has been read so far of a part or of the model.
-  type :: scope_type
+  type :: label_scope_type
     integer :: n = 0
     integer, allocatable :: label(:)             !< of the nodes
     real(DP), allocatable :: x(:, :)             !< (3, n) [length]
     integer, allocatable :: at(:)                !< (labels) index of a node of a label that is not too large, 0
     integer :: n_elements = 0
-    integer, allocatable :: element_at(:)        !< the same of an element
-    type(element_type), allocatable :: elements(:)
+    integer, allocatable :: element_of_label(:)        !< the same of an element
+    type(deck_element_type), allocatable :: elements(:)
     type(name_table_type) :: node_names, element_names
     type(integer_list_type), allocatable :: node_sets(:), element_sets(:)   !< labels
-  end type scope_type
+  end type label_scope_type
 
 contains
 
   !> Nothing is known.
-  subroutine clear(scope)
-    type(scope_type), intent(out) :: scope
+  subroutine clear_scope(scope)
+    type(label_scope_type), intent(out) :: scope
     allocate (scope%label(256), scope%x(3, 256), scope%elements(256), scope%node_sets(0), scope%element_sets(0))
-    allocate (scope%at(256), scope%element_at(256), source=0)
-  end subroutine clear
+    allocate (scope%at(256), scope%element_of_label(256), source=0)
+  end subroutine clear_scope
 
 
   !> What a card says of nodes, elements and sets. What is wrong in it is told later, by those who read it for good.
-  subroutine take_card(cards, c, scope)
+  subroutine read_mesh_card(cards, c, scope)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
-    type(scope_type), intent(inout) :: scope
-    type(row_type) :: row
+    type(label_scope_type), intent(inout) :: scope
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: set, kind
     call read_parameters(cards, cards%cards(c), parameters)
     call start_rows(cards%cards(c), row)
     select case (cards%cards(c)%key)
     case ('NODE')
-      set = set_of(value_of(parameters, 'NSET'), scope%node_names, scope%node_sets)
+      set = find_or_add_set(key_value(parameters, 'NSET'), scope%node_names, scope%node_sets)
       do while (next_row(cards, row))
-        call take_node(cards, row, squeezed(value_of(parameters, 'SYSTEM')), set, scope)
+        call read_node_row(cards, row, name_key(key_value(parameters, 'SYSTEM')), set, scope)
       end do
-      if (set > 0) call sort_items(scope%node_sets(set))   ! sets are in the order of the numbers, but for UNSORTED
+      if (set > 0) call sort_unique(scope%node_sets(set))   ! sets are in the order of the numbers, but for UNSORTED
     case ('ELEMENT')
-      set = set_of(value_of(parameters, 'ELSET'), scope%element_names, scope%element_sets)
-      kind = kind_of_name(squeezed(value_of(parameters, 'TYPE')))
+      set = find_or_add_set(key_value(parameters, 'ELSET'), scope%element_names, scope%element_sets)
+      kind = element_kind_by_name(name_key(key_value(parameters, 'TYPE')))
       if (kind == 0) return
       entry = element_kind(kind)
       do while (next_row(cards, row))
-        call take_element(cards, row, value_of(parameters, 'TYPE'), entry%n_nodes, set, scope)
+        call read_element_rows(cards, row, key_value(parameters, 'TYPE'), entry%n_nodes, set, scope)
       end do
     case ('NSET')
-      if (has(parameters, 'ELSET')) return
-      set = set_of(value_of(parameters, 'NSET'), scope%node_names, scope%node_sets)
-      call take_members(cards, row, has(parameters, 'GENERATE'), set, scope%node_names, scope%node_sets)
-      if (set > 0 .and. .not. has(parameters, 'UNSORTED')) call sort_items(scope%node_sets(set))
+      if (has_key(parameters, 'ELSET')) return
+      set = find_or_add_set(key_value(parameters, 'NSET'), scope%node_names, scope%node_sets)
+      call read_set_members(cards, row, has_key(parameters, 'GENERATE'), set, scope%node_names, scope%node_sets)
+      if (set > 0 .and. .not. has_key(parameters, 'UNSORTED')) call sort_unique(scope%node_sets(set))
     case ('ELSET')
-      set = set_of(value_of(parameters, 'ELSET'), scope%element_names, scope%element_sets)
-      call take_members(cards, row, has(parameters, 'GENERATE'), set, scope%element_names, scope%element_sets)
-      if (set > 0) call sort_items(scope%element_sets(set))
+      set = find_or_add_set(key_value(parameters, 'ELSET'), scope%element_names, scope%element_sets)
+      call read_set_members(cards, row, has_key(parameters, 'GENERATE'), set, scope%element_names, scope%element_sets)
+      if (set > 0) call sort_unique(scope%element_sets(set))
     end select
-  end subroutine take_card
+  end subroutine read_mesh_card
 
 
   !> The set of a name, made if there is none yet; 0 for an empty name.
-  integer function set_of(name, names, sets)
+  integer function find_or_add_set(name, names, sets)
     character(*), intent(in) :: name
     type(name_table_type), intent(inout) :: names
     type(integer_list_type), allocatable, intent(inout) :: sets(:)
     logical :: is_new
-    set_of = 0
+    find_or_add_set = 0
     if (name == '') return
-    call names%add(name, set_of, is_new)
+    call names%add(name, find_or_add_set, is_new)
     if (is_new) sets = [sets, integer_list_type()]
-  end function set_of
+  end function find_or_add_set
 
 
   !> A row of NODE.
-  subroutine take_node(cards, row, system, set, scope)
+  subroutine read_node_row(cards, row, system, set, scope)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     character(*), intent(in) :: system           !< '', R, C or S
     integer, intent(in) :: set
-    type(scope_type), intent(inout) :: scope
+    type(label_scope_type), intent(inout) :: scope
     real(DP) :: x(3)
     integer :: label, status, i
     call field_integer(cards, row, 1, label, status)
@@ -110,13 +111,13 @@ contains
       call field_real(cards, row, i + 1, x(i), status)
       if (status /= NUMBER_OK) x(i) = 0
     end do
-    call add_node(scope, label, cartesian(system, x), set)
-  end subroutine take_node
+    call add_node(scope, label, to_cartesian(system, x), set)
+  end subroutine read_node_row
 
 
   !> Coordinates of NODE, SYSTEM=: cylindrical (radius, angle, z) and spherical ones (radius, angle about z, angle above the
   !! xy plane).
-  pure function cartesian(system, x) result(place)
+  pure function to_cartesian(system, x) result(place)
     character(*), intent(in) :: system           !< C, S, or Cartesian already
     real(DP), intent(in) :: x(3)                 !< [length], angles in degrees
     real(DP) :: place(3), turn(2)
@@ -124,12 +125,12 @@ contains
     turn = x(2:) * PI / 180
     if (system == 'C') place(:2) = x(1) * [cos(turn(1)), sin(turn(1))]
     if (system == 'S') place = x(1) * [cos(turn(1)) * cos(turn(2)), sin(turn(1)) * cos(turn(2)), sin(turn(2))]
-  end function cartesian
+  end function to_cartesian
 
 
   !> A node, known from now on.
   subroutine add_node(scope, label, x, set)
-    type(scope_type), intent(inout) :: scope
+    type(label_scope_type), intent(inout) :: scope
     integer, intent(in) :: label
     real(DP), intent(in) :: x(3)                   !< [length]
     integer, intent(in) :: set
@@ -145,47 +146,47 @@ contains
     scope%n = scope%n + 1
     scope%label(scope%n) = label
     scope%x(:, scope%n) = x
-    call keep_index(label, scope%n, scope%at)
+    call store_label_index(label, scope%n, scope%at)
     if (set > 0) call scope%node_sets(set)%add(label)
   end subroutine add_node
 
 
   !> Notes where a label is, if it is not too large.
-  subroutine keep_index(label, i, at)
+  subroutine store_label_index(label, i, at)
     integer, intent(in) :: label, i
     integer, allocatable, intent(inout) :: at(:)
-    integer, parameter :: LARGEST = 20000000
+    integer, parameter :: MAX_DIRECT_LABEL = 20000000
     integer, allocatable :: longer(:)
-    if (label < 1 .or. label > LARGEST) return
+    if (label < 1 .or. label > MAX_DIRECT_LABEL) return
     if (label > size(at)) then
       allocate (longer(max(label, 2 * size(at))), source=0)
       longer(:size(at)) = at
       call move_alloc(longer, at)
     end if
     at(label) = i
-  end subroutine keep_index
+  end subroutine store_label_index
 
 
   !> The index of a label, 0 if there is none.
-  pure integer function index_of(label, at, labels)
+  pure integer function find_label_index(label, at, labels)
     integer, intent(in) :: label
     integer, intent(in) :: at(:)
     integer, intent(in) :: labels(:)             !< all, for those that are too large
-    index_of = 0
+    find_label_index = 0
     if (label < 1) return
-    if (label <= size(at)) index_of = at(label)
-    if (index_of == 0 .and. label > size(at)) index_of = findloc(labels, label, dim=1, back=.true.)
-  end function index_of
+    if (label <= size(at)) find_label_index = at(label)
+    if (find_label_index == 0 .and. label > size(at)) find_label_index = findloc(labels, label, dim=1, back=.true.)
+  end function find_label_index
 
 
   !> The rows of one element.
-  subroutine take_element(cards, row, type, n_nodes, set, scope)
+  subroutine read_element_rows(cards, row, type, n_nodes, set, scope)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     character(*), intent(in) :: type
     integer, intent(in) :: n_nodes, set
-    type(scope_type), intent(inout) :: scope
-    type(element_type) :: element
+    type(label_scope_type), intent(inout) :: scope
+    type(deck_element_type) :: element
     integer :: i, first, number, status
     call field_integer(cards, row, 1, element%label, status)
     if (status /= NUMBER_OK) return
@@ -202,15 +203,15 @@ contains
       first = 1
     end do
     call add_element(scope, element, set)
-  end subroutine take_element
+  end subroutine read_element_rows
 
 
   !> An element, known from now on.
   subroutine add_element(scope, element, set)
-    type(scope_type), intent(inout) :: scope
-    type(element_type), intent(in) :: element
+    type(label_scope_type), intent(inout) :: scope
+    type(deck_element_type), intent(in) :: element
     integer, intent(in) :: set
-    type(element_type), allocatable :: elements(:)
+    type(deck_element_type), allocatable :: elements(:)
     if (scope%n_elements == size(scope%elements)) then
       allocate (elements(2 * scope%n_elements))
       elements(:scope%n_elements) = scope%elements
@@ -218,15 +219,15 @@ contains
     end if
     scope%n_elements = scope%n_elements + 1
     scope%elements(scope%n_elements) = element
-    call keep_index(element%label, scope%n_elements, scope%element_at)
+    call store_label_index(element%label, scope%n_elements, scope%element_of_label)
     if (set > 0) call scope%element_sets(set)%add(element%label)
   end subroutine add_element
 
 
   !> The members of a set: labels, names of sets, ranges.
-  subroutine take_members(cards, row, is_range, set, names, sets)
+  subroutine read_set_members(cards, row, is_range, set, names, sets)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     logical, intent(in) :: is_range
     integer, intent(in) :: set
     type(name_table_type), intent(in) :: names
@@ -248,13 +249,13 @@ contains
       end if
       call add_members(cards, row, set, names, sets)
     end do
-  end subroutine take_members
+  end subroutine read_set_members
 
 
   !> The members of a set in one row.
   subroutine add_members(cards, row, set, names, sets)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: set
     type(name_table_type), intent(in) :: names
     type(integer_list_type), intent(inout) :: sets(:)
@@ -274,15 +275,15 @@ contains
 
   !> The last element of a label; 0: none.
   pure subroutine find_element(scope, label, m)
-    type(scope_type), intent(in) :: scope
+    type(label_scope_type), intent(in) :: scope
     integer, intent(in) :: label
     integer, intent(out) :: m
-    m = index_of(label, scope%element_at, scope%elements(:scope%n_elements)%label)
+    m = find_label_index(label, scope%element_of_label, scope%elements(:scope%n_elements)%label)
   end subroutine find_element
 
 
   !> Sorts a list and takes doubles out.
-  subroutine sort_items(list)
+  subroutine sort_unique(list)
     type(integer_list_type), intent(inout) :: list
     integer, allocatable :: items(:)
     logical, allocatable :: is_there(:)
@@ -297,35 +298,35 @@ contains
     do i = lbound(is_there, 1), ubound(is_there, 1)
       if (is_there(i)) call list%add(i)
     end do
-  end subroutine sort_items
+  end subroutine sort_unique
 
 
   !> The parameter of a key; 0: none.
-  pure integer function first_of(parameters, key)
+  pure integer function find_parameter(parameters, key)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: key
-    do first_of = 1, size(parameters)
-      if (parameters(first_of)%key == key) return
+    do find_parameter = 1, size(parameters)
+      if (parameters(find_parameter)%key == key) return
     end do
-    first_of = 0
-  end function first_of
+    find_parameter = 0
+  end function find_parameter
 
 
   !> Whether a card has a parameter.
-  pure logical function has(parameters, key)
+  pure logical function has_key(parameters, key)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: key
-    has = first_of(parameters, key) > 0
-  end function has
+    has_key = find_parameter(parameters, key) > 0
+  end function has_key
 
 
   !> The text of a parameter, empty if it is not there.
-  pure function value_of(parameters, key) result(text)
+  pure function key_value(parameters, key) result(text)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: key
     character(:), allocatable :: text
     text = ''
-    if (has(parameters, key)) text = parameters(first_of(parameters, key))%text
-  end function value_of
+    if (has_key(parameters, key)) text = parameters(find_parameter(parameters, key))%text
+  end function key_value
 
 end module amontons_deck_labels

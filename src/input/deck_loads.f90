@@ -4,18 +4,19 @@
 !! How long they act is the matter of `standing`.
 module amontons_deck_loads
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_word
   use amontons_deck_surfaces, only: face_number
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_containers, only: name_table_type
-  use amontons_loads, only: prescribed_type, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, DISTRIBUTED_TRACTION
+  use amontons_loads, only: prescribed_type, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_load_propagation, only: standing_type, volume_type, add_force, fade_forces, hold, is_same_place, release_held, &
-    FAMILY_BOUNDARY, FAMILY_CLOAD, FAMILY_DLOAD, FAMILY_VOLUME
-  use amontons_text, only: squeezed, text_of, plural, is_one_of, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
+  use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
+    is_same_region, release_prescribed, &
+    LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
+  use amontons_text, only: name_key, to_text, plural, is_one_of, NUMBER_OK
+  use amontons_topology, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
   public :: read_boundary, read_cload, read_dload
@@ -23,9 +24,9 @@ module amontons_deck_loads
 contains
 
   !> Tells that CalculiX loads what a set names twice two times.
-  subroutine tell_repeats(reader, row, names, has_repeats)
+  subroutine report_set_repeats(reader, row, names, has_repeats)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(name_table_type), intent(in) :: names
     logical, intent(in) :: has_repeats(:)        !< (sets)
     character(:), allocatable :: name
@@ -34,46 +35,47 @@ contains
     name = field_text(reader%cards, row, 1)
     s = names%find(name)
     if (s == 0) return
-    if (has_repeats(s)) call note(reader, row%line, 'The deck names some members of the set ''' // name // ''' more than ' // &
+    if (has_repeats(s)) call report_note(reader, row%line, 'The deck names some members of the set ''' // name // ''' more than ' &
+      // &
       'once. Here the load acts on each of them once; CalculiX applies it as often as they are named.')
-  end subroutine tell_repeats
+  end subroutine report_set_repeats
 
 
   !> BOUNDARY in the model (step 0) or in the present step.
-  subroutine read_boundary(reader, model, c, step, standing)
+  subroutine read_boundary(reader, model, c, step, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: step                  !< present step; 0: the model
-    type(standing_type), intent(inout) :: standing
-    type(row_type) :: row
+    type(active_loads_type), intent(inout) :: active_loads
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(prescribed_type) :: common
     integer :: n_changed
     call open_card(reader, c, parameters, row)
-    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call release_held(step, standing)
+    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call release_prescribed(step, active_loads)
     call find_amplitude(reader, c, parameters, common%amplitude)
     common%is_held = has_parameter(parameters, 'FIXED')
     common%is_user = has_parameter(parameters, 'USER')
-    if (common%is_user .and. (common%is_held .or. has_parameter(parameters, 'AMPLITUDE'))) call complain(reader, &
+    if (common%is_user .and. (common%is_held .or. has_parameter(parameters, 'AMPLITUDE'))) call report_error(reader, &
       reader%cards%cards(c)%line, 'With USER the routine DISP gives the displacements, without AMPLITUDE or FIXED.')
     n_changed = 0
     do while (next_row(reader%cards, row))
-      call read_boundary_row(reader, model, row, step, common, standing, n_changed)
+      call read_boundary_row(reader, model, row, step, common, active_loads, n_changed)
     end do
-    if (n_changed > 0) call note(reader, reader%cards%cards(c)%line, plural(n_changed, 'displacement') // &
+    if (n_changed > 0) call report_note(reader, reader%cards%cards(c)%line, plural(n_changed, 'displacement') // &
       ' of this step had another value by an earlier line; the later one counts.')
   end subroutine read_boundary
 
 
   !> One row of BOUNDARY.
-  subroutine read_boundary_row(reader, model, row, step, common, standing, n_changed)
+  subroutine read_boundary_row(reader, model, row, step, common, active_loads, n_changed)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: step
     type(prescribed_type), intent(in) :: common  !< with amplitude and is_held
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     integer, intent(inout) :: n_changed          !< displacements given differently before in this step
     type(prescribed_type) :: new
     integer, allocatable :: nodes(:)
@@ -89,23 +91,23 @@ contains
     do i = 1, size(nodes)
       do dof = 1, 6
         if (.not. is_fixed(dof)) cycle
-        call place_dof(model, nodes(i), dof, new%node, new%dof)
+        call map_dof(model, nodes(i), dof, new%node, new%dof)
         if (new%node == 0) n_passed = n_passed + 1
-        if (new%node > 0) call hold(new, step, standing, n_changed)
+        if (new%node > 0) call prescribe_dof(new, step, active_loads, n_changed)
       end do
     end do
     if (n_passed == 0) return
     if (abs(new%end) > 0) then
-      call complain(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom are 1 to 3 (4 to 6 ' // &
+      call report_error(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom are 1 to 3 (4 to 6 ' // &
         'at reference nodes of rigid bodies and couplings).')
     else
-      call note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom 4 to 6 are passed over.')
+      call report_note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom 4 to 6 are passed over.')
     end if
   end subroutine read_boundary_row
 
 
   !> Where a degree of freedom is: 4 to 6 of a reference node are the displacements of its rotation node.
-  subroutine place_dof(model, node, dof, place, dof_there)
+  subroutine map_dof(model, node, dof, place, dof_there)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node, dof             !< 1 to 6
     integer, intent(out) :: place, dof_there     !< node and 1 to 3; node 0: there is none
@@ -115,13 +117,13 @@ contains
     dof_there = dof - 3
     place = 0
     if (allocated(model%rotation_of)) place = model%rotation_of(node)
-  end subroutine place_dof
+  end subroutine map_dof
 
 
   !> The degrees of freedom of a BOUNDARY row: first, last, value; or a word.
   subroutine read_dofs(reader, row, is_fixed, value, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     logical, intent(out) :: is_fixed(6)
     real(DP), intent(out) :: value               !< [length]
     logical, intent(inout) :: is_ok
@@ -133,16 +135,16 @@ contains
       call read_support_word(reader, row, is_fixed, is_ok)
       return
     end if
-    call need_at_most(reader, row, 4)
-    call need_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
-    call need_real(reader, row, 4, 'displacement', value, is_ok, 0.0_DP)
+    call check_n_fields(reader, row, 4)
+    call read_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
+    call read_real(reader, row, 4, 'displacement', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
     if (first == 11 .and. last == 11) then
-      call complain(reader, row%line, 'The degree of freedom 11 is the temperature, which belongs to a flow of heat; ' // &
+      call report_error(reader, row%line, 'The degree of freedom 11 is the temperature, which belongs to a flow of heat; ' // &
         '*TEMPERATURE prescribes temperatures.')
       is_ok = .false.
     else if (first < 1 .or. last < first .or. last > 6) then
-      call complain(reader, row%line, 'The degrees of freedom must be 1 to 3 (to 6 at reference nodes), the first not ' // &
+      call report_error(reader, row%line, 'The degrees of freedom must be 1 to 3 (to 6 at reference nodes), the first not ' // &
         'above the last.')
       is_ok = .false.
     else
@@ -154,12 +156,12 @@ contains
   !> A word such as PINNED or XSYMM.
   subroutine read_support_word(reader, row, is_fixed, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     logical, intent(out) :: is_fixed(6)
     logical, intent(inout) :: is_ok
     is_fixed = .false.
-    call need_at_most(reader, row, 2)
-    select case (squeezed(field_text(reader%cards, row, 2)))
+    call check_n_fields(reader, row, 2)
+    select case (name_key(field_text(reader%cards, row, 2)))
     case ('ENCASTRE', 'PINNED')
       is_fixed(:3) = .true.
     case ('XSYMM')
@@ -177,19 +179,19 @@ contains
       is_fixed(1:2) = .true.
     case default
       is_ok = .false.
-      call complain(reader, row%line, 'The second field must be the first degree of freedom, or ENCASTRE, PINNED, ' // &
+      call report_error(reader, row%line, 'The second field must be the first degree of freedom, or ENCASTRE, PINNED, ' // &
         'XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM; it is ''' // field_text(reader%cards, row, 2) // '''.')
     end select
   end subroutine read_support_word
 
 
   !> CLOAD in the present step.
-  subroutine read_cload(reader, model, c, standing)
+  subroutine read_cload(reader, model, c, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(standing_type), intent(inout) :: standing
-    type(row_type) :: row
+    type(active_loads_type), intent(inout) :: active_loads
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     real(DP) :: value
@@ -197,71 +199,72 @@ contains
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call &
-      fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_CLOAD), standing%cloads)
+      ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_CLOAD), active_loads%cloads)
     call find_amplitude(reader, c, parameters, amplitude)
     do while (next_row(reader%cards, row))
       is_ok = .true.
-      call need_at_most(reader, row, 3)
+      call check_n_fields(reader, row, 3)
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-      call need_integer(reader, row, 2, 'degree of freedom', dof, is_ok)
-      call need_real(reader, row, 3, 'force', value, is_ok, 0.0_DP)
-      call tell_repeats(reader, row, reader%node_sets, reader%node_repeats)
+      call read_integer(reader, row, 2, 'degree of freedom', dof, is_ok)
+      call read_real(reader, row, 3, 'force', value, is_ok, 0.0_DP)
+      call report_set_repeats(reader, row, reader%node_sets, reader%node_set_repeats)
       if (is_ok .and. (dof < 1 .or. dof > 6)) then
-        call complain(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3, of a moment 4, 5 or 6.')
+        call report_error(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3, of a moment 4, 5 or 6.')
         is_ok = .false.
       end if
       if (.not. is_ok) cycle
       do i = 1, size(nodes)
-        call place_dof(model, nodes(i), dof, place, dof_there)
+        call map_dof(model, nodes(i), dof, place, dof_there)
         if (place == 0) then
-          call complain(reader, row%line, 'The nodes of solids take no moments; only reference nodes of rigid bodies ' // &
+          call report_error(reader, row%line, 'The nodes of solids take no moments; only reference nodes of rigid bodies ' // &
             'and couplings do.')
           exit
         end if
-        call add_force(3 * place - 3 + dof_there, value, amplitude, standing%step, standing%is_step, standing%cloads)
+        call add_load(3 * place - 3 + dof_there, value, amplitude, active_loads%step, active_loads%is_step, active_loads%cloads)
       end do
     end do
   end subroutine read_cload
 
 
   !> DLOAD or DSLOAD in the present step.
-  subroutine read_dload(reader, model, c, standing)
+  subroutine read_dload(reader, model, c, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(standing_type), intent(inout) :: standing
-    type(row_type) :: row
+    type(active_loads_type), intent(inout) :: active_loads
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: label
     integer :: amplitude
     logical :: is_following, is_constant
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
-      call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_DLOAD), standing%pressures)
-      call fade_forces(standing%step, standing%is_step, standing%has_new(FAMILY_VOLUME), standing%volumes)
+      call ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_DLOAD), active_loads%pressures)
+      call ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_VOLUME), active_loads%volumes)
     end if
     call find_amplitude(reader, c, parameters, amplitude)
     is_following = parameter_word(parameters, 'FOLLOWER', 'YES') == 'YES'
     is_constant = parameter_word(parameters, 'CONSTANT RESULTANT', 'NO') == 'YES'
     do while (next_row(reader%cards, row))
-      label = squeezed(field_text(reader%cards, row, 2))
-      if (is_by_user(label) .and. amplitude > 0) call complain(reader, row%line, &
+      label = name_key(field_text(reader%cards, row, 2))
+      if (is_by_user(label) .and. amplitude > 0) call report_error(reader, row%line, &
         'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
-      if (.not. is_following .and. label /= 'TRVEC') call complain(reader, row%line, &
+      if (.not. is_following .and. label /= 'TRVEC') call report_error(reader, row%line, &
         'FOLLOWER=NO is for TRVEC; a pressure follows its face.')
       if (label == 'P' .or. label == 'PNU') then
-        call read_surface_pressure(reader, model, row, amplitude, standing)
+        call read_surface_pressure(reader, model, row, amplitude, active_loads)
       else if (is_card(reader, c, 'DSLOAD') .and. label == 'TRVEC') then
-        call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, standing)
+        call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, active_loads)
       else if (is_card(reader, c, 'DSLOAD')) then
-        call complain(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, or TRVEC, a ' // &
+        call report_error(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, or TRVEC, a ' &
+          // &
           'force per area in a direction; it is ''' // label // '''.')
-      else if (face_number(without_nu(label), 'P') > 0) then
-        call read_face_pressure(reader, model, row, amplitude, standing)
+      else if (face_number(strip_nu(label), 'P') > 0) then
+        call read_face_pressure(reader, model, row, amplitude, active_loads)
       else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ')) then
-        call read_volume_load(reader, model, row, amplitude, standing)
+        call read_volume_load(reader, model, row, amplitude, active_loads)
       else
-        call complain(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
+        call report_error(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
           'surface), each with NU for one by the routine DLOAD, GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ (force per ' // &
           'volume); it is ''' // label // '''.')
       end if
@@ -272,53 +275,53 @@ contains
   !> Whether a label of DLOAD means that the routine DLOAD gives the pressure: it ends with NU.
   pure logical function is_by_user(label)
     character(*), intent(in) :: label            !< squeezed
-    is_by_user = len(without_nu(label)) < len(label)
+    is_by_user = len(strip_nu(label)) < len(label)
   end function is_by_user
 
 
   !> A label without NU at its end.
-  pure function without_nu(label) result(short)
+  pure function strip_nu(label) result(short)
     character(*), intent(in) :: label
     character(:), allocatable :: short
-    short = squeezed(label)
+    short = name_key(label)
     if (len(short) < 3) return
     if (short(len(short) - 1:) == 'NU') short = short(:len(short) - 2)
-  end function without_nu
+  end function strip_nu
 
 
   !> Tells faces of plane elements, which DLOAD does not know.
-  subroutine need_solid(reader, model, row, e)
+  subroutine check_solid_faces(reader, model, row, e)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: e                     !< element
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(model%mesh%kind(e))
-    if (entry%family /= FAMILY_SOLID) call complain(reader, row%line, 'The routine DLOAD is for the faces of solids in space.')
-  end subroutine need_solid
+    if (entry%family /= FAMILY_SOLID) call report_error(reader, row%line, 'The routine DLOAD is for the faces of solids in space.')
+  end subroutine check_solid_faces
 
 
   !> Row: surface, P, pressure.
-  subroutine read_surface_pressure(reader, model, row, amplitude, standing)
+  subroutine read_surface_pressure(reader, model, row, amplitude, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: amplitude
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     real(DP) :: value
     integer :: s, i
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 3)
-    call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
+    call check_n_fields(reader, row, 3)
+    call read_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
     call find_faces(reader, model, row, s)
     if (s == 0 .or. .not. is_ok) return
     do i = 1, size(model%surfaces(s)%element)
-      call add_force(6 * model%surfaces(s)%element(i) - 6 + model%surfaces(s)%face(i), value, amplitude, &
-        standing%step, standing%is_step, standing%pressures, is_by_user(field_text(reader%cards, row, 2)))
+      call add_load(6 * model%surfaces(s)%element(i) - 6 + model%surfaces(s)%face(i), value, amplitude, &
+        active_loads%step, active_loads%is_step, active_loads%pressures, is_by_user(field_text(reader%cards, row, 2)))
     end do
     if (is_by_user(field_text(reader%cards, row, 2)) .and. size(model%surfaces(s)%element) > 0) &
-      call need_solid(reader, model, row, model%surfaces(s)%element(1))
+      call check_solid_faces(reader, model, row, model%surfaces(s)%element(1))
   end subroutine read_surface_pressure
 
 
@@ -326,18 +329,18 @@ contains
   subroutine find_faces(reader, model, row, s)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(out) :: s
     character(:), allocatable :: name
     name = field_text(reader%cards, row, 1)
     s = reader%surfaces%find(name)
     if (s == 0 .and. reader%element_sets%find(name) > 0) then
-      call complain(reader, row%line, '''' // name // ''' is a set of elements, no surface. Make one of its free faces, ' // &
+      call report_error(reader, row%line, '''' // name // ''' is a set of elements, no surface. Make one of its free faces, ' // &
         '*SURFACE, NAME=name with the line ' // name // ', and load that.')
     else if (s == 0) then
-      call complain(reader, row%line, 'There is no surface ''' // name // '''' // reader%surfaces%hint(name))
+      call report_error(reader, row%line, 'There is no surface ''' // name // '''' // reader%surfaces%suggest(name))
     else if (model%surfaces(s)%is_node_based) then
-      call complain(reader, row%line, 'The surface ''' // model%surfaces(s)%name // &
+      call report_error(reader, row%line, 'The surface ''' // model%surfaces(s)%name // &
         ''' is made of nodes; a pressure needs element faces.')
       s = 0
     end if
@@ -345,90 +348,91 @@ contains
 
 
   !> Row: surface, TRVEC, magnitude, direction.
-  subroutine read_traction(reader, model, row, amplitude, is_following, standing)
+  subroutine read_traction(reader, model, row, amplitude, is_following, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: amplitude
     logical, intent(in) :: is_following          !< not told to keep its direction and to be per undeformed area
-    type(standing_type), intent(inout) :: standing
-    type(volume_type) :: place
-    type(kind_type) :: entry
+    type(active_loads_type), intent(inout) :: active_loads
+    type(load_region_type) :: place
+    type(element_kind_type) :: entry
     real(DP) :: value
     integer :: s, i
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 6)
-    call need_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
+    call check_n_fields(reader, row, 6)
+    call read_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
     do i = 1, 3
-      call need_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
+      call read_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
     end do
     call find_faces(reader, model, row, s)
     if (s == 0 .or. .not. is_ok) return
     if (.not. norm2(place%direction) > 0) then
-      call complain(reader, row%line, 'The direction must not be zero: surface, TRVEC, magnitude, x, y, z.')
+      call report_error(reader, row%line, 'The direction must not be zero: surface, TRVEC, magnitude, x, y, z.')
       return
     end if
     place%kind = DISTRIBUTED_TRACTION
     place%direction = place%direction / norm2(place%direction)
-    place%region = squeezed(field_text(reader%cards, row, 1))
+    place%region = name_key(field_text(reader%cards, row, 1))
     place%elements = model%surfaces(s)%element
     place%faces = model%surfaces(s)%face
-    place%is_following = is_following
+    place%is_follower = is_following
     do i = 1, size(place%elements)
       entry = element_kind(model%mesh%kind(place%elements(i)))
       if (entry%family == FAMILY_SOLID .or. .not. abs(place%direction(3)) > 0) cycle
-      call complain(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
+      call report_error(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
       return
     end do
-    call add_place(reader, row, place, value, amplitude, standing)
+    call add_region_load(reader, row, place, value, amplitude, active_loads)
   end subroutine read_traction
 
 
   !> Row: element or element set, P1 to P6, pressure.
-  subroutine read_face_pressure(reader, model, row, amplitude, standing)
+  subroutine read_face_pressure(reader, model, row, amplitude, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: amplitude
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     integer, allocatable :: elements(:)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     real(DP) :: value
     integer :: face, i, n_without
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 3)
+    call check_n_fields(reader, row, 3)
     call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
-    call need_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
+    call read_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
-    call tell_repeats(reader, row, reader%element_sets, reader%element_repeats)
-    face = face_number(without_nu(field_text(reader%cards, row, 2)), 'P')
-    if (is_by_user(field_text(reader%cards, row, 2)) .and. size(elements) > 0) call need_solid(reader, model, row, elements(1))
+    call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
+    face = face_number(strip_nu(field_text(reader%cards, row, 2)), 'P')
+    if (is_by_user(field_text(reader%cards, row, 2)) .and. size(elements) > 0) call check_solid_faces(reader, model, row, &
+      elements(1))
     n_without = 0
     do i = 1, size(elements)
       entry = element_kind(model%mesh%kind(elements(i)))
       if (face > entry%n_faces) then
         n_without = n_without + 1
       else
-        call add_force(6 * elements(i) - 6 + face, value, amplitude, standing%step, standing%is_step, &
-          standing%pressures, is_by_user(field_text(reader%cards, row, 2)))
+        call add_load(6 * elements(i) - 6 + face, value, amplitude, active_loads%step, active_loads%is_step, &
+          active_loads%pressures, is_by_user(field_text(reader%cards, row, 2)))
       end if
     end do
-    if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &
-      text_of(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &
+      to_text(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
   end subroutine read_face_pressure
 
 
   !> Row: element or element set; GRAV, acceleration, direction; or CENTRIF, square of the angular velocity, point and
   !! direction of the axis; or BX, BY or BZ, force per volume.
-  subroutine read_volume_load(reader, model, row, amplitude, standing)
+  subroutine read_volume_load(reader, model, row, amplitude, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: amplitude
-    type(standing_type), intent(inout) :: standing
-    type(volume_type) :: place
+    type(active_loads_type), intent(inout) :: active_loads
+    type(load_region_type) :: place
     real(DP) :: value
     integer :: i
     logical :: is_ok
@@ -438,84 +442,84 @@ contains
     else
       call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
     end if
-    call need_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
+    call read_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
     call read_axis(reader, model, row, place, is_ok)
     if (.not. is_ok) return
-    if (place%kind == DISTRIBUTED_SPIN .and. value < 0) then
-      call complain(reader, row%line, 'CENTRIF needs the square of the angular velocity, which is not negative.')
+    if (place%kind == DISTRIBUTED_CENTRIFUGAL .and. value < 0) then
+      call report_error(reader, row%line, 'CENTRIF needs the square of the angular velocity, which is not negative.')
       return
     end if
-    place%region = squeezed(field_text(reader%cards, row, 1))
-    if (place%kind /= DISTRIBUTED_BODY) call need_density(reader, model, row, place%elements)
-    call add_place(reader, row, place, value, amplitude, standing)
+    place%region = name_key(field_text(reader%cards, row, 1))
+    if (place%kind /= DISTRIBUTED_BODY_FORCE) call check_density(reader, model, row, place%elements)
+    call add_region_load(reader, row, place, value, amplitude, active_loads)
   end subroutine read_volume_load
 
 
   !> Adds a load to those that stand on the same place.
-  subroutine add_place(reader, row, place, value, amplitude, standing)
+  subroutine add_region_load(reader, row, place, value, amplitude, active_loads)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
-    type(volume_type), intent(in) :: place
+    type(data_row_type), intent(in) :: row
+    type(load_region_type), intent(in) :: place
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     integer :: i
-    do i = 1, size(standing%places)
-      if (is_same_place(standing%places(i), place)) exit
+    do i = 1, size(active_loads%places)
+      if (is_same_region(active_loads%places(i), place)) exit
     end do
-    if (i > size(standing%places)) standing%places = [standing%places, place]
-    if (i > size(standing%volumes%head)) then
-      call complain(reader, row%line, 'More than ' // text_of(size(standing%volumes%head)) // &
+    if (i > size(active_loads%places)) active_loads%places = [active_loads%places, place]
+    if (i > size(active_loads%volumes%head)) then
+      call report_error(reader, row%line, 'More than ' // to_text(size(active_loads%volumes%head)) // &
         ' loads on volumes and tractions; gather the elements in sets.')
       return
     end if
-    call add_force(i, value, amplitude, standing%step, standing%is_step, standing%volumes)
-  end subroutine add_place
+    call add_load(i, value, amplitude, active_loads%step, active_loads%is_step, active_loads%volumes)
+  end subroutine add_region_load
 
 
   !> The direction of a load on volumes, and for CENTRIF a point of its axis before it.
   subroutine read_axis(reader, model, row, place, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
-    type(volume_type), intent(inout) :: place    !< with elements
+    type(data_row_type), intent(in) :: row
+    type(load_region_type), intent(inout) :: place    !< with elements
     logical, intent(inout) :: is_ok
     character(:), allocatable :: label
     integer :: i, first
-    label = squeezed(field_text(reader%cards, row, 2))
+    label = name_key(field_text(reader%cards, row, 2))
     first = 4
     if (label(1:1) == 'B') then
-      call need_at_most(reader, row, 3)
-      place%kind = DISTRIBUTED_BODY
+      call check_n_fields(reader, row, 3)
+      place%kind = DISTRIBUTED_BODY_FORCE
       place%direction(index('XYZ', label(2:2))) = 1
       return
     end if
     if (label == 'CENTRIF') then
-      place%kind = DISTRIBUTED_SPIN
+      place%kind = DISTRIBUTED_CENTRIFUGAL
       first = 7
       do i = 1, 3
-        call need_real(reader, row, i + 3, 'point of the axis', place%point(i), is_ok, 0.0_DP)
+        call read_real(reader, row, i + 3, 'point of the axis', place%point(i), is_ok, 0.0_DP)
       end do
     end if
-    call need_at_most(reader, row, first + 2)
+    call check_n_fields(reader, row, first + 2)
     do i = 1, 3
-      call need_real(reader, row, first + i - 1, 'direction', place%direction(i), is_ok, 0.0_DP)
+      call read_real(reader, row, first + i - 1, 'direction', place%direction(i), is_ok, 0.0_DP)
     end do
     if (.not. is_ok) return
     is_ok = norm2(place%direction) > 0
     if (.not. is_ok) then
-      call complain(reader, row%line, 'The direction must not be zero: region, GRAV, acceleration, x, y, z; or ' // &
+      call report_error(reader, row%line, 'The direction must not be zero: region, GRAV, acceleration, x, y, z; or ' // &
         'region, CENTRIF, square of the angular velocity, x, y, z of a point and x, y, z along the axis.')
       return
     end if
     place%direction = place%direction / norm2(place%direction)
-    if (place%kind /= DISTRIBUTED_SPIN) return
+    if (place%kind /= DISTRIBUTED_CENTRIFUGAL) return
     do i = 1, size(place%elements)
       associate (kind => element_kind(model%mesh%kind(place%elements(i))))
         if (kind%family /= FAMILY_AXISYMMETRIC) cycle
       end associate
       if (abs(place%direction(2)) >= 1.0_DP - 1.0e-9_DP .and. .not. abs(place%point(1)) + abs(place%point(3)) > 0) cycle
-      call complain(reader, row%line, 'Axisymmetric elements turn about the y axis: the point must be on it, and the ' // &
+      call report_error(reader, row%line, 'Axisymmetric elements turn about the y axis: the point must be on it, and the ' // &
         'direction along it.')
       is_ok = .false.
       return
@@ -524,10 +528,10 @@ contains
 
 
   !> Tells materials without a density in elements that gravity or rotation acts on.
-  subroutine need_density(reader, model, row, elements)
+  subroutine check_density(reader, model, row, elements)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: elements(:)
     logical :: is_told(size(model%materials))
     integer :: i, m
@@ -537,9 +541,9 @@ contains
       if (m == 0) cycle
       if (is_told(m) .or. model%materials(m)%has_density) cycle
       is_told(m) = .true.
-      call complain(reader, row%line, 'Gravity and rotation need a density; the material ''' // model%materials(m)%name // &
+      call report_error(reader, row%line, 'Gravity and rotation need a density; the material ''' // model%materials(m)%name // &
         ''' has no *DENSITY card.')
     end do
-  end subroutine need_density
+  end subroutine check_density
 
 end module amontons_deck_loads

@@ -2,23 +2,23 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_materials
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text
-  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_at_most, need_no_data, &
-    read_constants, is_card, check_name
-  use amontons_materials, only: material_type, table_type, curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, check_no_data, &
+    read_user_constants, is_card, check_name
+  use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_user_routines, only: CALL_NAME
-  use amontons_text, only: text_of, parse_integer, parse_real, plural, NUMBER_OK
+  use amontons_user_routines, only: USER_NAME_LENGTH
+  use amontons_text, only: to_text, parse_integer, parse_real, plural, NUMBER_OK
   implicit none
   private
-  public :: read_materials, finish_materials, read_plastic
+  public :: read_materials, finalize_materials, read_plastic
 
-  integer, parameter :: FIELDS = 8               !< values of a data line
-  integer, parameter :: MOST_STATEV = 100000
+  integer, parameter :: VALUES_PER_LINE = 8               !< values of a data line
+  integer, parameter :: MAX_STATEV = 100000
 
 contains
 
@@ -26,7 +26,7 @@ contains
   subroutine read_materials(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: line(:)
     integer :: c, m
@@ -43,7 +43,7 @@ contains
           line = [line, reader%cards%cards(c)%line]
           call add_material(model, parameter_text(parameters, 'NAME'), reader%dialect)
         else
-          call complain(reader, reader%cards%cards(c)%line, 'The material ''' // parameter_text(parameters, 'NAME') // &
+          call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // parameter_text(parameters, 'NAME') // &
             ''' is defined twice.')
         end if
       else if (m > 0) then
@@ -61,12 +61,13 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(material_type), intent(inout) :: material
-    if (is_refused(reader, c)) then
+    if (is_rejected_card(reader, c)) then
       material%has_elastic = .true.              ! it may have stood in place of ELASTIC, and is told
       return
     end if
-    if (is_second_law(reader%table%entries(reader%cards%cards(c)%entry)%key, material)) then
-      call complain(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has a law of stress before ' // &
+    if (is_repeated_law(reader%table%entries(reader%cards%cards(c)%entry)%key, material)) then
+      call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name &
+        // ''' has a law of stress before ' // &
         'this card; give one.')
       return
     end if
@@ -80,15 +81,15 @@ contains
     case ('PLASTIC')
       call read_plastic(reader, c, material)
     case ('CYCLICHARDENING')
-      call read_curves(reader, c, material%isotropic)
+      call read_curves(reader, c, material%isotropic_hardening)
     case ('DEFORMATIONPLASTICITY')
       call read_deformation(reader, c, material)
     case ('CREEP')
       call read_creep(reader, c, material)
     case ('HYPERELASTIC')
-      call read_rubber(reader, c, material)
+      call read_hyperelastic(reader, c, material)
     case ('HYPERFOAM')
-      call read_foam(reader, c, material)
+      call read_hyperfoam(reader, c, material)
     case ('USERMATERIAL')
       call read_user_material(reader, c, material)
     case ('DEPVAR')
@@ -99,30 +100,30 @@ contains
 
   !> Whether a card gives a law of stress to a material that has one: rubber or foam after any, UMAT after UMAT, ELASTIC
   !! after rubber.
-  pure logical function is_second_law(key, material)
+  pure logical function is_repeated_law(key, material)
     character(*), intent(in) :: key
     type(material_type), intent(in) :: material
     select case (key)
     case ('HYPERELASTIC', 'HYPERFOAM')
-      is_second_law = material%has_elastic
+      is_repeated_law = material%has_elastic
     case ('ELASTIC')
-      is_second_law = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
+      is_repeated_law = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
     case ('USERMATERIAL')
-      is_second_law = material%is_user
+      is_repeated_law = material%is_user
     case default
-      is_second_law = .false.
+      is_repeated_law = .false.
     end select
-  end function is_second_law
+  end function is_repeated_law
 
 
   !> Whether a card is one that we do not read.
-  pure function is_refused(reader, c) result(is_so)
+  pure function is_rejected_card(reader, c) result(is_so)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c                     !< index of the card
     logical :: is_so
     is_so = reader%cards%cards(c)%entry == 0
-    if (.not. is_so) is_so = reader%table%entries(reader%cards%cards(c)%entry)%status == STATUS_REFUSED
-  end function is_refused
+    if (.not. is_so) is_so = reader%table%entries(reader%cards%cards(c)%entry)%status == ENTRY_REJECTED
+  end function is_rejected_card
 
 
   !> Adds a material with the finite-strain law of the dialect.
@@ -145,25 +146,25 @@ contains
     character(:), allocatable :: who
     logical :: has_yield, is_rubber
     who = 'The material ''' // material%name // ''' '
-    if (.not. (material%has_elastic .or. material%is_user)) call complain(reader, line, who // 'has no *ELASTIC card.')
-    if (material%n_statev > 0 .and. .not. material%is_user) call complain(reader, line, who // 'has *DEPVAR but no ' // &
+    if (.not. (material%has_elastic .or. material%is_user)) call report_error(reader, line, who // 'has no *ELASTIC card.')
+    if (material%n_statev > 0 .and. .not. material%is_user) call report_error(reader, line, who // 'has *DEPVAR but no ' // &
       '*USER MATERIAL.')
-    if (material%is_user .and. (material%has_elastic .or. allocated(material%isotropic) .or. &
-      allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE)) call complain(reader, line, who // &
+    if (material%is_user .and. (material%has_elastic .or. allocated(material%isotropic_hardening) .or. &
+      allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE)) call report_error(reader, line, who // &
       'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
-    if (material%is_user .and. len(material%name) > CALL_NAME) call complain(reader, line, who // 'has a name of ' // &
-      'more than ' // text_of(CALL_NAME) // ' letters, which UMAT cannot be given.')
-    has_yield = allocated(material%isotropic) .or. allocated(material%kinematic)
+    if (material%is_user .and. len(material%name) > USER_NAME_LENGTH) call report_error(reader, line, who // 'has a name of ' // &
+      'more than ' // to_text(USER_NAME_LENGTH) // ' letters, which UMAT cannot be given.')
+    has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
     is_rubber = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
     if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (is_rubber .or. material%has_deformation_plasticity)) &
-      call complain(reader, line, who // 'has both rubber or deformation plasticity and *PLASTIC or *CREEP; give one.')
-    if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic)) call complain(reader, line, who // &
+      call report_error(reader, line, who // 'has both rubber or deformation plasticity and *PLASTIC or *CREEP; give one.')
+    if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic_hardening)) call report_error(reader, line, who // &
       'has *CREEP with kinematic hardening, which is not supported; use isotropic hardening.')
-    if ((allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE) .and. (material%elastic_kind == &
-      ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC)) call complain(reader, line, who // &
+    if ((allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE) .and. (material%elastic_kind == &
+      ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC)) call report_error(reader, line, who // &
       'has *CREEP or kinematic hardening with anisotropic elasticity, which is not supported; isotropic hardening is.')
     if (is_rubber .and. allocated(material%expansion%value)) then
-      if (size(material%expansion%value, 1) > 1) call complain(reader, line, who // &
+      if (size(material%expansion%value, 1) > 1) call report_error(reader, line, who // &
         'is rubber or foam with anisotropic expansion, which is not supported.')
     end if
   end subroutine check_material
@@ -175,19 +176,19 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(material_type), intent(inout) :: material
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: n, status
     call open_card(reader, c, parameters, row)
     material%is_user = .true.
-    material%is_spatial = has_parameter(parameters, 'SPATIAL')
+    material%is_called_in_3d = has_parameter(parameters, 'SPATIAL')
     if (has_parameter(parameters, 'LIBRARY')) material%library = parameter_text(parameters, 'LIBRARY')
     call parse_integer(parameter_text(parameters, 'CONSTANTS'), n, status)
     if (status /= NUMBER_OK .or. n < 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'CONSTANTS must be the number of the constants of UMAT, 0 or more.')
+      call report_error(reader, reader%cards%cards(c)%line, 'CONSTANTS must be the number of the constants of UMAT, 0 or more.')
       return
     end if
     allocate (material%props(n), source=0.0_DP)
-    call read_constants(reader, c, row, 'CONSTANTS', material%props)
+    call read_user_constants(reader, c, row, 'CONSTANTS', material%props)
   end subroutine read_user_material
 
 
@@ -197,15 +198,15 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(material_type), intent(inout) :: material
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: n, status
     call open_card(reader, c, parameters, row)
     n = 0
     status = -1
     if (next_row(reader%cards, row)) call parse_integer(field_text(reader%cards, row, 1), n, status)
-    if (status /= NUMBER_OK .or. n < 1 .or. n > MOST_STATEV) then
-      call complain(reader, reader%cards%cards(c)%line, '*DEPVAR needs the number of the variables of UMAT: 1 to ' // &
-        text_of(MOST_STATEV) // '.')
+    if (status /= NUMBER_OK .or. n < 1 .or. n > MAX_STATEV) then
+      call report_error(reader, reader%cards%cards(c)%line, '*DEPVAR needs the number of the variables of UMAT: 1 to ' // &
+        to_text(MAX_STATEV) // '.')
     else
       material%n_statev = n
     end if
@@ -214,7 +215,7 @@ contains
 
   !> What follows from the whole deck: which materials are plain, and how much history the others have. Without any
   !! temperature expansion has no effect.
-  subroutine finish_materials(model)
+  subroutine finalize_materials(model)
     type(model_type), intent(inout) :: model
     logical :: has_past, has_temperature
     integer :: m, i
@@ -229,18 +230,18 @@ contains
       associate (material => model%materials(m))
         if (.not. has_temperature .and. allocated(material%expansion%value)) deallocate (material%expansion%value)
         material%n_history = 0
-        if (allocated(material%isotropic) .or. material%creep_law /= CREEP_NONE .or. has_past) &
+        if (allocated(material%isotropic_hardening) .or. material%creep_law /= CREEP_NONE .or. has_past) &
           material%n_history = HISTORY_INELASTIC + 5
-        if (allocated(material%kinematic)) material%n_history = HISTORY_BACK + 5
-        material%is_plain = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%n_history == 0 .and. &
+        if (allocated(material%kinematic_hardening)) material%n_history = HISTORY_BACK + 5
+        material%is_linear_isotropic = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%n_history == 0 .and. &
           .not. allocated(material%expansion%value) .and. .not. material%has_deformation_plasticity
-        if (allocated(material%elastic%value)) material%is_plain = material%is_plain .and. &
+        if (allocated(material%elastic%value)) material%is_linear_isotropic = material%is_linear_isotropic .and. &
           size(material%elastic%value, 2) == 1
         if (material%is_user) material%n_history = USER_STATE - 1 + material%n_statev
-        if (material%is_user) material%is_plain = .false.
+        if (material%is_user) material%is_linear_isotropic = .false.
       end associate
     end do
-  end subroutine finish_materials
+  end subroutine finalize_materials
 
 
   !> Values over the temperature: a record is the values and a temperature, in lines of eight.
@@ -248,10 +249,10 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: n                     !< values of a record
-    type(table_type), intent(out) :: table
+    type(property_table_type), intent(out) :: table
     logical, intent(out) :: is_ok
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     real(DP) :: record(n + 1)
     integer :: i, k
     allocate (table%temperature(0), table%value(n, 0))
@@ -260,16 +261,16 @@ contains
     do while (next_row(reader%cards, row))
       i = 0
       do
-        call need_at_most(reader, row, min(FIELDS, n + 1 - i))
-        do k = 1, min(FIELDS, n + 1 - i)
-          call need_real(reader, row, k, trim(merge('temperature', 'constant   ', i + k > n)), record(i + k), is_ok, &
+        call check_n_fields(reader, row, min(VALUES_PER_LINE, n + 1 - i))
+        do k = 1, min(VALUES_PER_LINE, n + 1 - i)
+          call read_real(reader, row, k, trim(merge('temperature', 'constant   ', i + k > n)), record(i + k), is_ok, &
             0.0_DP)
         end do
-        i = i + min(FIELDS, n + 1 - i)
+        i = i + min(VALUES_PER_LINE, n + 1 - i)
         if (i > n) exit
         if (next_row(reader%cards, row)) cycle
         record(i + 1:) = 0
-        if (i < n) call complain(reader, row%line, 'Of ' // text_of(n) // ' constants only ' // text_of(i) // &
+        if (i < n) call report_error(reader, row%line, 'Of ' // to_text(n) // ' constants only ' // to_text(i) // &
           ' are there; they go on in the next line after eight values.')
         if (i < n) is_ok = .false.
         exit
@@ -278,7 +279,7 @@ contains
       if (.not. is_ok) exit
     end do
     if (size(table%temperature) == 0 .and. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, '*' // &
+      call report_error(reader, reader%cards%cards(c)%line, '*' // &
         reader%table%entries(reader%cards%cards(c)%entry)%keyword // ' needs a data line: ' // &
         reader%table%entries(reader%cards%cards(c)%entry)%data // '.')
       is_ok = .false.
@@ -291,14 +292,14 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
     real(DP), intent(in) :: record(:)            !< values, temperature
-    type(table_type), intent(inout) :: table
+    type(property_table_type), intent(inout) :: table
     logical, intent(inout) :: is_ok
     integer :: n, m
     n = size(record) - 1
     m = size(table%temperature)
     if (m > 0) then
       if (record(n + 1) <= table%temperature(m)) then
-        call complain(reader, line, 'The temperatures of a property must ascend; the last value of each record is ' // &
+        call report_error(reader, line, 'The temperatures of a property must ascend; the last value of each record is ' // &
           'its temperature.')
         is_ok = .false.
         return
@@ -314,7 +315,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: i
     logical :: is_ok
@@ -355,8 +356,8 @@ contains
     real(DP), intent(in) :: constants(2)
     integer :: line
     line = reader%cards%cards(c)%line
-    if (constants(1) <= 0) call complain(reader, line, 'Young''s modulus must be positive.')
-    if (constants(2) <= -1 .or. constants(2) >= 0.5_DP) call complain(reader, line, &
+    if (constants(1) <= 0) call report_error(reader, line, 'Young''s modulus must be positive.')
+    if (constants(2) <= -1 .or. constants(2) >= 0.5_DP) call report_error(reader, line, &
       'Poisson''s ratio must be greater than -1 and less than 0.5; what hardly changes its volume has 0.49 or 0.4999, ' // &
       'in elements that do not lock (see Elements in the manual).')
   end subroutine check_isotropic
@@ -371,7 +372,7 @@ contains
     real(DP) :: e(3), n12, n13, n23, n21, n31, n32, d
     e = x(:3)
     if (any(e <= 0) .or. any(x(7:9) <= 0)) then
-      call complain(reader, reader%cards%cards(c)%line, 'Young''s and shear moduli must be positive.')
+      call report_error(reader, reader%cards%cards(c)%line, 'Young''s and shear moduli must be positive.')
       is_ok = .false.
       return
     end if
@@ -383,7 +384,7 @@ contains
     n32 = n23 * e(3) / e(2)
     d = 1 - n12 * n21 - n23 * n32 - n13 * n31 - 2 * n21 * n32 * n13
     if (.not. d > 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'These Poisson''s ratios give an elasticity that is not ' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'These Poisson''s ratios give an elasticity that is not ' // &
         'positive.')
       is_ok = .false.
       return
@@ -417,7 +418,7 @@ contains
       end do
       do k = 1, 6
         if (.not. A(k, k) > 0) then
-          call complain(reader, reader%cards%cards(c)%line, 'The elasticity is not positive definite: it would ' // &
+          call report_error(reader, reader%cards%cards(c)%line, 'The elasticity is not positive definite: it would ' // &
             'give energy away. Check the order of the constants.')
           return
         end if
@@ -434,14 +435,14 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(table_type) :: table
+    type(property_table_type) :: table
     logical :: is_ok
     material%has_density = .true.
     call read_table(reader, c, 1, table, is_ok)
     if (.not. is_ok) return
     material%density = table%value(1, 1)
-    if (any(table%value(1, :) <= 0)) call complain(reader, reader%cards%cards(c)%line, 'The density must be positive.')
-    if (maxval(abs(table%value(1, :) - material%density)) > 0) material%densities = table
+    if (any(table%value(1, :) <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'The density must be positive.')
+    if (maxval(abs(table%value(1, :) - material%density)) > 0) material%density_table = table
   end subroutine read_density
 
 
@@ -450,7 +451,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: n, status
     logical :: is_ok
@@ -464,7 +465,7 @@ contains
       n = 6
     end select
     if (has_parameter(parameters, 'ZERO')) call parse_real(parameter_text(parameters, 'ZERO'), &
-      material%expansion_zero, status)
+      material%expansion_reference, status)
     call read_table(reader, c, n, material%expansion, is_ok)
   end subroutine read_expansion
 
@@ -474,13 +475,13 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'HARDENING', 'ISOTROPIC') == 'ISOTROPIC') then
-      call read_curves(reader, c, material%isotropic)
+      call read_curves(reader, c, material%isotropic_hardening)
     else
-      call read_curves(reader, c, material%kinematic)
+      call read_curves(reader, c, material%kinematic_hardening)
     end if
   end subroutine read_plastic
 
@@ -489,10 +490,10 @@ contains
   subroutine read_curves(reader, c, curves)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
-    type(curve_type), allocatable, intent(inout) :: curves(:)
-    type(row_type) :: row
+    type(hardening_curve_type), allocatable, intent(inout) :: curves(:)
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(curve_type) :: curve
+    type(hardening_curve_type) :: curve
     real(DP) :: values(3)
     integer :: i
     logical :: is_ok
@@ -501,10 +502,10 @@ contains
     is_ok = .true.
     call open_card(reader, c, parameters, row)
     do while (next_row(reader%cards, row))
-      call need_at_most(reader, row, 3)
-      call need_real(reader, row, 1, 'yield stress', values(1), is_ok)
-      call need_real(reader, row, 2, 'plastic strain', values(2), is_ok, 0.0_DP)
-      call need_real(reader, row, 3, 'temperature', values(3), is_ok, 0.0_DP)
+      call check_n_fields(reader, row, 3)
+      call read_real(reader, row, 1, 'yield stress', values(1), is_ok)
+      call read_real(reader, row, 2, 'plastic strain', values(2), is_ok, 0.0_DP)
+      call read_real(reader, row, 3, 'temperature', values(3), is_ok, 0.0_DP)
       if (.not. is_ok) return
       if (size(curve%strain) > 0 .and. abs(values(3) - curve%temperature) > 0) call close_curve()
       curve%temperature = values(3)
@@ -512,10 +513,10 @@ contains
       curve%strain = [curve%strain, values(2)]
     end do
     if (size(curve%strain) > 0) call close_curve()
-    if (size(curves) == 0) call complain(reader, reader%cards%cards(c)%line, &
+    if (size(curves) == 0) call report_error(reader, reader%cards%cards(c)%line, &
       'A hardening curve needs data: yield stress, equivalent plastic strain, temperature.')
     do i = 2, size(curves)
-      if (curves(i)%temperature <= curves(i - 1)%temperature) call complain(reader, reader%cards%cards(c)%line, &
+      if (curves(i)%temperature <= curves(i - 1)%temperature) call report_error(reader, reader%cards%cards(c)%line, &
         'The temperatures of the hardening curves must ascend.')
     end do
 
@@ -524,11 +525,11 @@ contains
     !> Puts the curve of one temperature away.
     subroutine close_curve()
       integer :: k
-      if (any(curve%stress <= 0)) call complain(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
-      if (abs(curve%strain(1)) > 0) call complain(reader, reader%cards%cards(c)%line, &
+      if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
+      if (abs(curve%strain(1)) > 0) call report_error(reader, reader%cards%cards(c)%line, &
         'The plastic strain of the first point of a hardening curve must be 0.')
       k = size(curve%strain)
-      if (any(curve%strain(2:) <= curve%strain(:k - 1))) call complain(reader, reader%cards%cards(c)%line, &
+      if (any(curve%strain(2:) <= curve%strain(:k - 1))) call report_error(reader, reader%cards%cards(c)%line, &
         'The plastic strains of a hardening curve must ascend.')
       curves = [curves, curve]
       deallocate (curve%strain, curve%stress)
@@ -547,14 +548,14 @@ contains
     logical :: is_ok
     material%has_elastic = .true.
     material%has_deformation_plasticity = .true.
-    call read_table(reader, c, 5, material%deformation, is_ok)
+    call read_table(reader, c, 5, material%deformation_plasticity, is_ok)
     if (.not. is_ok) return
-    material%youngs_modulus = material%deformation%value(1, 1)
-    material%poissons_ratio = material%deformation%value(2, 1)
-    do i = 1, size(material%deformation%temperature)
-      call check_isotropic(reader, c, material%deformation%value(:2, i))
-      if (material%deformation%value(3, i) <= 0 .or. material%deformation%value(4, i) < 1 .or. &
-        material%deformation%value(5, i) <= 0) call complain(reader, reader%cards%cards(c)%line, &
+    material%youngs_modulus = material%deformation_plasticity%value(1, 1)
+    material%poissons_ratio = material%deformation_plasticity%value(2, 1)
+    do i = 1, size(material%deformation_plasticity%temperature)
+      call check_isotropic(reader, c, material%deformation_plasticity%value(:2, i))
+      if (material%deformation_plasticity%value(3, i) <= 0 .or. material%deformation_plasticity%value(4, i) < 1 .or. &
+        material%deformation_plasticity%value(5, i) <= 0) call report_error(reader, reader%cards%cards(c)%line, &
         'The yield stress and the offset must be positive and the exponent at least 1.')
     end do
   end subroutine read_deformation
@@ -565,7 +566,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     logical :: is_ok
     call open_card(reader, c, parameters, row)
@@ -574,19 +575,19 @@ contains
     call read_table(reader, c, 3, material%creep, is_ok)
     if (.not. is_ok) return
     if (any(material%creep%value(1, :) <= 0) .or. any(material%creep%value(2, :) <= 0) .or. &
-      any(material%creep%value(3, :) <= -1) .or. any(material%creep%value(3, :) > 0)) call complain(reader, &
+      any(material%creep%value(3, :) <= -1) .or. any(material%creep%value(3, :) > 0)) call report_error(reader, &
       reader%cards%cards(c)%line, 'Creep needs A and n positive, and m above -1 and not above 0.')
   end subroutine read_creep
 
 
   !> HYPERELASTIC: constants into the order of the kind; D1 = 0 becomes 0.1/G.
-  subroutine read_rubber(reader, c, material)
+  subroutine read_hyperelastic(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(table_type) :: given
+    type(property_table_type) :: given
     integer :: order, n_given, i, k
     integer, allocatable :: place(:)
     logical :: is_ok
@@ -620,9 +621,9 @@ contains
     allocate (material%elastic%value(k, size(given%temperature)), source=0.0_DP)
     material%elastic%value(place, :) = given%value
     do i = 1, size(given%temperature)
-      call complete_rubber(reader, c, material%hyper_kind, order, material%elastic%value(:, i))
+      call complete_hyperelastic(reader, c, material%hyper_kind, order, material%elastic%value(:, i))
     end do
-  end subroutine read_rubber
+  end subroutine read_hyperelastic
 
 
   !> N of rubber and foam.
@@ -638,13 +639,13 @@ contains
     if (.not. (has_parameter(parameters, 'OGDEN') .or. has_parameter(parameters, 'REDUCED POLYNOMIAL') .or. &
       is_card(reader, c, 'HYPERFOAM'))) most = 3
     if (order >= 1 .and. order <= most) return
-    call complain(reader, reader%cards%cards(c)%line, 'N must be from 1 to ' // text_of(most) // ' here.')
+    call report_error(reader, reader%cards%cards(c)%line, 'N must be from 1 to ' // to_text(most) // ' here.')
     order = 1
   end subroutine read_order
 
 
   !> Checks the shear modulus at rest, and replaces a first volumetric constant of zero.
-  subroutine complete_rubber(reader, c, kind, order, constants)
+  subroutine complete_hyperelastic(reader, c, kind, order, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     integer, intent(in) :: kind, order
@@ -655,11 +656,11 @@ contains
     case (HYPER_OGDEN)
       G = sum([(constants(2 * i - 1), i=1, order)])
       d = 2 * order + 1
-      if (any([(.not. abs(constants(2 * i)) > 0, i=1, order)])) call complain(reader, reader%cards%cards(c)%line, &
+      if (any([(.not. abs(constants(2 * i)) > 0, i=1, order)])) call report_error(reader, reader%cards%cards(c)%line, &
         'An exponent alpha must not be zero.')
     case (HYPER_ARRUDA_BOYCE)
       if (.not. constants(2) > 0) then
-        call complain(reader, reader%cards%cards(c)%line, 'The locking stretch lambda must be positive.')
+        call report_error(reader, reader%cards%cards(c)%line, 'The locking stretch lambda must be positive.')
         return
       end if
       G = constants(1) * (1 + 3 / (5 * constants(2)**2) + 99 / (175 * constants(2)**4) + 513 / (875 * &
@@ -670,24 +671,24 @@ contains
       d = order * (order + 3) / 2 + 1
     end select
     if (.not. G > 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'The shear modulus at rest must be positive; it is ' // &
-        text_of(G) // '.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The shear modulus at rest must be positive; it is ' // &
+        to_text(G) // '.')
     else if (constants(d) < 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'D1 must not be negative.')
+      call report_error(reader, reader%cards%cards(c)%line, 'D1 must not be negative.')
     else if (.not. constants(d) > 0) then
       constants(d) = 0.1_DP / G
-      call note(reader, reader%cards%cards(c)%line, 'D1 = 0 is taken as 0.1/G = ' // text_of(constants(d)) // &
+      call report_note(reader, reader%cards%cards(c)%line, 'D1 = 0 is taken as 0.1/G = ' // to_text(constants(d)) // &
         ', a Poisson''s ratio of 0.475: the solids here are not exactly incompressible.')
     end if
-  end subroutine complete_rubber
+  end subroutine complete_hyperelastic
 
 
   !> HYPERFOAM.
-  subroutine read_foam(reader, c, material)
+  subroutine read_hyperfoam(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(material_type), intent(inout) :: material
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: i, k
     logical :: is_ok
@@ -700,14 +701,14 @@ contains
     if (.not. is_ok) return
     do i = 1, size(material%elastic%temperature)
       associate (constants => material%elastic%value(:, i))
-        if (.not. sum(constants(1:2 * k:2)) > 0) call complain(reader, reader%cards%cards(c)%line, &
+        if (.not. sum(constants(1:2 * k:2)) > 0) call report_error(reader, reader%cards%cards(c)%line, &
           'The shear modulus at rest must be positive.')
-        if (any(.not. abs(constants(2:2 * k:2)) > 0)) call complain(reader, reader%cards%cards(c)%line, &
+        if (any(.not. abs(constants(2:2 * k:2)) > 0)) call report_error(reader, reader%cards%cards(c)%line, &
           'An exponent alpha must not be zero.')
-        if (any(constants(2 * k + 1:) <= -1) .or. any(constants(2 * k + 1:) >= 0.5_DP)) call complain(reader, &
+        if (any(constants(2 * k + 1:) <= -1) .or. any(constants(2 * k + 1:) >= 0.5_DP)) call report_error(reader, &
           reader%cards%cards(c)%line, 'Poisson''s ratio must be greater than -1 and less than 0.5.')
       end associate
     end do
-  end subroutine read_foam
+  end subroutine read_hyperfoam
 
 end module amontons_deck_materials

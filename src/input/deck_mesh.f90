@@ -6,27 +6,28 @@
 !! nothing needs them, else refused.
 module amontons_deck_mesh
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_labels, only: cartesian
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, &
-    need_at_most, need_no_data, is_card
+  use amontons_deck_labels, only: to_cartesian
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, &
+    check_n_fields, check_no_data, is_card
   use amontons_containers, only: integer_list_type, label_table_type
   use amontons_materials, only: material_type
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: text_of, plural, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, kind_of_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_CPE4, &
+  use amontons_text, only: to_text, plural, NUMBER_OK
+  use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
+    KIND_CPE4, &
     KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
   implicit none
   private
-  public :: draft_type, read_nodes, read_elements, read_sections, keep_elements, is_of, NOT_GIVEN
+  public :: element_draft_type, read_nodes, read_elements, read_sections, select_elements, is_in_family, NOT_GIVEN
 
   real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
   !> All elements of the deck as they stand.
-  type :: draft_type
+  type :: element_draft_type
     integer :: n = 0
     integer, allocatable :: label(:)             !< (n)
     integer, allocatable :: kind(:)              !< (n) KIND_..., 0: a kind that we do not have
@@ -35,26 +36,26 @@ module amontons_deck_mesh
     integer, allocatable :: first(:)             !< (n + 1) start of its nodes
     type(integer_list_type) :: nodes             !< node indices, 0: no such node
     integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
-    real(DP), allocatable :: section(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
+    real(DP), allocatable :: section_value(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
-    integer, allocatable :: kept(:)              !< (n) index in the mesh, 0: dropped
+    integer, allocatable :: mesh_index(:)              !< (n) index in the mesh, 0: dropped
     integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
     integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
     integer, allocatable :: node_at(:)           !< (rows of NODE cards) index of its node
     integer, allocatable :: element_first(:)     !< (n_cards) first element of an ELEMENT card
     integer, allocatable :: element_last(:)      !< (n_cards) last element of an ELEMENT card
     type(label_table_type) :: labels             !< label to index here
-  end type draft_type
+  end type element_draft_type
 
 contains
 
   !> Reads all NODE cards.
   subroutine read_nodes(reader, draft, mesh)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     type(mesh_type), intent(inout) :: mesh
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: line(:)
     integer :: c, n_rows
@@ -73,17 +74,17 @@ contains
     mesh%node_label = mesh%node_label(:mesh%n_nodes)
     mesh%coordinates = mesh%coordinates(:, :mesh%n_nodes)
     call reader%node_labels%build(mesh%node_label)
-    call drop_repeated(reader, mesh, draft, line)
-    if (mesh%n_nodes == 0) call complain(reader, 0, 'The deck has no nodes: there is no *NODE card with data.')
+    call merge_repeated_nodes(reader, mesh, draft, line)
+    if (mesh%n_nodes == 0) call report_error(reader, 0, 'The deck has no nodes: there is no *NODE card with data.')
   end subroutine read_nodes
 
 
   !> Nodes that are given again at the same place are one node, with a note. In CalculiX the later place counts; else another place
   !! is an error.
-  subroutine drop_repeated(reader, mesh, draft, line)
+  subroutine merge_repeated_nodes(reader, mesh, draft, line)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(inout) :: mesh
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     integer, intent(inout) :: line(:)            !< line of each row
     integer :: i, first, n, n_moved
     allocate (draft%node_at(mesh%n_nodes))
@@ -96,8 +97,8 @@ contains
         associate (X => mesh%coordinates(:, draft%node_at(first)))
           if (all(abs(X - mesh%coordinates(:, i)) <= 0.0_DP)) cycle
           n_moved = n_moved + 1
-          if (reader%dialect /= DIALECT_CALCULIX) call complain(reader, line(i), 'The node ' // text_of(mesh%node_label(i)) // &
-            ' is defined twice, here at another place; the first time in ' // place_of(reader, line(first)) // '.')
+          if (reader%dialect /= DIALECT_CALCULIX) call report_error(reader, line(i), 'The node ' // to_text(mesh%node_label(i)) // &
+            ' is defined twice, here at another place; the first time in ' // line_location(reader, line(first)) // '.')
           X = mesh%coordinates(:, i)
         end associate
       else
@@ -108,19 +109,20 @@ contains
       end if
     end do
     if (n == mesh%n_nodes) return
-    call note(reader, 0, plural(mesh%n_nodes - n, 'node') // ' of the deck stand in it more than once, ' // text_of(n_moved) // &
+    call report_note(reader, 0, plural(mesh%n_nodes - n, 'node') // ' of the deck stand in it more than once, ' &
+      // to_text(n_moved) // &
       ' of them at another place, of which the last one counts.')
     mesh%n_nodes = n
     mesh%node_label = mesh%node_label(:n)
     mesh%coordinates = mesh%coordinates(:, :n)
     call reader%node_labels%build(mesh%node_label)
-  end subroutine drop_repeated
+  end subroutine merge_repeated_nodes
 
 
   !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
   subroutine read_node(reader, row, system, mesh, line)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     character(*), intent(in) :: system           !< R, C or S
     type(mesh_type), intent(inout) :: mesh
     integer, intent(inout) :: line(:)            !< line of each node
@@ -128,13 +130,13 @@ contains
     integer :: label, i
     logical :: is_ok
     is_ok = .true.
-    call need_label(reader, row, 'node', label, is_ok)
-    call need_at_most(reader, row, 7)            ! three more for a normal, which solids do not need
+    call read_label(reader, row, 'node', label, is_ok)
+    call check_n_fields(reader, row, 7)            ! three more for a normal, which solids do not need
     mesh%n_nodes = mesh%n_nodes + 1
     do i = 1, 3
-      call need_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)
+      call read_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)
     end do
-    mesh%coordinates(:, mesh%n_nodes) = cartesian(system, mesh%coordinates(:, mesh%n_nodes))
+    mesh%coordinates(:, mesh%n_nodes) = to_cartesian(system, mesh%coordinates(:, mesh%n_nodes))
     mesh%node_label(mesh%n_nodes) = label
     line(mesh%n_nodes) = row%line
     if (.not. is_ok) mesh%n_nodes = mesh%n_nodes - 1
@@ -142,9 +144,9 @@ contains
 
 
   !> The number of a node or element in the first field: a positive integer.
-  subroutine need_label(reader, row, what, label, is_ok)
+  subroutine read_label(reader, row, what, label, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     character(*), intent(in) :: what             !< 'node' or 'element'
     integer, intent(out) :: label
     logical, intent(inout) :: is_ok
@@ -152,9 +154,9 @@ contains
     call field_integer(reader%cards, row, 1, label, status)
     if (status == NUMBER_OK .and. label > 0) return
     is_ok = .false.
-    call complain(reader, row%line, 'The first field must be the number of the ' // what // &
+    call report_error(reader, row%line, 'The first field must be the number of the ' // what // &
       ', a positive integer; it is ''' // field_text(reader%cards, row, 1) // '''.')
-  end subroutine need_label
+  end subroutine read_label
 
 
   !> Upper bound of the data rows of all cards with a keyword.
@@ -171,7 +173,7 @@ contains
 
 
   !> Tells numbers that are given twice.
-  subroutine tell_doubled(reader, table, label, line, what)
+  subroutine report_duplicate_labels(reader, table, label, line, what)
     type(reader_type), intent(inout) :: reader
     type(label_table_type), intent(in) :: table
     integer, intent(in) :: label(:)              !< labels in the order of the deck
@@ -180,27 +182,27 @@ contains
     integer :: i, first
     do i = 1, size(label)
       first = table%find(label(i))
-      if (first /= i) call complain(reader, line(i), 'The ' // what // ' ' // text_of(label(i)) // &
-        ' is defined twice; the first time in ' // place_of(reader, line(first)) // '.')
+      if (first /= i) call report_error(reader, line(i), 'The ' // what // ' ' // to_text(label(i)) // &
+        ' is defined twice; the first time in ' // line_location(reader, line(first)) // '.')
     end do
-  end subroutine tell_doubled
+  end subroutine report_duplicate_labels
 
 
   !> A line by its number and its file.
-  function place_of(reader, line) result(text)
+  function line_location(reader, line) result(text)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: line
     character(:), allocatable :: text
-    text = 'line ' // text_of(reader%cards%line_number(line)) // ' of ' // reader%cards%files(reader%cards%line_file(line))%path
-  end function place_of
+    text = 'line ' // to_text(reader%cards%line_number(line)) // ' of ' // reader%cards%files(reader%cards%line_file(line))%path
+  end function line_location
 
 
   !> Reads all ELEMENT cards.
   subroutine read_elements(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(inout) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, kind, n_rows, n_wanted
     logical :: is_ok
@@ -224,20 +226,20 @@ contains
     end do
     draft%label = draft%label(:draft%n)
     call draft%labels%build(draft%label)
-    call tell_doubled(reader, draft%labels, draft%label, draft%line, 'element')
+    call report_duplicate_labels(reader, draft%labels, draft%label, draft%line, 'element')
     call check_connectivity(reader, mesh, draft)
     allocate (draft%material(draft%n), source=0)
-    allocate (draft%section(draft%n), source=1.0_DP)
+    allocate (draft%section_value(draft%n), source=1.0_DP)
     allocate (draft%directions(2, draft%n), source=0)
     allocate (draft%spring(draft%n), source=0)
-    if (draft%n == 0) call complain(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
+    if (draft%n == 0) call report_error(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
 
 
   !> The number of nodes of an element kind.
   pure function node_count(kind) result(n)
     integer, intent(in) :: kind                  !< KIND_...
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: n
     entry = element_kind(kind)
     n = entry%n_nodes
@@ -255,15 +257,15 @@ contains
     character(:), allocatable :: taken
     integer :: i
     taken = type
-    if (ends(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
+    if (ends_with(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
     do i = 1, size(ENDINGS)
-      if (kind_of_name(taken) > 0) exit
-      if (.not. ends(type, trim(ENDINGS(i)))) cycle
+      if (element_kind_by_name(taken) > 0) exit
+      if (.not. ends_with(type, trim(ENDINGS(i)))) cycle
       taken = type(:len(type) - len_trim(ENDINGS(i)))
     end do
-    kind = kind_of_name(taken)
+    kind = element_kind_by_name(taken)
     if (kind == 0) return
-    if (taken /= type) call note(reader, reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // &
+    if (taken /= type) call report_note(reader, reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // &
       taken // '.')
     if (reader%dialect /= DIALECT_CALCULIX) return
     if (kind == KIND_C3D8) kind = KIND_C3D8_FULL
@@ -276,30 +278,30 @@ contains
   !! while nodes are missing.
   subroutine read_element(reader, row, c, kind, n_wanted, draft, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: kind                  !< 0: unknown, then any number of nodes
     integer, intent(in) :: n_wanted              !< nodes of the kind; 0 if unknown
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     logical, intent(out) :: is_ok                !< .false.: the rest of the card is not read
     integer :: label, start, line
     is_ok = .true.
     line = row%line
     start = draft%nodes%n
-    call need_label(reader, row, 'element', label, is_ok)
+    call read_label(reader, row, 'element', label, is_ok)
     if (.not. is_ok) return
-    call take_nodes(reader, row, 2, draft%nodes, is_ok)
+    call read_node_fields(reader, row, 2, draft%nodes, is_ok)
     do while (is_ok .and. (draft%nodes%n - start < n_wanted .or. (kind == 0 .and. row%has_trailing_comma)))
       if (.not. next_row(reader%cards, row)) exit
-      call take_nodes(reader, row, 1, draft%nodes, is_ok)
+      call read_node_fields(reader, row, 1, draft%nodes, is_ok)
     end do
     if (.not. is_ok) return
     ! Old decks of CalculiX give a C3D8I up to three nodes more, for its modes; here they are inside.
     if (kind == KIND_C3D8I .and. draft%nodes%n - start <= n_wanted + 3) draft%nodes%n = min(draft%nodes%n, start + n_wanted)
     if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
       is_ok = .false.
-      call complain(reader, line, 'The element ' // text_of(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
-        // '; its kind has ' // text_of(n_wanted) // '. The rest of this card is not read.')
+      call report_error(reader, line, 'The element ' // to_text(label) // ' has ' // plural(draft%nodes%n - start, 'node') &
+        // '; its kind has ' // to_text(n_wanted) // '. The rest of this card is not read.')
       draft%nodes%n = start
       return
     end if
@@ -313,9 +315,9 @@ contains
 
 
   !> Appends the nodes of a row; a number that is no node is told and stops the card.
-  subroutine take_nodes(reader, row, first, nodes, is_ok)
+  subroutine read_node_fields(reader, row, first, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: first                 !< first field that is a node
     type(integer_list_type), intent(inout) :: nodes
     logical, intent(inout) :: is_ok
@@ -323,23 +325,23 @@ contains
     do i = first, row%n
       call field_integer(reader%cards, row, i, label, status)
       if (status /= NUMBER_OK) then
-        call complain(reader, row%line, 'Field ' // text_of(i) // ' must be the number of a node; it is ''' // &
+        call report_error(reader, row%line, 'Field ' // to_text(i) // ' must be the number of a node; it is ''' // &
           field_text(reader%cards, row, i) // '''. The rest of this card is not read.')
         is_ok = .false.
         return
       end if
       node = reader%node_labels%find(label)
-      if (node == 0) call complain(reader, row%line, 'There is no node ' // text_of(label) // '.')
+      if (node == 0) call report_error(reader, row%line, 'There is no node ' // to_text(label) // '.')
       call nodes%add(node)
     end do
-  end subroutine take_nodes
+  end subroutine read_node_fields
 
 
   !> Tells elements in which a node comes twice. Cost: linear.
   subroutine check_connectivity(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     integer :: e, i, j, node
     element: do e = 1, draft%n
       if (draft%kind(e) == 0) cycle element
@@ -348,8 +350,8 @@ contains
         if (node == 0) cycle
         do j = draft%first(e), i - 1
           if (draft%nodes%items(j) /= node) cycle
-          call complain(reader, draft%line(e), 'The element ' // text_of(draft%label(e)) // ' is degenerate: node ' // &
-            text_of(mesh%node_label(node)) // ' stands twice. Use a kind with fewer nodes.')
+          call report_error(reader, draft%line(e), 'The element ' // to_text(draft%label(e)) // ' is degenerate: node ' // &
+            to_text(mesh%node_label(node)) // ' stands twice. Use a kind with fewer nodes.')
           cycle element
         end do
       end do
@@ -361,8 +363,8 @@ contains
   subroutine read_sections(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model        !< with the element sets of drafts
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(inout) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     real(DP) :: thickness
     integer :: c, set, material, n_overridden, i, e
@@ -373,18 +375,19 @@ contains
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
       associate (line => reader%cards%cards(c)%line)
-        if (set == 0 .and. has_parameter(parameters, 'ELSET')) call complain(reader, line, 'There is no element set ''' // &
-          parameter_text(parameters, 'ELSET') // '''' // reader%element_sets%hint(parameter_text(parameters, 'ELSET')))
-        if (material == 0 .and. has_parameter(parameters, 'MATERIAL')) call complain(reader, line, 'There is no material ''' // &
-          parameter_text(parameters, 'MATERIAL') // '''' // reader%materials%hint(parameter_text(parameters, 'MATERIAL')))
+        if (set == 0 .and. has_parameter(parameters, 'ELSET')) call report_error(reader, line, 'There is no element set ''' // &
+          parameter_text(parameters, 'ELSET') // '''' // reader%element_sets%suggest(parameter_text(parameters, 'ELSET')))
+        if (material == 0 .and. has_parameter(parameters, 'MATERIAL')) call report_error(reader, line, &
+          'There is no material ''' // &
+          parameter_text(parameters, 'MATERIAL') // '''' // reader%materials%suggest(parameter_text(parameters, 'MATERIAL')))
         thickness = 1
         if (next_row(reader%cards, row)) then
           is_thick = .true.
           if (needs_thickness(model, draft, set)) then
-            call need_real(reader, row, 1, 'thickness or cross-section', thickness, is_thick, 1.0_DP)
-            if (.not. thickness > 0) call complain(reader, row%line, 'The thickness or cross-section must be positive.')
+            call read_real(reader, row, 1, 'thickness or cross-section', thickness, is_thick, 1.0_DP)
+            if (.not. thickness > 0) call report_error(reader, row%line, 'The thickness or cross-section must be positive.')
           end if
-          if (next_row(reader%cards, row)) call need_no_data(reader, row)
+          if (next_row(reader%cards, row)) call check_no_data(reader, row)
         end if
         if (set == 0) cycle
         n_overridden = 0
@@ -393,10 +396,10 @@ contains
             e = members(i)
             if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
             draft%material(e) = merge(material, -1, material > 0)
-            if (is_thin(draft%kind(e))) draft%section(e) = thickness
+            if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
           end do
         end associate
-        if (n_overridden > 0) call note(reader, line, plural(n_overridden, 'element') // &
+        if (n_overridden > 0) call report_note(reader, line, plural(n_overridden, 'element') // &
           ' had another material by an earlier section; this one counts.')
       end associate
     end do
@@ -407,7 +410,7 @@ contains
   pure function is_thin(kind) result(is_so)
     integer, intent(in) :: kind                  !< KIND_..., 0: unknown
     logical :: is_so
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     is_so = .false.
     if (kind == 0) return
     entry = element_kind(kind)
@@ -418,7 +421,7 @@ contains
   !> Whether a set holds elements with a thickness or a cross-section.
   pure function needs_thickness(model, draft, set) result(does_so)
     type(model_type), intent(in) :: model        !< with the element sets of drafts
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     integer, intent(in) :: set                   !< 0: none
     logical :: does_so
     integer :: i
@@ -434,49 +437,49 @@ contains
 
 
   !> Whether a kind belongs to a family.
-  pure function is_of(kind, family) result(is_so)
+  pure function is_in_family(kind, family) result(is_so)
     integer, intent(in) :: kind                  !< KIND_..., 0: unknown
     integer, intent(in) :: family                !< FAMILY_...
     logical :: is_so
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     is_so = .false.
     if (kind == 0) return
     entry = element_kind(kind)
     is_so = entry%family == family
-  end function is_of
+  end function is_in_family
 
 
   !> Builds the mesh from the drafts; drops leftovers; tells what cannot stay.
-  subroutine keep_elements(reader, model, draft)
+  subroutine select_elements(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     integer :: e, n
-    call disown_leftovers(reader, model%mesh%n_nodes, draft)
-    allocate (draft%kept(draft%n), source=0)
+    call omit_boundary_elements(reader, model%mesh%n_nodes, draft)
+    allocate (draft%mesh_index(draft%n), source=0)
     n = 0
     do e = 1, draft%n
       if (draft%kind(e) == 0) cycle
       n = n + 1
-      draft%kept(e) = n
+      draft%mesh_index(e) = n
     end do
     call build_mesh(draft, n, model%mesh)
-    call finish_mesh(model%mesh)
+    call finalize_mesh(model%mesh)
     if (size(model%materials) == 0) model%materials = [material_type(name='')]   ! springs and masses need none
     call reader%element_labels%build(model%mesh%element_label)
-    reader%draft_labels = draft%labels
-    call tell_without_section(reader, draft)
-    call tell_leftovers(reader, model%mesh, draft)
-    call keep_set_members(reader, model%mesh, draft)
-  end subroutine keep_elements
+    reader%draft_element_labels = draft%labels
+    call report_missing_sections(reader, draft)
+    call report_omitted_elements(reader, model%mesh, draft)
+    call map_set_members(reader, model%mesh, draft)
+  end subroutine select_elements
 
 
   !> Faces and lines that mesh generators write beside a body: the elements of a card without any section, all of whose
   !! nodes belong to elements of more dimensions, count as of no kind.
-  subroutine disown_leftovers(reader, n_nodes, draft)
+  subroutine omit_boundary_elements(reader, n_nodes, draft)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: n_nodes
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     integer, allocatable :: dimensions(:)        ! (0:n_nodes) most of the elements at a node
     integer :: c, e, i, n
     allocate (dimensions(0:n_nodes), source=0)
@@ -496,7 +499,7 @@ contains
         if (all(dimensions(draft%nodes%items(draft%first(first):draft%first(last + 1) - 1)) > n)) draft%kind(first:last) = 0
       end associate
     end do
-  end subroutine disown_leftovers
+  end subroutine omit_boundary_elements
 
 
   !> Dimensions of the body that an element is a piece of: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
@@ -505,49 +508,49 @@ contains
     integer :: n
     n = 0
     if (is_thin(kind)) n = 2
-    if (is_of(kind, FAMILY_TRUSS)) n = 1
-    if (is_of(kind, FAMILY_SOLID)) n = 3
+    if (is_in_family(kind, FAMILY_TRUSS)) n = 1
+    if (is_in_family(kind, FAMILY_SOLID)) n = 3
   end function n_dimensions
 
 
   !> Copies the kept drafts into the mesh.
   subroutine build_mesh(draft, n, mesh)
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     integer, intent(in) :: n                     !< elements kept
     type(mesh_type), intent(inout) :: mesh
     integer :: e, k, n_nodes, start
-    integer, parameter :: MIDDLE_LAST(3) = [1, 3, 2]   ! a deck gives the middle node of T3D3 as the second
+    integer, parameter :: T3D3_NODE_ORDER(3) = [1, 3, 2]   ! a deck gives the middle node of T3D3 as the second
     mesh%n_elements = n
-    allocate (mesh%section(n), mesh%directions(2, n))
+    allocate (mesh%section_value(n), mesh%directions(2, n))
     if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
     allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n))
     n_nodes = 0
     do e = 1, draft%n
-      if (draft%kept(e) > 0) n_nodes = n_nodes + draft%first(e + 1) - draft%first(e)
+      if (draft%mesh_index(e) > 0) n_nodes = n_nodes + draft%first(e + 1) - draft%first(e)
     end do
     allocate (mesh%nodes(n_nodes))
     mesh%first(1) = 1
     do e = 1, draft%n
-      k = draft%kept(e)
+      k = draft%mesh_index(e)
       if (k == 0) cycle
       mesh%element_label(k) = draft%label(e)
       mesh%kind(k) = draft%kind(e)
       mesh%material(k) = max(0, draft%material(e))
-      mesh%section(k) = draft%section(e)
+      mesh%section_value(k) = draft%section_value(e)
       mesh%directions(:, k) = draft%directions(:, e)
       if (allocated(mesh%spring)) mesh%spring(k) = draft%spring(e)
       start = mesh%first(k)
       mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
       mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
-      if (mesh%kind(k) == KIND_T3D3) mesh%nodes(start:start + 2) = mesh%nodes(start - 1 + MIDDLE_LAST)
+      if (mesh%kind(k) == KIND_T3D3) mesh%nodes(start:start + 2) = mesh%nodes(start - 1 + T3D3_NODE_ORDER)
     end do
   end subroutine build_mesh
 
 
   !> Tells elements without a section, once for each ELEMENT card.
-  subroutine tell_without_section(reader, draft)
+  subroutine report_missing_sections(reader, draft)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     character(:), allocatable :: card
     integer :: e, c, n, first
     do c = 1, reader%cards%n_cards
@@ -557,27 +560,27 @@ contains
       card = 'SOLID SECTION'
       do e = draft%element_first(c), draft%element_last(c)
         if (draft%kind(e) == 0) cycle
-        if (is_of(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
+        if (is_in_family(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
         if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
-        if (is_of(draft%kind(e), FAMILY_MASS)) card = 'MASS'
-        if (merge(draft%material(e) /= 0, draft%section(e) > NOT_GIVEN, card == 'SOLID SECTION')) cycle
+        if (is_in_family(draft%kind(e), FAMILY_MASS)) card = 'MASS'
+        if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, card == 'SOLID SECTION')) cycle
         n = n + 1
         if (first == 0) first = draft%label(e)
       end do
-      if (n > 0) call complain(reader, reader%cards%cards(c)%line, plural(n, 'element') // &
-        ' of this card (the first is ' // text_of(first) // ') have no section: no *' // card // ' names a set ' // &
+      if (n > 0) call report_error(reader, reader%cards%cards(c)%line, plural(n, 'element') // &
+        ' of this card (the first is ' // to_text(first) // ') have no section: no *' // card // ' names a set ' // &
         'that holds them.')
     end do
-  end subroutine tell_without_section
+  end subroutine report_missing_sections
 
 
   !> Elements of kinds that we do not have, card by card: a note if they are lines or faces of solids without a section,
   !! else an error.
-  subroutine tell_leftovers(reader, mesh, draft)
+  subroutine report_omitted_elements(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(draft_type), intent(in) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(in) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: type
     logical, allocatable :: is_solid(:)
@@ -594,13 +597,13 @@ contains
       type = parameter_word(parameters, 'TYPE', '')
       associate (first => draft%element_first(c), last => draft%element_last(c))
         if (first > last) then
-          if (kind_of_name(type) == 0) call refuse_type(reader, c, type)
+          if (element_kind_by_name(type) == 0) call report_unsupported_type(reader, c, type)
           cycle
         end if
         if (draft%kind(first) /= 0) cycle
-        if (reader%dialect == DIALECT_CALCULIX .and. begins(type, 'DCOUP3D')) cycle   ! of DISTRIBUTING COUPLING
-        if (reader%dialect == DIALECT_CALCULIX .and. begins(type, 'DASHPOT')) then
-          call note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
+        if (reader%dialect == DIALECT_CALCULIX .and. begins_with(type, 'DCOUP3D')) cycle   ! of DISTRIBUTING COUPLING
+        if (reader%dialect == DIALECT_CALCULIX .and. begins_with(type, 'DASHPOT')) then
+          call report_note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
             'step; they are left out.')
           cycle
         end if
@@ -609,41 +612,42 @@ contains
         if (is_left) then
           n_dropped = n_dropped + last - first + 1
         else
-          call refuse_type(reader, c, type)
+          call report_unsupported_type(reader, c, type)
         end if
       end associate
     end do
-    if (n_dropped > 0) call note(reader, 0, plural(n_dropped, 'element') // ' that are lines or faces of solids ' // &
+    if (n_dropped > 0) call report_note(reader, 0, plural(n_dropped, 'element') // ' that are lines or faces of solids ' // &
       'and have no section are left out (mesh generators write them).')
-  end subroutine tell_leftovers
+  end subroutine report_omitted_elements
 
 
   !> Tells an element type that we do not have, and what to use instead.
-  subroutine refuse_type(reader, c, type)
+  subroutine report_unsupported_type(reader, c, type)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: type             !< upper case
     character(:), allocatable :: advice
-    reader%has_refused_kinds = .true.
+    reader%has_unsupported_kinds = .true.
     if (type == '') return
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
       '6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
-    if (begins(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
-    if (begins(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
-    if (begins(type, 'C3D10')) advice = 'Use C3D10.'
-    if (begins(type, 'C3D4')) advice = 'Use C3D4, or better C3D10.'
-    if (begins(type, 'C3D6')) advice = 'Use C3D6.'
-    if (begins(type, 'C3D15')) advice = 'Use C3D15.'
-    if (begins(type, 'CPS') .or. begins(type, 'CPE') .or. begins(type, 'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
+    if (begins_with(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
+    if (begins_with(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
+    if (begins_with(type, 'C3D10')) advice = 'Use C3D10.'
+    if (begins_with(type, 'C3D4')) advice = 'Use C3D4, or better C3D10.'
+    if (begins_with(type, 'C3D6')) advice = 'Use C3D6.'
+    if (begins_with(type, 'C3D15')) advice = 'Use C3D15.'
+    if (begins_with(type, 'CPS') .or. begins_with(type, 'CPE') .or. begins_with(type, &
+      'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
-    if (begins(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
+    if (begins_with(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'
-    if (begins(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
-    if (begins(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
-    if (begins(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'
-    call complain(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
-  end subroutine refuse_type
+    if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
+    if (begins_with(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
+    if (begins_with(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'
+    call report_error(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
+  end subroutine report_unsupported_type
 
 
   !> Whether a type is a line, a face, a shell, or the like.
@@ -652,7 +656,7 @@ contains
     logical :: is_so
     character(3), parameter :: BEGINNINGS(5) = ['T2D', 'T3D', 'CPS', 'CPE', 'CAX']
     integer :: i
-    is_so = is_structural(type) .or. any([(begins(type, BEGINNINGS(i)), i=1, size(BEGINNINGS))])
+    is_so = is_structural(type) .or. any([(begins_with(type, BEGINNINGS(i)), i=1, size(BEGINNINGS))])
   end function is_lower_dimensional
 
 
@@ -662,71 +666,71 @@ contains
     logical :: is_so
     character(5), parameter :: BEGINNINGS(8) = [character(5) :: 'B2', 'B3', 'M3D', 'R3D', 'R2D', 'STRI', 'SFM3D', 'SC']
     integer :: i
-    is_so = any([(begins(type, trim(BEGINNINGS(i))), i=1, size(BEGINNINGS))])
+    is_so = any([(begins_with(type, trim(BEGINNINGS(i))), i=1, size(BEGINNINGS))])
     if (.not. is_so .and. len(type) >= 2) is_so = type(1:1) == 'S' .and. scan(type(2:2), '3468') == 1
   end function is_structural
 
 
   !> Whether a word ends with another one.
-  pure function ends(word, ending) result(does_so)
+  pure function ends_with(word, ending) result(does_so)
     character(*), intent(in) :: word, ending
     logical :: does_so
     does_so = len(word) > len(ending)
     if (does_so) does_so = word(len(word) - len(ending) + 1:) == ending
-  end function ends
+  end function ends_with
 
 
   !> Whether a word starts with another one.
-  pure function begins(word, beginning) result(does_so)
+  pure function begins_with(word, beginning) result(does_so)
     character(*), intent(in) :: word, beginning
     logical :: does_so
     does_so = len(word) >= len(beginning)
     if (does_so) does_so = word(:len(beginning)) == beginning
-  end function begins
+  end function begins_with
 
 
   !> Turns the members of the element sets from drafts to elements of the mesh.
-  subroutine keep_set_members(reader, mesh, draft)
+  subroutine map_set_members(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(inout) :: mesh
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     integer :: s, n, i
-    allocate (reader%has_leftovers(size(mesh%element_sets)), source=.false.)
-    allocate (reader%left_of_set(size(mesh%element_sets)))
-    call note_left(reader, draft)
+    allocate (reader%has_omitted_elements(size(mesh%element_sets)), source=.false.)
+    allocate (reader%omitted_of_set(size(mesh%element_sets)))
+    call store_omitted_nodes(reader, draft)
     do s = 1, size(mesh%element_sets)
       associate (set => mesh%element_sets(s))
         n = size(set%members)
         do i = 1, n
-          if (draft%kept(set%members(i)) == 0) call reader%left_of_set(s)%add(reader%left_of_draft(set%members(i)))
+          if (draft%mesh_index(set%members(i)) == 0) call reader%omitted_of_set(s)%add(reader%omitted_of_draft(set%members(i)))
         end do
-        set%members = draft%kept(set%members)
+        set%members = draft%mesh_index(set%members)
         set%members = pack(set%members, set%members > 0)
-        reader%has_leftovers(s) = size(set%members) < n
+        reader%has_omitted_elements(s) = size(set%members) < n
       end associate
     end do
-  end subroutine keep_set_members
+  end subroutine map_set_members
 
 
   !> Keeps the nodes of the elements that were left out: surfaces may name them.
-  subroutine note_left(reader, draft)
+  subroutine store_omitted_nodes(reader, draft)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(integer_list_type) :: nodes
     integer :: e, i, n
-    allocate (reader%left_of_draft(draft%n), source=0)
-    allocate (reader%left_first(count(draft%kept == 0) + 1), source=1)
+    allocate (reader%omitted_of_draft(draft%n), source=0)
+    allocate (reader%omitted_first(count(draft%mesh_index == 0) + 1), source=1)
     n = 0
     do e = 1, draft%n
-      if (draft%kept(e) > 0) cycle
+      if (draft%mesh_index(e) > 0) cycle
       n = n + 1
-      reader%left_of_draft(e) = n
+      reader%omitted_of_draft(e) = n
       do i = draft%first(e), draft%first(e + 1) - 1
         if (draft%nodes%items(i) > 0) call nodes%add(draft%nodes%items(i))
       end do
-      reader%left_first(n + 1) = nodes%n + 1
+      reader%omitted_first(n + 1) = nodes%n + 1
     end do
-    reader%left_nodes = nodes%trimmed()
-  end subroutine note_left
+    reader%omitted_nodes = nodes%trimmed()
+  end subroutine store_omitted_nodes
 
 end module amontons_deck_mesh

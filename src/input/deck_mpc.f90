@@ -2,20 +2,20 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_mpc
   use amontons_kinds, only: DP, PI
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer
-  use amontons_deck_reader, only: reader_type, open_card, complain, nodes_of_field, need_real, need_at_most, is_card, &
-    need_no_data
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
+  use amontons_deck_reader, only: reader_type, open_card, report_error, nodes_of_field, read_real, check_n_fields, is_card, &
+    check_no_data
   use amontons_mesh, only: append_node
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_tensor, only: cross_product
-  use amontons_text, only: is_one_of, squeezed, text_of, NUMBER_OK, parse_integer
-  use amontons_mpc_data, only: bond_type, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
+  use amontons_text, only: is_one_of, name_key, to_text, NUMBER_OK, parse_integer
+  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
   use amontons_card_schema, only: parameter_text
   implicit none
   private
-  public :: read_mpc, next_mpc, each_once, make_rotation
-  public :: read_spreads
-  public :: read_sectors
+  public :: read_mpc, read_next_mpc, unique_nodes, make_rotation_node
+  public :: read_distributing_couplings
+  public :: read_cyclic_symmetry
 
 contains
 
@@ -24,7 +24,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     character(:), allocatable :: kind
@@ -33,8 +33,8 @@ contains
     call open_card(reader, c, parameters, row)
     has_row = next_row(reader%cards, row)
     do while (has_row)
-      n_first = n_in_field(reader, model, row, 2)
-      call next_mpc(reader, model, row, '', has_row, kind, nodes, line, is_ok)
+      n_first = count_field_nodes(reader, model, row, 2)
+      call read_next_mpc(reader, model, row, '', has_row, kind, nodes, line, is_ok)
       if (.not. is_ok .or. kind == 'DIST') cycle
       if (is_one_of(kind, 'BEAM|LINK|TIE|PIN') .and. size(nodes) > 2) then
         call add_pairs(reader, model, line, kind, nodes, n_first)
@@ -46,16 +46,16 @@ contains
 
 
   !> How many nodes a field names: those of a set, else one.
-  pure integer function n_in_field(reader, model, row, i) result(n)
+  pure integer function count_field_nodes(reader, model, row, i) result(n)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i                     !< field
     integer :: set
     n = 1
     set = reader%node_sets%find(field_text(reader%cards, row, i))
     if (set > 0) n = size(model%mesh%node_sets(set)%members)
-  end function n_in_field
+  end function count_field_nodes
 
 
   !> Kinds of two nodes over sets, as Abaqus expands them: each node of the first set with that of the same place in the second one,
@@ -70,8 +70,9 @@ contains
     integer :: i, n_last, other
     n_last = size(nodes) - n_first
     if (n_last /= 1 .and. n_last /= n_first) then
-      call complain(reader, line, kind // ' binds nodes two by two: give two nodes, two sets of as many nodes, or a set and a ' // &
-        'node. Here are ' // text_of(n_first) // ' and ' // text_of(n_last) // '.')
+      call report_error(reader, line, kind // ' binds nodes two by two: give two nodes, two sets of as many nodes, or a set ' // &
+        'and a ' // &
+        'node. Here are ' // to_text(n_first) // ' and ' // to_text(n_last) // '.')
       return
     end if
     do i = 1, n_first
@@ -82,10 +83,10 @@ contains
 
 
   !> The next constraint of a card: its first row, and those after it that begin with a number or a set.
-  subroutine next_mpc(reader, model, row, wanted, has_row, kind, nodes, line, is_ok)
+  subroutine read_next_mpc(reader, model, row, wanted, has_row, kind, nodes, line, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    type(row_type), intent(inout) :: row         !< in: its first row; out: that of the one after it
+    type(data_row_type), intent(inout) :: row         !< in: its first row; out: that of the one after it
     character(*), intent(in) :: wanted           !< only of this kind nodes are read; empty: of all but DIST
     logical, intent(inout) :: has_row            !< out: whether there is one after it
     character(:), allocatable, intent(out) :: kind   !< squeezed
@@ -97,13 +98,13 @@ contains
     logical :: is_read
     allocate (nodes(0))
     is_ok = .true.
-    kind = squeezed(field_text(reader%cards, row, 1))
+    kind = name_key(field_text(reader%cards, row, 1))
     line = row%line
     is_read = kind == wanted .or. (wanted == '' .and. kind /= 'DIST')
     i = 2
     do
       do while (i <= row%n .and. is_read)
-        if (squeezed(field_text(reader%cards, row, i)) /= '') then
+        if (name_key(field_text(reader%cards, row, i)) /= '') then
           call nodes_of_field(reader, model%mesh, row, i, found, is_ok)
           nodes = [nodes, found]
         end if
@@ -115,7 +116,7 @@ contains
       if (status /= NUMBER_OK .and. reader%node_sets%find(field_text(reader%cards, row, 1)) == 0) exit
       i = 1
     end do
-  end subroutine next_mpc
+  end subroutine read_next_mpc
 
 
   !> The bonds of one MPC.
@@ -125,33 +126,34 @@ contains
     integer, intent(in) :: line
     character(*), intent(in) :: kind             !< squeezed
     integer, intent(in) :: given(:)              !< nodes as they stand in the deck
-    type(bond_type) :: bond
+    type(nonlinear_mpc_type) :: bond
     integer, allocatable :: nodes(:)
     integer :: i
-    nodes = each_once(given)
-    if (kind == 'PLANE') call put_spanning_first(model, nodes)
+    nodes = unique_nodes(given)
+    if (kind == 'PLANE') call order_spanning_nodes(model, nodes)
     bond%card = 'MPC'
     bond%line = reader%cards%line_number(line)
     select case (kind)
     case ('PLANE', 'STRAIGHT')
-      bond%kind = merge(BOND_PLANE, BOND_STRAIGHT, kind == 'PLANE')
-      if (.not. spans(model, nodes, kind)) then
-        call complain(reader, line, 'PLANE needs three nodes that are not on a line and more, STRAIGHT two nodes that ' // &
+      bond%kind = merge(MPC_PLANE, MPC_STRAIGHT, kind == 'PLANE')
+      if (.not. is_spanning(model, nodes, kind)) then
+        call report_error(reader, line, 'PLANE needs three nodes that are not on a line and more, STRAIGHT two nodes that ' // &
           'are apart and more.')
         return
       end if
       do i = merge(4, 3, kind == 'PLANE'), size(nodes)
         bond%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
-        model%bonds = [model%bonds, bond]
+        model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
       end do
     case ('BEAM', 'LINK')
       call add_beam(reader, model, line, nodes, bond, is_link=kind == 'LINK')
     case ('TIE', 'PIN')
       call add_pin(reader, model, line, nodes)
     case ('MEANROT')
-      call add_turn(reader, model, line, nodes, bond)
+      call add_mean_rotation(reader, model, line, nodes, bond)
     case default
-      call complain(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, PIN, ' // &
+      call report_error(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, ' // &
+        'PIN, ' // &
         'MEANROT and DIST.')
     end select
   end subroutine add_mpc
@@ -159,13 +161,13 @@ contains
 
   !> Of the nodes of a plane the first three must not be on a line: the third becomes the one farthest from the line of the first
   !! and the one farthest from it, if they are.
-  pure subroutine put_spanning_first(model, nodes)
+  pure subroutine order_spanning_nodes(model, nodes)
     type(model_type), intent(in) :: model
     integer, intent(inout) :: nodes(:)
     real(DP) :: way(3), across(size(nodes))
     integer :: i, k
     if (size(nodes) < 4) return
-    if (spans(model, nodes, 'PLANE')) return
+    if (is_spanning(model, nodes, 'PLANE')) return
     associate (x => model%mesh%coordinates)
       k = maxloc([(norm2(x(:, nodes(i)) - x(:, nodes(1))), i=1, size(nodes))], dim=1)
       nodes([2, k]) = nodes([k, 2])
@@ -174,31 +176,31 @@ contains
       k = maxloc(across, dim=1)
       if (k > 3) nodes([3, k]) = nodes([k, 3])
     end associate
-  end subroutine put_spanning_first
+  end subroutine order_spanning_nodes
 
 
   !> Whether the first nodes span a plane or a line.
-  pure logical function spans(model, nodes, kind)
+  pure logical function is_spanning(model, nodes, kind)
     type(model_type), intent(in) :: model
     integer, intent(in) :: nodes(:)
     character(*), intent(in) :: kind
-    spans = .false.
+    is_spanning = .false.
     if (size(nodes) < merge(4, 3, kind == 'PLANE')) return
     associate (x => model%mesh%coordinates(:, nodes(:3)))
-      spans = norm2(x(:, 2) - x(:, 1)) > 0.0_DP
-      if (kind == 'PLANE') spans = norm2(cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))) > &
+      is_spanning = norm2(x(:, 2) - x(:, 1)) > 0.0_DP
+      if (kind == 'PLANE') is_spanning = norm2(cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))) > &
         1.0e-6_DP * norm2(x(:, 2) - x(:, 1)) * norm2(x(:, 3) - x(:, 1))
     end associate
-  end function spans
+  end function is_spanning
 
 
   !> Nodes in their order, each once.
-  pure function each_once(given) result(nodes)
+  pure function unique_nodes(given) result(nodes)
     integer, intent(in) :: given(:)
     integer, allocatable :: nodes(:)
     integer :: i
     nodes = pack(given, [(.not. any(given(:i - 1) == given(i)), i=1, size(given))])
-  end function each_once
+  end function unique_nodes
 
 
   !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is fixed rigidly to the second.
@@ -206,19 +208,19 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line, nodes(:)
-    type(bond_type), intent(inout) :: bond
+    type(nonlinear_mpc_type), intent(inout) :: bond
     logical, intent(in) :: is_link
     if (size(nodes) /= 2) then
-      call complain(reader, line, 'BEAM and LINK need two nodes.')
+      call report_error(reader, line, 'BEAM and LINK need two nodes.')
     else if (is_link .or. reader%dialect == DIALECT_CALCULIX) then
-      bond%kind = BOND_DISTANCE
+      bond%kind = MPC_DISTANCE
       bond%node = nodes
-      model%bonds = [model%bonds, bond]
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
     else
       bond%node = nodes(:1)
       bond%reference = nodes(2)
-      call make_rotation(model, bond%reference, bond%rotation)
-      model%bonds = [model%bonds, bond]
+      call make_rotation_node(model, bond%reference, bond%rotation)
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
     end if
   end subroutine add_beam
 
@@ -230,7 +232,7 @@ contains
     integer, intent(in) :: line, nodes(:)
     integer :: k
     if (size(nodes) /= 2) then
-      call complain(reader, line, 'TIE and PIN need two nodes.')
+      call report_error(reader, line, 'TIE and PIN need two nodes.')
       return
     end if
     do k = 1, 3
@@ -240,69 +242,69 @@ contains
 
 
   !> MEANROT: nodes, and last a pilot: its coordinates are the axis, its first displacement the mean rotation.
-  subroutine add_turn(reader, model, line, nodes, bond)
+  subroutine add_mean_rotation(reader, model, line, nodes, bond)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line, nodes(:)
-    type(bond_type), intent(inout) :: bond
+    type(nonlinear_mpc_type), intent(inout) :: bond
     integer :: n
     n = size(nodes)
     if (n < 3) then
-      call complain(reader, line, 'MEANROT needs at least two nodes and the pilot.')
+      call report_error(reader, line, 'MEANROT needs at least two nodes and the pilot.')
       return
     end if
-    bond%kind = BOND_TURN
+    bond%kind = MPC_MEAN_ROTATION
     bond%node = nodes(:n - 1)
     bond%reference = nodes(n)
     bond%axis = model%mesh%coordinates(:, nodes(n))
     if (.not. norm2(bond%axis) > 0.0_DP) then
-      call complain(reader, line, 'The coordinates of the last node of MEANROT are the axis; they must not all be zero.')
+      call report_error(reader, line, 'The coordinates of the last node of MEANROT are the axis; they must not all be zero.')
       return
     end if
     bond%axis = bond%axis / norm2(bond%axis)
-    model%mesh%is_abstract(bond%reference) = .true.
-    model%bonds = [model%bonds, bond]
-  end subroutine add_turn
+    model%mesh%is_auxiliary(bond%reference) = .true.
+    model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+  end subroutine add_mean_rotation
 
 
   !> The rotation node of a reference node; one is made if there is none yet.
-  subroutine make_rotation(model, reference, rotation)
+  subroutine make_rotation_node(model, reference, rotation)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: reference
     integer, intent(out) :: rotation
     rotation = model%rotation_of(reference)
     if (rotation > 0) return
     call append_node(model%mesh, model%mesh%coordinates(:, reference), rotation)
-    model%mesh%is_abstract(rotation) = .true.
+    model%mesh%is_auxiliary(rotation) = .true.
     model%rotation_of = [model%rotation_of, 0]
     model%rotation_of(reference) = rotation
-  end subroutine make_rotation
+  end subroutine make_rotation_node
 
 
   !> All DISTRIBUTING COUPLING cards.
-  subroutine read_spreads(reader, model)
+  subroutine read_distributing_couplings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer :: c
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'DISTRIBUTINGCOUPLING')) cycle
       if (reader%dialect == DIALECT_CALCULIX) then
-        call read_spread(reader, model, c)
+        call read_distributing_coupling(reader, model, c)
       else
-        call complain(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which ' // &
+        call report_error(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which ' // &
           'binds no rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
       end if
     end do
-  end subroutine read_spreads
+  end subroutine read_distributing_couplings
 
 
   !> One card: sum w_i u_i = (sum w_i) u of the node of the DCOUP3D element, in three directions. The first node of the list
   !! is the one eliminated, as in CalculiX.
-  subroutine read_spread(reader, model, c)
+  subroutine read_distributing_coupling(reader, model, c)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:), list(:)
     real(DP), allocatable :: weights(:)
@@ -310,35 +312,35 @@ contains
     integer :: reference, k
     logical :: is_ok
     call open_card(reader, c, parameters, row)
-    call find_reference(reader, c, parameter_text(parameters, 'ELSET'), reference)
+    call find_coupling_node(reader, c, parameter_text(parameters, 'ELSET'), reference)
     if (reference == 0) return
     allocate (list(0), weights(0))
     do while (next_row(reader%cards, row))
       is_ok = .true.
-      call need_at_most(reader, row, 2)
+      call check_n_fields(reader, row, 2)
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-      call need_real(reader, row, 2, 'weight', weight, is_ok, 0.0_DP)
+      call read_real(reader, row, 2, 'weight', weight, is_ok, 0.0_DP)
       if (.not. is_ok) return
       if (weight <= 0) then
-        call complain(reader, row%line, 'The weight of a node must be positive.')
+        call report_error(reader, row%line, 'The weight of a node must be positive.')
         return
       end if
       list = [list, nodes]
       weights = [weights, spread(weight, 1, size(nodes))]
     end do
     if (size(list) == 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: nodes and their weights.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The data are missing: nodes and their weights.')
       return
     end if
     do k = 1, 3
       call append_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
         'DISTRIBUTING COUPLING', reader%cards%line_number(reader%cards%cards(c)%line))
     end do
-  end subroutine read_spread
+  end subroutine read_distributing_coupling
 
 
   !> The node of the one DCOUP3D element of a set; 0 on trouble, which is told.
-  subroutine find_reference(reader, c, name, reference)
+  subroutine find_coupling_node(reader, c, name, reference)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: name
@@ -347,40 +349,41 @@ contains
     reference = 0
     set = reader%element_sets%find(name)
     if (set > 0) then
-      if (reader%left_of_set(set)%n == 1) then
-        e = reader%left_of_set(set)%items(1)
-        if (reader%left_first(e + 1) - reader%left_first(e) == 1) reference = reader%left_nodes(reader%left_first(e))
+      if (reader%omitted_of_set(set)%n == 1) then
+        e = reader%omitted_of_set(set)%items(1)
+        if (reader%omitted_first(e + 1) - reader%omitted_first(e) == 1) reference = reader%omitted_nodes(reader%omitted_first(e))
       end if
     end if
-    if (reference == 0) call complain(reader, reader%cards%cards(c)%line, 'The set ''' // name // ''' must hold one element ' // &
+    if (reference == 0) call report_error(reader, reader%cards%cards(c)%line, &
+      'The set ''' // name // ''' must hold one element ' // &
       'of type DCOUP3D, whose node is the reference node.')
-  end subroutine find_reference
+  end subroutine find_coupling_node
 
 
   !> Gives the ties with CYCLIC SYMMETRY their turn. Before: ties are read.
-  subroutine read_sectors(reader, model)
+  subroutine read_cyclic_symmetry(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     logical :: has_turn(size(model%ties))
     integer :: c, i
     has_turn = .false.
     do c = 1, reader%cards%n_cards
-      if (is_card(reader, c, 'CYCLICSYMMETRYMODEL')) call read_sector(reader, c, model, has_turn)
+      if (is_card(reader, c, 'CYCLICSYMMETRYMODEL')) call read_sector_card(reader, c, model, has_turn)
     end do
     do i = 1, size(model%ties)
-      if (model%ties(i)%is_cyclic .and. .not. has_turn(i)) call complain(reader, 0, 'The tie ''' // model%ties(i)%name // &
+      if (model%ties(i)%is_cyclic .and. .not. has_turn(i)) call report_error(reader, 0, 'The tie ''' // model%ties(i)%name // &
         ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' tells its axis and N.')
     end do
-  end subroutine read_sectors
+  end subroutine read_cyclic_symmetry
 
 
   !> One card: N sectors in the circle; two points of the axis.
-  subroutine read_sector(reader, c, model, has_turn)
+  subroutine read_sector_card(reader, c, model, has_turn)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(model_type), intent(inout) :: model
     logical, intent(inout) :: has_turn(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: name
     real(DP) :: x(6)
@@ -390,38 +393,38 @@ contains
     associate (line => reader%cards%cards(c)%line)
       call parse_integer(parameter_text(parameters, 'N'), n, status)
       if (status /= NUMBER_OK) return            ! told when the card was checked
-      if (n < 2) call complain(reader, line, 'N, the number of sectors in the circle, must be at least 2.')
+      if (n < 2) call report_error(reader, line, 'N, the number of sectors in the circle, must be at least 2.')
       if (.not. next_row(reader%cards, row)) then
-        call complain(reader, line, '*CYCLIC SYMMETRY MODEL needs a data line: two points of the axis.')
+        call report_error(reader, line, '*CYCLIC SYMMETRY MODEL needs a data line: two points of the axis.')
         return
       end if
       is_ok = n >= 2
-      call need_at_most(reader, row, 6)
+      call check_n_fields(reader, row, 6)
       do i = 1, 6
-        call need_real(reader, row, i, 'coordinate of a point of the axis', x(i), is_ok, 0.0_DP)
+        call read_real(reader, row, i, 'coordinate of a point of the axis', x(i), is_ok, 0.0_DP)
       end do
       if (is_ok .and. .not. norm2(x(4:) - x(:3)) > 0) then
-        call complain(reader, row%line, 'The two points of the axis must differ.')
+        call report_error(reader, row%line, 'The two points of the axis must differ.')
         is_ok = .false.
       end if
-      if (next_row(reader%cards, row)) call need_no_data(reader, row)
+      if (next_row(reader%cards, row)) call check_no_data(reader, row)
       name = parameter_text(parameters, 'TIE')
       is_found = .false.
       do i = 1, size(model%ties)
-        if (squeezed(model%ties(i)%name) /= squeezed(name) .or. .not. model%ties(i)%is_cyclic) cycle
+        if (name_key(model%ties(i)%name) /= name_key(name) .or. .not. model%ties(i)%is_cyclic) cycle
         is_found = .true.
         has_turn(i) = .true.
         if (.not. is_ok) cycle
         model%ties(i)%centre = x(:3)
-        model%ties(i)%turn = turn_about((x(4:) - x(:3)) / norm2(x(4:) - x(:3)), 2 * PI / real(n, DP))
+        model%ties(i)%turn = rotation_matrix((x(4:) - x(:3)) / norm2(x(4:) - x(:3)), 2 * PI / real(n, DP))
       end do
-      if (.not. is_found) call complain(reader, line, 'There is no *TIE, NAME=' // name // ', CYCLIC SYMMETRY.')
+      if (.not. is_found) call report_error(reader, line, 'There is no *TIE, NAME=' // name // ', CYCLIC SYMMETRY.')
     end associate
-  end subroutine read_sector
+  end subroutine read_sector_card
 
 
   !> The matrix that turns by an angle about an axis through the origin (Rodrigues).
-  pure function turn_about(axis, angle) result(turn)
+  pure function rotation_matrix(axis, angle) result(turn)
     real(DP), intent(in) :: axis(3)              !< unit vector
     real(DP), intent(in) :: angle                !< [rad]
     real(DP) :: turn(3, 3), e(3)
@@ -432,6 +435,6 @@ contains
       turn(:, k) = e + sin(angle) * cross_product(axis, e) + (1 - cos(angle)) * &
         cross_product(axis, cross_product(axis, e))
     end do
-  end function turn_about
+  end function rotation_matrix
 
 end module amontons_deck_mpc

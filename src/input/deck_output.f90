@@ -2,20 +2,20 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_output
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_card_table, only: NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, SECTION_VARIABLES
-  use amontons_deck_reader, only: reader_type, time_list_type, open_card, complain, note, need_real, is_card
+  use amontons_deck_reader, only: reader_type, time_list_type, open_card, report_error, report_note, read_real, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, print_request_type, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, &
     frd_request_type, N_FRD, FRD_ERROR
-  use amontons_text, only: text_of, squeezed, parse_integer, is_one_of, joined_words, NUMBER_OK
+  use amontons_text, only: to_text, name_key, parse_integer, is_one_of, joined_words, NUMBER_OK
   use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: output_type, begin_output, read_output_card, close_output, read_time_points
+  public :: output_requests_type, begin_output, read_output_card, set_output_times, read_time_points
 
-  integer, parameter :: MOST_POINTS = 1000000     !< times of one GENERATE line
+  integer, parameter :: MAX_TIME_POINTS = 1000000     !< times of one GENERATE line
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
     'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NOE|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
     'ALLSD'                                               !< what the result files hold
@@ -24,17 +24,17 @@ module amontons_deck_output
   integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 2, 1, 2, 2, 3, 3, 2, 2]   !< cards of nodes, elements, contact
 
   !> What the output cards have asked for so far; what they ask for stands in the step.
-  type :: output_type
+  type :: output_requests_type
     logical :: has_prints(4) = .false.           !< (PRINT_...) this step has such a card
     logical :: has_files(3) = .false.            !< (nodes, elements, contact) this step has such a FILE or OUTPUT card
     integer :: print_list = 0, file_list = 0     !< lists of TIME POINTS in force; 0: FREQUENCY counts
-  end type output_type
+  end type output_requests_type
 
 contains
 
   !> A step begins: no card of it has asked for anything yet.
   pure subroutine begin_output(output)
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     output%has_prints = .false.
     output%has_files = .false.
   end subroutine begin_output
@@ -45,7 +45,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card, which is in the table
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
     select case (reader%table%entries(reader%cards%cards(c)%entry)%key)
     case ('NODEPRINT')
@@ -69,9 +69,9 @@ contains
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: kind                  !< PRINT_...
     character(*), intent(in) :: known            !< variables separated by |
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(print_request_type) :: request
     character(:), allocatable :: name
@@ -96,11 +96,11 @@ contains
     end if
     if (kind /= PRINT_CONTACT .and. request%set == 0) then
       if (name /= '') then
-        call complain(reader, reader%cards%cards(c)%line, 'There is no ' // &
+        call report_error(reader, reader%cards%cards(c)%line, 'There is no ' // &
           trim(merge('node   ', 'element', kind == PRINT_NODE)) // ' set ''' // name // '''.')
         return
       else if (reader%dialect == DIALECT_CALCULIX) then
-        call complain(reader, reader%cards%cards(c)%line, trim(merge('*NODE PRINT needs NSET', &
+        call report_error(reader, reader%cards%cards(c)%line, trim(merge('*NODE PRINT needs NSET', &
           '*EL PRINT needs ELSET ', kind == PRINT_NODE)) // ' under the calculix dialect.')
         return
       end if
@@ -119,20 +119,20 @@ contains
     request%set = reader%node_sets%find(parameter_text(parameters, 'NSET'))
     request%slave = reader%surfaces%find(parameter_text(parameters, 'SLAVE'))
     request%master = reader%surfaces%find(parameter_text(parameters, 'MASTER'))
-    call tell_unknown('NSET', 'node set', request%set)
-    call tell_unknown('SLAVE', 'surface', request%slave)
-    call tell_unknown('MASTER', 'surface', request%master)
+    call report_unknown('NSET', 'node set', request%set)
+    call report_unknown('SLAVE', 'surface', request%slave)
+    call report_unknown('MASTER', 'surface', request%master)
 
   contains
 
     !> An error if the parameter names what is not there.
-    subroutine tell_unknown(parameter, what, found)
+    subroutine report_unknown(parameter, what, found)
       character(*), intent(in) :: parameter, what
       integer, intent(in) :: found
       if (found > 0 .or. .not. has_parameter(parameters, parameter)) return
-      call complain(reader, reader%cards%cards(c)%line, 'There is no ' // what // ' ''' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'There is no ' // what // ' ''' // &
         parameter_text(parameters, parameter) // '''.')
-    end subroutine tell_unknown
+    end subroutine report_unknown
 
   end subroutine read_contact_choice
 
@@ -140,7 +140,7 @@ contains
   !> The first PRINT card of a kind in a step wipes those of earlier steps.
   subroutine begin_prints(kind, output, step)
     integer, intent(in) :: kind                  !< PRINT_...
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
     if (.not. output%has_prints(kind)) step%prints = pack(step%prints, step%prints%kind &
       /= kind)
@@ -153,9 +153,9 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(print_request_type) :: request
     character(:), allocatable :: name, trouble
@@ -182,7 +182,7 @@ contains
         end do
       end associate
     end if
-    if (trouble /= '') call complain(reader, reader%cards%cards(c)%line, trouble)
+    if (trouble /= '') call report_error(reader, reader%cards%cards(c)%line, trouble)
     call read_variables(reader, row, SECTION_VARIABLES, request%variables)
     if (size(request%variables) > 0 .and. trouble == '') step%prints = [step%prints, request]
   end subroutine read_section_print
@@ -191,7 +191,7 @@ contains
   !> The variables of a PRINT card; of long names such as CDISP the first four letters count.
   subroutine read_variables(reader, row, known, variables)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     character(*), intent(in) :: known            !< variables separated by |
     character(4), allocatable, intent(out) :: variables(:)
     character(:), allocatable :: key
@@ -199,13 +199,13 @@ contains
     allocate (variables(0))
     do while (next_row(reader%cards, row))
       do i = 1, row%n
-        key = squeezed(field_text(reader%cards, row, i))
+        key = name_key(field_text(reader%cards, row, i))
         if (key == '') cycle
         if (len(key) > 4) key = key(:4)
         if (is_one_of(key, known)) then
           if (.not. any(variables == key)) variables = [character(4) :: variables, key]
         else
-          call note(reader, row%line, 'The variable ' // field_text(reader%cards, row, i) // &
+          call report_note(reader, row%line, 'The variable ' // field_text(reader%cards, row, i) // &
             ' is not printed; known is ' // joined_words(known) // '.')
         end if
       end do
@@ -218,7 +218,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
     call read_frequency(reader, c, parameters, step%print_frequency, output%print_list)
     if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, step%print_frequency, &
@@ -231,7 +231,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
     call read_frequency(reader, c, parameters, step%file_frequency, output%file_list)
     if (reader%dialect == DIALECT_CALCULIX) call share_frequency(parameters, step%file_frequency, output%file_list, &
@@ -256,7 +256,7 @@ contains
     call parse_integer(parameter_text(parameters, 'FREQUENCY'), value, status)
     if (status /= NUMBER_OK) return              ! told when the card was checked
     if (value < 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'FREQUENCY must not be negative.')
+      call report_error(reader, reader%cards%cards(c)%line, 'FREQUENCY must not be negative.')
     else
       frequency = value
     end if
@@ -279,9 +279,9 @@ contains
   subroutine read_file_request(reader, c, output, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
-    type(output_type), intent(inout) :: output
+    type(output_requests_type), intent(inout) :: output
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: unknown, word
     type(frd_request_type) :: request
@@ -293,7 +293,7 @@ contains
     request%is_local = parameter_word(parameters, 'GLOBAL', 'YES') == 'NO'
     if (reader%dialect == DIALECT_CALCULIX .and. has_parameter(parameters, 'NSET')) then
       request%set = reader%node_sets%find(parameter_text(parameters, 'NSET'))
-      if (request%set == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no node set ''' // &
+      if (request%set == 0) call report_error(reader, reader%cards%cards(c)%line, 'There is no node set ''' // &
         parameter_text(parameters, 'NSET') // '''.')
     end if
     call read_file_frequency(reader, c, parameters, output, step)
@@ -307,25 +307,25 @@ contains
     do while (next_row(reader%cards, row))
       do i = 1, row%n
         word = field_text(reader%cards, row, i)
-        call ask_frd(word, request, step%frd)
+        call request_frd_fields(word, request, step%frd)
         has_no_error = has_no_error .or. is_one_of(word, 'NOE')
-        if (is_one_of(word, FILE_VARIABLES) .or. is_one_of(without_digits(word), FILE_VARIABLES)) cycle
+        if (is_one_of(word, FILE_VARIABLES) .or. is_one_of(strip_digits(word), FILE_VARIABLES)) cycle
         if (unknown /= '') unknown = unknown // ', '
         unknown = unknown // word
       end do
     end do
     if (has_no_error) step%frd(FRD_ERROR)%is_wanted = .false.
-    if (unknown /= '') call note(reader, reader%cards%cards(c)%line, 'job.vtkhdf always holds the same fields, and ' // &
+    if (unknown /= '') call report_note(reader, reader%cards%cards(c)%line, 'job.vtkhdf always holds the same fields, and ' // &
       'job.frd those asked for; what is in neither: ' // unknown // '.')
   end subroutine read_file_request
 
 
   !> The field that a component is of: RF of RF3, S of S12.
-  pure function without_digits(word) result(field)
+  pure function strip_digits(word) result(field)
     character(*), intent(in) :: word
     character(:), allocatable :: field
     field = word(:verify(word, '0123456789', back=.true.))
-  end function without_digits
+  end function strip_digits
 
 
   !> What a card asks for: 1 values of nodes, 2 of elements, 3 of contact, 0 none of these.
@@ -340,7 +340,7 @@ contains
 
   !> Asks for the fields of the .frd file that a variable stands for, if there are any. Stress brings its error along, as in
   !! CalculiX.
-  subroutine ask_frd(word, request, frd)
+  subroutine request_frd_fields(word, request, frd)
     character(*), intent(in) :: word
     type(frd_request_type), intent(in) :: request
     type(frd_request_type), intent(inout) :: frd(:)   !< (N_FRD)
@@ -348,25 +348,25 @@ contains
     do i = 1, N_FRD
       if (is_one_of(word, trim(FRD_WORDS(i)))) frd(i) = request
     end do
-  end subroutine ask_frd
+  end subroutine request_frd_fields
 
 
   !> At the end of a step: the times in it at which TIME POINTS want output.
-  subroutine close_output(reader, output, total_time, step)
+  subroutine set_output_times(reader, output, total_time, step)
     type(reader_type), intent(in) :: reader
-    type(output_type), intent(in) :: output
+    type(output_requests_type), intent(in) :: output
     real(DP), intent(in) :: total_time           !< at the start of the step [time]
     type(step_type), intent(inout) :: step
     call times_in_step(reader, output%print_list, total_time, step%period, step%print_times)
     call times_in_step(reader, output%file_list, total_time, step%period, step%file_times)
-  end subroutine close_output
+  end subroutine set_output_times
 
 
   !> Reads all TIME POINTS cards, wherever they stand.
   subroutine read_time_points(reader)
     type(reader_type), intent(inout) :: reader
     type(time_list_type) :: list
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, position, n_errors
     logical :: is_new
@@ -376,18 +376,18 @@ contains
       call open_card(reader, c, parameters, row)
       if (parameter_text(parameters, 'NAME') == '') cycle
       list%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
-      n_errors = reader%remarks%n_errors
+      n_errors = reader%messages%n_errors
       call read_times(reader, row, has_parameter(parameters, 'GENERATE'), list%times)
       associate (line => reader%cards%cards(c)%line)
-        if (reader%remarks%n_errors == n_errors) then
+        if (reader%messages%n_errors == n_errors) then
           if (size(list%times) == 0) then
-            call complain(reader, line, '*TIME POINTS needs a data line with times.')
+            call report_error(reader, line, '*TIME POINTS needs a data line with times.')
           else if (any(list%times(2:) <= list%times(:size(list%times) - 1))) then
-            call complain(reader, line, 'The times of *TIME POINTS must ascend.')
+            call report_error(reader, line, 'The times of *TIME POINTS must ascend.')
           end if
         end if
         call reader%time_names%add(parameter_text(parameters, 'NAME'), position, is_new)
-        if (.not. is_new) call complain(reader, line, 'The time points ''' // parameter_text(parameters, 'NAME') // &
+        if (.not. is_new) call report_error(reader, line, 'The time points ''' // parameter_text(parameters, 'NAME') // &
           ''' are defined twice.')
       end associate
       if (is_new) reader%time_lists = [reader%time_lists, list]
@@ -398,7 +398,7 @@ contains
   !> The times in the rows of a card.
   subroutine read_times(reader, row, is_generated, times)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     logical, intent(in) :: is_generated
     real(DP), allocatable, intent(out) :: times(:)
     real(DP), allocatable :: of_row(:)
@@ -409,7 +409,7 @@ contains
       is_ok = .true.
       allocate (of_row(row%n), source=0.0_DP)
       do i = 1, row%n
-        call need_real(reader, row, i, 'time', of_row(i), is_ok)
+        call read_real(reader, row, i, 'time', of_row(i), is_ok)
       end do
       if (is_ok .and. is_generated) call generate_times(reader, row, of_row)
       if (is_ok) times = [times, of_row]
@@ -421,7 +421,7 @@ contains
   !> GENERATE: first time, last time, distance; the last time is always among them.
   subroutine generate_times(reader, row, times)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     real(DP), allocatable, intent(inout) :: times(:)   !< in: the fields of the row; out: the times
     real(DP) :: first, last, distance
     integer :: i, n
@@ -429,7 +429,7 @@ contains
       first = times(1)
       last = times(2)
       distance = times(3)
-      if (distance > 0 .and. last >= first .and. last - first <= distance * MOST_POINTS) then
+      if (distance > 0 .and. last >= first .and. last - first <= distance * MAX_TIME_POINTS) then
         n = floor((last - first) / distance * (1 + 1.0e-9_DP))
         times = [(first + real(i, DP) * distance, i=0, n)]
         if (times(n + 1) < last - 1.0e-6_DP * distance) times = [times, last]
@@ -437,8 +437,8 @@ contains
       end if
     end if
     times = [real(DP) ::]
-    call complain(reader, row%line, 'A line of *TIME POINTS, GENERATE must hold first time, last time and a positive ' // &
-      'distance, for at most ' // text_of(MOST_POINTS) // ' times.')
+    call report_error(reader, row%line, 'A line of *TIME POINTS, GENERATE must hold first time, last time and a positive ' // &
+      'distance, for at most ' // to_text(MAX_TIME_POINTS) // ' times.')
   end subroutine generate_times
 
 
@@ -449,7 +449,7 @@ contains
     character(*), intent(in) :: name
     integer, intent(out) :: list                 !< index into reader%time_lists; 0: none
     list = reader%time_names%find(name)
-    if (list == 0 .and. name /= '') call complain(reader, reader%cards%cards(c)%line, 'There are no time points ''' // &
+    if (list == 0 .and. name /= '') call report_error(reader, reader%cards%cards(c)%line, 'There are no time points ''' // &
       name // '''; *TIME POINTS, NAME=' // name // ' defines them.')
   end subroutine find_time_points
 

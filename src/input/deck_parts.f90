@@ -7,28 +7,30 @@
 !! the file and the number of the line that it comes from, for messages.
 module amontons_deck_parts
   use amontons_kinds, only: DP, PI
-  use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, start_text, append_line, find_cards, &
+  use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
+    find_cards, &
     read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
   use amontons_tensor, only: cross_product, IDENTITY
-  use amontons_text, only: squeezed, text_of, is_one_of, parse_integer, NUMBER_OK
-  use amontons_topology, only: kind_type, element_kind, kind_of_name
+  use amontons_text, only: name_key, to_text, is_one_of, parse_integer, NUMBER_OK
+  use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name
   implicit none
   private
   public :: flatten_parts
 
-  character(*), parameter :: NAMED = 'NSET|ELSET|SURFACE|ORIENTATION|REFNODE|ROTNODE|NODE|TIENSET|PINNSET|' // &
+  character(*), parameter :: NAME_PARAMETERS = 'NSET|ELSET|SURFACE|ORIENTATION|REFNODE|ROTNODE|NODE|TIENSET|PINNSET|' // &
     'ANALYTICALSURFACE'
   !< parameters whose values are names or numbers of a part
-  character(*), parameter :: WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
-  character(*), parameter :: AS_THEY_ARE = 'SOLIDSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
+  character(*), parameter :: CARDS_WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
+  character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
     'DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'            !< their data lines have no numbers of a part
 
-  character(*), parameter :: REFUSED_LATER = 'SHELLSECTION|SHELLGENERALSECTION|BEAMSECTION|BEAMGENERALSECTION|MEMBRANESECTION|' // &
+  character(*), parameter :: REJECTED_CARDS = 'SHELLSECTION|SHELLGENERALSECTION|BEAMSECTION|BEAMGENERALSECTION|MEMBRANESECTION|' &
+    // &
     'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
     'EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
 
   !> Where cards stand: a part of a certain instance, the assembly, or the model.
-  type :: scope_type
+  type :: instance_type
     character(:), allocatable :: name            !< of the instance; '' of the assembly and the model
     character(:), allocatable :: part            !< squeezed name of the part
     integer :: first = 0, last = -1              !< cards of the instance itself
@@ -36,8 +38,8 @@ module amontons_deck_parts
     real(DP) :: shift(3) = 0                     !< translation [length]
     real(DP) :: turn(3, 3) = 0                   !< rotation, after the translation
     real(DP) :: centre(3) = 0                    !< a point of its axis [length]
-    logical :: is_moved = .false.
-  end type scope_type
+    logical :: has_placement = .false.
+  end type instance_type
 
   !> A part: its cards.
   type :: part_type
@@ -47,23 +49,23 @@ module amontons_deck_parts
   end type part_type
 
   !> The work.
-  type :: flat_type
+  type :: flattening_type
     type(cards_type) :: flat                     !< what is written
     type(part_type), allocatable :: parts(:)
-    type(scope_type), allocatable :: instances(:)
-    type(scope_type) :: assembly                 !< the numbers of its own nodes and elements
+    type(instance_type), allocatable :: instances(:)
+    type(instance_type) :: assembly                 !< the numbers of its own nodes and elements
     integer, allocatable :: owner(:)             !< (n_cards) 0 model, -1 part, -2 assembly, k > 0 instance k
-  end type flat_type
+  end type flattening_type
 
 contains
 
   !> Writes a deck with parts flat; one without stays as it is. Before: nothing but the files has been read; the lines of
   !! remarks made so far are those of the old text, so a deck with errors is read no further.
-  subroutine flatten_parts(cards, remarks, is_flat)
+  subroutine flatten_parts(cards, messages, is_flat)
     type(cards_type), intent(inout) :: cards
-    type(remarks_type), intent(inout) :: remarks
+    type(deck_messages_type), intent(inout) :: messages
     logical, intent(out) :: is_flat              !< .false.: the deck has parts and errors, and cannot be read further
-    type(flat_type) :: work
+    type(flattening_type) :: work
     integer :: c
     is_flat = .true.
     do c = 1, cards%n_cards
@@ -71,18 +73,18 @@ contains
     end do
     if (c > cards%n_cards) return
     is_flat = .false.
-    if (remarks%n > 0) return
-    call find_scopes(cards, work, remarks)
-    if (remarks%n_errors == 0) call number_scopes(cards, work)
-    if (remarks%n_errors == 0) call write_flat(cards, work, remarks)
-    if (remarks%n_errors > 0) return             ! the old text stays, for the messages
+    if (messages%n > 0) return
+    call find_scopes(cards, work, messages)
+    if (messages%n_errors == 0) call number_scopes(cards, work)
+    if (messages%n_errors == 0) call write_flat(cards, work, messages)
+    if (messages%n_errors > 0) return             ! the old text stays, for the messages
     call find_cards(work%flat)
     cards = work%flat
     is_flat = .true.
     do c = 1, size(work%instances)
       associate (instance => work%instances(c))
-        if (instance%node_shift > 0) call remarks%add(0, 'Of the instance ' // instance%name // ' the numbers of nodes are ' // &
-          text_of(instance%node_shift) // ', those of elements ' // text_of(instance%element_shift) // ' higher than in its ' // &
+        if (instance%node_shift > 0) call messages%add(0, 'Of the instance ' // instance%name // ' the numbers of nodes are ' // &
+          to_text(instance%node_shift) // ', those of elements ' // to_text(instance%element_shift) // ' higher than in its ' // &
           'part.', is_warning=.true.)
       end associate
     end do
@@ -90,10 +92,10 @@ contains
 
 
   !> Finds parts and instances, and where every card stands.
-  subroutine find_scopes(cards, work, remarks)
+  subroutine find_scopes(cards, work, messages)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
-    type(remarks_type), intent(inout) :: remarks
+    type(flattening_type), intent(inout) :: work
+    type(deck_messages_type), intent(inout) :: messages
     integer :: c, part
     logical :: is_in_assembly, is_in_instance
     allocate (work%parts(0), work%instances(0), work%owner(cards%n_cards))
@@ -107,12 +109,12 @@ contains
       associate (card => cards%cards(c))
         select case (card%key)
         case ('PART')
-          if (part > 0) call remarks%add(card%line, 'The part before this one has no *END PART.')
+          if (part > 0) call messages%add(card%line, 'The part before this one has no *END PART.')
           call begin_part(cards, c, work)
           part = size(work%parts)
           work%owner(c) = -1
         case ('ENDPART')
-          if (part == 0) call remarks%add(card%line, 'There is no *PART before this *END PART.')
+          if (part == 0) call messages%add(card%line, 'There is no *PART before this *END PART.')
           if (part > 0) work%parts(part)%last = c - 1
           part = 0
         case ('ASSEMBLY')
@@ -121,25 +123,25 @@ contains
         case ('ENDASSEMBLY')
           is_in_assembly = .false.
         case ('INSTANCE')
-          if (.not. is_in_assembly) call remarks%add(card%line, '*INSTANCE must stand between *ASSEMBLY and *END ASSEMBLY.')
-          if (is_in_instance) call remarks%add(card%line, 'The instance before this one has no *END INSTANCE.')
-          call begin_instance(cards, c, work, remarks)
+          if (.not. is_in_assembly) call messages%add(card%line, '*INSTANCE must stand between *ASSEMBLY and *END ASSEMBLY.')
+          if (is_in_instance) call messages%add(card%line, 'The instance before this one has no *END INSTANCE.')
+          call begin_instance(cards, c, work, messages)
           is_in_instance = .true.
           work%owner(c) = size(work%instances)
         case ('ENDINSTANCE')
-          if (.not. is_in_instance) call remarks%add(card%line, 'There is no *INSTANCE before this *END INSTANCE.')
+          if (.not. is_in_instance) call messages%add(card%line, 'There is no *INSTANCE before this *END INSTANCE.')
           if (is_in_instance) work%instances(size(work%instances))%last = c - 1
           is_in_instance = .false.
         case ('STEP')
-          if (part > 0) call remarks%add(card%line, 'The part before this step has no *END PART.')
-          if (is_in_assembly) call remarks%add(card%line, 'A step must stand after *END ASSEMBLY.')
+          if (part > 0) call messages%add(card%line, 'The part before this step has no *END PART.')
+          if (is_in_assembly) call messages%add(card%line, 'A step must stand after *END ASSEMBLY.')
           if (part > 0 .or. is_in_assembly) return
         end select
       end associate
     end do
-    if (part > 0) call remarks%add(0, 'The last part has no *END PART.')
-    if (is_in_instance) call remarks%add(0, 'The last instance has no *END INSTANCE.')
-    if (is_in_assembly) call remarks%add(0, 'The assembly has no *END ASSEMBLY.')
+    if (part > 0) call messages%add(0, 'The last part has no *END PART.')
+    if (is_in_instance) call messages%add(0, 'The last instance has no *END INSTANCE.')
+    if (is_in_assembly) call messages%add(0, 'The assembly has no *END ASSEMBLY.')
   end subroutine find_scopes
 
 
@@ -147,9 +149,9 @@ contains
   subroutine begin_part(cards, c, work)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c                     !< its PART card
-    type(flat_type), intent(inout) :: work
+    type(flattening_type), intent(inout) :: work
     type(part_type) :: part
-    part%name = squeezed(value_of(cards, c, 'NAME'))
+    part%name = name_key(parameter_value(cards, c, 'NAME'))
     part%first = c + 1
     part%last = cards%n_cards
     work%parts = [work%parts, part]
@@ -157,22 +159,22 @@ contains
 
 
   !> A new instance: its part, and how it is moved.
-  subroutine begin_instance(cards, c, work, remarks)
+  subroutine begin_instance(cards, c, work, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c                     !< its INSTANCE card
-    type(flat_type), intent(inout) :: work
-    type(remarks_type), intent(inout) :: remarks
-    type(scope_type) :: instance
+    type(flattening_type), intent(inout) :: work
+    type(deck_messages_type), intent(inout) :: messages
+    type(instance_type) :: instance
     integer :: i
-    instance%name = value_of(cards, c, 'NAME')
-    instance%part = squeezed(value_of(cards, c, 'PART'))
+    instance%name = parameter_value(cards, c, 'NAME')
+    instance%part = name_key(parameter_value(cards, c, 'PART'))
     instance%first = c + 1
     instance%last = cards%n_cards
     associate (line => cards%cards(c)%line)
-      if (instance%name == '' .or. instance%part == '') call remarks%add(line, &
+      if (instance%name == '' .or. instance%part == '') call messages%add(line, &
         '*INSTANCE needs NAME=name and PART=name.')
       do i = 1, size(work%instances)
-        if (squeezed(work%instances(i)%name) == squeezed(instance%name)) call remarks%add(line, 'The instance ''' // &
+        if (name_key(work%instances(i)%name) == name_key(instance%name)) call messages%add(line, 'The instance ''' // &
           instance%name // ''' is defined twice.')
       end do
       do i = 1, size(work%parts)
@@ -180,21 +182,21 @@ contains
         work%parts(i)%is_used = .true.
         exit
       end do
-      if (i > size(work%parts) .and. instance%part /= '') call remarks%add(line, 'There is no part ''' // &
-        value_of(cards, c, 'PART') // ''' before this instance.')
+      if (i > size(work%parts) .and. instance%part /= '') call messages%add(line, 'There is no part ''' // &
+        parameter_value(cards, c, 'PART') // ''' before this instance.')
     end associate
-    call read_placement(cards, c, instance, remarks)
+    call read_placement(cards, c, instance, messages)
     work%instances = [work%instances, instance]
   end subroutine begin_instance
 
 
   !> The data lines of an instance: translation; two points of an axis and an angle in degrees.
-  subroutine read_placement(cards, c, instance, remarks)
+  subroutine read_placement(cards, c, instance, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
-    type(scope_type), intent(inout) :: instance
-    type(remarks_type), intent(inout) :: remarks
-    type(row_type) :: row
+    type(instance_type), intent(inout) :: instance
+    type(deck_messages_type), intent(inout) :: messages
+    type(data_row_type) :: row
     real(DP) :: x(7), axis(3), s, k
     integer :: i, n, n_wanted, status
     n = 0
@@ -204,15 +206,15 @@ contains
       n_wanted = merge(3, 7, n == 1)
       x = 0
       if (n > 2 .or. row%n > n_wanted) then
-        call remarks%add(row%line, 'An instance has at most two data lines: a translation of three numbers, and two ' // &
+        call messages%add(row%line, 'An instance has at most two data lines: a translation of three numbers, and two ' // &
           'points and an angle, seven numbers.')
         return
       end if
       do i = 1, row%n
         call field_real(cards, row, i, x(i), status)
-        if (status /= NUMBER_OK) call remarks%add(row%line, 'Field ' // text_of(i) // ' must be a real number.')
+        if (status /= NUMBER_OK) call messages%add(row%line, 'Field ' // to_text(i) // ' must be a real number.')
       end do
-      instance%is_moved = .true.
+      instance%has_placement = .true.
       if (n == 1) then
         instance%shift = x(:3)
         instance%turn = IDENTITY
@@ -221,7 +223,7 @@ contains
       instance%centre = x(:3)
       axis = x(4:6) - x(:3)
       if (.not. norm2(axis) > 0) then
-        call remarks%add(row%line, 'The two points of the axis must differ.')
+        call messages%add(row%line, 'The two points of the axis must differ.')
         return
       end if
       axis = axis / norm2(axis)
@@ -236,7 +238,7 @@ contains
 
 
   !> The value of a parameter as written.
-  function value_of(cards, c, name) result(text)
+  function parameter_value(cards, c, name) result(text)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c                     !< card
     character(*), intent(in) :: name
@@ -248,13 +250,13 @@ contains
     do i = 1, size(parameters)
       if (parameters(i)%key == name) text = parameters(i)%text
     end do
-  end function value_of
+  end function parameter_value
 
 
   !> Shifts that give every instance, and last the assembly, numbers of their own. The first keeps those of its part.
   subroutine number_scopes(cards, work)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
+    type(flattening_type), intent(inout) :: work
     integer :: i, n_nodes, n_elements, p
     n_nodes = 0
     n_elements = 0
@@ -262,7 +264,7 @@ contains
       associate (instance => work%instances(i))
         instance%node_shift = n_nodes
         instance%element_shift = n_elements
-        p = part_of(work, instance)
+        p = find_part(work, instance)
         n_nodes = n_nodes + max(largest_label(cards, 'NODE', work%parts(p)%first, work%parts(p)%last), &
           largest_label(cards, 'NODE', instance%first, instance%last))
         n_elements = n_elements + max(largest_label(cards, 'ELEMENT', work%parts(p)%first, work%parts(p)%last), &
@@ -276,13 +278,13 @@ contains
 
 
   !> The part of an instance.
-  pure integer function part_of(work, instance) result(p)
-    type(flat_type), intent(in) :: work
-    type(scope_type), intent(in) :: instance
+  pure integer function find_part(work, instance) result(p)
+    type(flattening_type), intent(in) :: work
+    type(instance_type), intent(in) :: instance
     do p = 1, size(work%parts)
       if (work%parts(p)%name == instance%part) return
     end do
-  end function part_of
+  end function find_part
 
 
   !> The largest number in the first fields of some cards.
@@ -290,7 +292,7 @@ contains
     type(cards_type), intent(in) :: cards
     character(*), intent(in) :: key
     integer, intent(in) :: first, last           !< cards
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: c, label, status
     largest = 0
     do c = first, last
@@ -305,13 +307,13 @@ contains
 
 
   !> Writes all cards: those of the model as they are but for INSTANCE.NUMBER, an instance with the cards of its part.
-  subroutine write_flat(cards, work, remarks)
+  subroutine write_flat(cards, work, messages)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
-    type(remarks_type), intent(inout) :: remarks
-    type(scope_type) :: model
+    type(flattening_type), intent(inout) :: work
+    type(deck_messages_type), intent(inout) :: messages
+    type(instance_type) :: model
     integer :: c, k, line
-    call start_text(work%flat)
+    call start_deck_text(work%flat)
     work%flat%files = cards%files
     model%name = ''
     do line = 1, merge(cards%cards(1)%line - 1, 0, cards%n_cards > 0)
@@ -321,18 +323,18 @@ contains
       select case (work%owner(c))
       case (0)
         if (is_one_of(cards%cards(c)%key, 'ENDASSEMBLY')) cycle
-        call write_card(cards, work, c, model, remarks)
+        call write_card(cards, work, c, model, messages)
       case (-2)
         if (is_one_of(cards%cards(c)%key, 'ASSEMBLY|ENDASSEMBLY')) cycle
-        call write_card(cards, work, c, work%assembly, remarks)
+        call write_card(cards, work, c, work%assembly, messages)
       case (1:)
         if (cards%cards(c)%key /= 'INSTANCE') cycle
         associate (instance => work%instances(work%owner(c)))
-          do k = work%parts(part_of(work, instance))%first, work%parts(part_of(work, instance))%last
-            call write_card(cards, work, k, instance, remarks)
+          do k = work%parts(find_part(work, instance))%first, work%parts(find_part(work, instance))%last
+            call write_card(cards, work, k, instance, messages)
           end do
           do k = instance%first, instance%last
-            call write_card(cards, work, k, instance, remarks)
+            call write_card(cards, work, k, instance, messages)
           end do
         end associate
       end select
@@ -348,13 +350,13 @@ contains
 
 
   !> One card with its data lines, as the model sees it. NSET and ELSET of the assembly may speak of an instance.
-  subroutine write_card(cards, work, c, given, remarks)
+  subroutine write_card(cards, work, c, given, messages)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
+    type(flattening_type), intent(inout) :: work
     integer, intent(in) :: c                     !< card
-    type(scope_type), intent(in) :: given
-    type(remarks_type), intent(inout) :: remarks
-    type(scope_type) :: scope
+    type(instance_type), intent(in) :: given
+    type(deck_messages_type), intent(inout) :: messages
+    type(instance_type) :: scope
     character(:), allocatable :: key, head
     integer :: line, i
     key = cards%cards(c)%key
@@ -367,46 +369,46 @@ contains
         call write_plain(cards, work, c)
         return
       end if
-      head = header_of(cards, work, c, given)
+      head = card_header(cards, work, c, given)
       call append_line(work%flat, head, cards%line_file(card%line), cards%line_number(card%line))
       scope = given
-      if (value_of(cards, c, 'INSTANCE') /= '') then
-        i = instance_of(work, value_of(cards, c, 'INSTANCE'))
-        if (i == 0) call remarks%add(card%line, 'There is no instance ''' // value_of(cards, c, 'INSTANCE') // '''.')
+      if (parameter_value(cards, c, 'INSTANCE') /= '') then
+        i = find_instance(work, parameter_value(cards, c, 'INSTANCE'))
+        if (i == 0) call messages%add(card%line, 'There is no instance ''' // parameter_value(cards, c, 'INSTANCE') // '''.')
         if (i == 0) return
         scope = work%instances(i)
-        scope%is_moved = .false.
+        scope%has_placement = .false.
       end if
       if (scope%name == '' .and. scope%node_shift + scope%element_shift == 0) then
         call write_plain(cards, work, c)
-      else if (is_one_of(key, AS_THEY_ARE // '|' // REFUSED_LATER)) then
+      else if (is_one_of(key, UNCHANGED_CARDS // '|' // REJECTED_CARDS)) then
         do line = card%data_first, card%data_last
           call append_line(work%flat, line_text(cards, line), cards%line_file(line), cards%line_number(line))
         end do
       else
-        call write_rows(cards, work, c, scope, remarks)
+        call write_rows(cards, work, c, scope, messages)
       end if
     end associate
   end subroutine write_card
 
 
   !> The instance of a name; 0: none.
-  pure integer function instance_of(work, name) result(i)
-    type(flat_type), intent(in) :: work
+  pure integer function find_instance(work, name) result(i)
+    type(flattening_type), intent(in) :: work
     character(*), intent(in) :: name
     do i = 1, size(work%instances)
-      if (squeezed(work%instances(i)%name) == squeezed(name)) return
+      if (name_key(work%instances(i)%name) == name_key(name)) return
     end do
     i = 0
-  end function instance_of
+  end function find_instance
 
 
   !> The keyword line with the names of an instance, without INSTANCE.
-  function header_of(cards, work, c, scope) result(head)
+  function card_header(cards, work, c, scope) result(head)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(in) :: work
+    type(flattening_type), intent(in) :: work
     integer, intent(in) :: c                     !< card
-    type(scope_type), intent(in) :: scope
+    type(instance_type), intent(in) :: scope
     character(:), allocatable :: head
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: text, key
@@ -421,25 +423,26 @@ contains
       head = head // ', ' // parameters(i)%key
       if (.not. parameters(i)%has_value) cycle
       text = parameters(i)%text
-      is_name = is_one_of(parameters(i)%key, NAMED) .or. (parameters(i)%key == 'NAME' .and. is_one_of(key, WITH_NAME))
-      if (is_name) text = reference(work, scope, text, scope%node_shift)
+      is_name = is_one_of(parameters(i)%key, NAME_PARAMETERS) .or. (parameters(i)%key == 'NAME' .and. is_one_of(key, &
+        CARDS_WITH_NAME))
+      if (is_name) text = qualified_reference(work, scope, text, scope%node_shift)
       if (index(text, ',') > 0) text = '"' // text // '"'
       head = head // '=' // text
     end do
-  end function header_of
+  end function card_header
 
 
   !> Whether an instance is turned, and not only shifted.
-  pure logical function is_turned(scope)
-    type(scope_type), intent(in) :: scope
-    is_turned = scope%is_moved .and. any(abs(scope%turn - IDENTITY) > 1.0e-12_DP)
-  end function is_turned
+  pure logical function is_rotated(scope)
+    type(instance_type), intent(in) :: scope
+    is_rotated = scope%has_placement .and. any(abs(scope%turn - IDENTITY) > 1.0e-12_DP)
+  end function is_rotated
 
 
   !> A name or a number as the model calls it: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
-  function reference(work, scope, text, shift) result(taken)
-    type(flat_type), intent(in) :: work
-    type(scope_type), intent(in) :: scope
+  function qualified_reference(work, scope, text, shift) result(taken)
+    type(flattening_type), intent(in) :: work
+    type(instance_type), intent(in) :: scope
     character(*), intent(in) :: text
     integer, intent(in) :: shift                 !< of nodes or elements
     character(:), allocatable :: taken
@@ -448,25 +451,25 @@ contains
     if (text == '') return
     call parse_integer(text, number, status)
     if (status == NUMBER_OK) then
-      taken = text_of(number + shift)
+      taken = to_text(number + shift)
       return
     end if
     dot = index(text, '.', back=.true.)
     if (dot > 1) then
-      i = instance_of(work, text(:dot - 1))
+      i = find_instance(work, text(:dot - 1))
       call parse_integer(text(dot + 1:), number, status)
-      if (i > 0 .and. status == NUMBER_OK) taken = text_of(number + work%instances(i)%node_shift)
+      if (i > 0 .and. status == NUMBER_OK) taken = to_text(number + work%instances(i)%node_shift)
     end if
     if (scope%name /= '') taken = scope%name // '.' // taken
-  end function reference
+  end function qualified_reference
 
 
   !> The data lines of a card of the model: only INSTANCE.NUMBER is turned into a number.
   subroutine write_plain(cards, work, c)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
+    type(flattening_type), intent(inout) :: work
     integer, intent(in) :: c                     !< card
-    type(scope_type) :: model
+    type(instance_type) :: model
     character(:), allocatable :: text, first
     integer :: line
     model%name = ''
@@ -474,20 +477,20 @@ contains
       text = line_text(cards, line)
       first = trim(adjustl(text(:index(text // ',', ',') - 1)))
       if (scan(first, '.') > 1 .and. verify(first(:min(1, len(first))), '0123456789+-.*') == 1) text = &
-        reference(work, model, first, 0) // text(index(text // ',', ','):)
+        qualified_reference(work, model, first, 0) // text(index(text // ',', ','):)
       call append_line(work%flat, text, cards%line_file(line), cards%line_number(line))
     end do
   end subroutine write_plain
 
 
   !> The data lines of a card of an instance or of the assembly.
-  subroutine write_rows(cards, work, c, scope, remarks)
+  subroutine write_rows(cards, work, c, scope, messages)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
+    type(flattening_type), intent(inout) :: work
     integer, intent(in) :: c                     !< card
-    type(scope_type), intent(in) :: scope
-    type(remarks_type), intent(inout) :: remarks
-    type(row_type) :: row
+    type(instance_type), intent(in) :: scope
+    type(deck_messages_type), intent(inout) :: messages
+    type(data_row_type) :: row
     character(:), allocatable :: text
     integer :: n_left, n
     n_left = 0                                   ! nodes of an element that are still missing
@@ -497,27 +500,27 @@ contains
       n = n + 1
       select case (cards%cards(c)%key)
       case ('NODE')
-        if (is_one_of(squeezed(value_of(cards, c, 'SYSTEM')), 'C|S')) then
-          if (n == 1) call remarks%add(cards%cards(c)%line, 'SYSTEM of *NODE inside a part or an assembly is not supported; ' // &
+        if (is_one_of(name_key(parameter_value(cards, c, 'SYSTEM')), 'C|S')) then
+          if (n == 1) call messages%add(cards%cards(c)%line, 'SYSTEM of *NODE inside a part or an assembly is not supported; ' // &
             'give Cartesian coordinates.')
           cycle
         end if
         text = node_row(cards, row, scope)
       case ('ELEMENT')
-        call element_row(cards, work, row, scope, nodes_of(value_of(cards, c, 'TYPE')), n_left, text)
+        call element_row(cards, work, row, scope, n_nodes_of_type(parameter_value(cards, c, 'TYPE')), n_left, text)
       case ('NSET')
-        text = set_row(cards, work, row, scope, has(cards, c, 'GENERATE'), scope%node_shift)
+        text = set_row(cards, work, row, scope, has_key(cards, c, 'GENERATE'), scope%node_shift)
       case ('ELSET')
-        text = set_row(cards, work, row, scope, has(cards, c, 'GENERATE'), scope%element_shift)
+        text = set_row(cards, work, row, scope, has_key(cards, c, 'GENERATE'), scope%element_shift)
       case ('SURFACE')
-        if (is_one_of(squeezed(value_of(cards, c, 'TYPE')), 'SEGMENTS|CYLINDER|REVOLUTION')) then
+        if (is_one_of(name_key(parameter_value(cards, c, 'TYPE')), 'SEGMENTS|CYLINDER|REVOLUTION')) then
           if (row%n <= 1 .and. field_text(cards, row, 1) == '') n = n - 1   ! a blank line for the axes
           if (row%n <= 1 .and. field_text(cards, row, 1) == '') cycle
           if (n == 1) call write_axes(cards, work, c, row, scope)
-          text = profile_row(cards, row, scope, squeezed(value_of(cards, c, 'TYPE')) == 'SEGMENTS')
+          text = profile_row(cards, row, scope, name_key(parameter_value(cards, c, 'TYPE')) == 'SEGMENTS')
         else
           text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, &
-            squeezed(value_of(cards, c, 'TYPE')) == 'NODE'), 1)
+            name_key(parameter_value(cards, c, 'TYPE')) == 'NODE'), 1)
         end if
       case ('EQUATION')
         text = first_row(cards, work, row, scope, scope%node_shift, merge(0, 3, row%n == 1))
@@ -525,26 +528,27 @@ contains
         text = set_row(cards, work, row, scope, .false., scope%node_shift)
         if (n == 1) text = field_text(cards, row, 1) // text(index(text // ',', ','):)
       case ('ORIENTATION', 'TRANSFORM')
-        text = point_row(cards, row, scope, n == 1, squeezed(value_of(cards, c, 'SYSTEM') // value_of(cards, c, 'TYPE')))
+        text = point_row(cards, row, scope, n == 1, name_key(parameter_value(cards, c, 'SYSTEM') // parameter_value(cards, c, &
+          'TYPE')))
       case ('CONTACTPAIR')
         text = set_row(cards, work, row, scope, .false., 0)
       case ('BOUNDARY', 'INITIALCONDITIONS')
-        if (is_turned(scope)) then
-          call remarks%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
+        if (is_rotated(scope)) then
+          call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
             'turned is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
         text = first_row(cards, work, row, scope, merge(scope%element_shift, scope%node_shift, &
-          is_one_of(value_of(cards, c, 'TYPE'), 'STRESS|PLASTIC STRAIN|HARDENING|SOLUTION')), 1)
+          is_one_of(parameter_value(cards, c, 'TYPE'), 'STRESS|PLASTIC STRAIN|HARDENING|SOLUTION')), 1)
       case ('PRE-TENSIONSECTION')
         if (scope%name /= '') then
-          call remarks%add(cards%cards(c)%line, 'The card *PRE-TENSION SECTION inside a part or an instance is not ' // &
+          call messages%add(cards%cards(c)%line, 'The card *PRE-TENSION SECTION inside a part or an instance is not ' // &
             'supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
         text = first_row(cards, work, row, scope, scope%node_shift, 1)
       case default
-        call remarks%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part, an instance or the ' // &
+        call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part, an instance or the ' // &
           'assembly is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
         return
       end select
@@ -554,60 +558,60 @@ contains
 
 
   !> Whether a card has a parameter.
-  logical function has(cards, c, name)
+  logical function has_key(cards, c, name)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
     character(*), intent(in) :: name
     type(parameter_type), allocatable :: parameters(:)
     integer :: i
     call read_parameters(cards, cards%cards(c), parameters)
-    has = .false.
+    has_key = .false.
     do i = 1, size(parameters)
-      has = has .or. parameters(i)%key == name
+      has_key = has_key .or. parameters(i)%key == name
     end do
-  end function has
+  end function has_key
 
 
   !> The nodes of an element type; 0 if it is not known.
-  integer function nodes_of(type) result(n)
+  integer function n_nodes_of_type(type) result(n)
     character(*), intent(in) :: type
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     character(:), allocatable :: name
     integer :: i, kind
     n = 0
-    name = squeezed(type)
+    name = name_key(type)
     do i = 0, 2                                  ! without up to two letters at the end: H, M, ...
       if (len(name) - i < 1) return
-      kind = kind_of_name(name(:len(name) - i))
+      kind = element_kind_by_name(name(:len(name) - i))
       if (kind == 0) cycle
       entry = element_kind(kind)
       n = entry%n_nodes
       return
     end do
-  end function nodes_of
+  end function n_nodes_of_type
 
 
   !> A point of a part where the instance has it.
-  pure function moved(scope, x) result(place)
-    type(scope_type), intent(in) :: scope
+  pure function placed_point(scope, x) result(place)
+    type(instance_type), intent(in) :: scope
     real(DP), intent(in) :: x(3)
     real(DP) :: place(3)
     place = x
-    if (scope%is_moved) place = scope%centre + matmul(scope%turn, x + scope%shift - scope%centre)
-  end function moved
+    if (scope%has_placement) place = scope%centre + matmul(scope%turn, x + scope%shift - scope%centre)
+  end function placed_point
 
 
   !> A row of NODE.
   function node_row(cards, row, scope) result(text)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
-    type(scope_type), intent(in) :: scope
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
     character(:), allocatable :: text
     real(DP) :: x(3)
     integer :: i, label, status
     call field_integer(cards, row, 1, label, status)
     text = field_text(cards, row, 1)
-    if (status == NUMBER_OK) text = text_of(label + scope%node_shift)
+    if (status == NUMBER_OK) text = to_text(label + scope%node_shift)
     x = 0
     do i = 2, min(row%n, 4)
       call field_real(cards, row, i, x(i - 1), status)
@@ -616,26 +620,26 @@ contains
         return
       end if
     end do
-    text = text // numbers(moved(scope, x))
+    text = text // format_point(placed_point(scope, x))
   end function node_row
 
 
   !> Three numbers, each after a comma, without loss.
-  function numbers(x) result(text)
+  function format_point(x) result(text)
     real(DP), intent(in) :: x(3)
     character(:), allocatable :: text
     character(81) :: line
     write (line, '(3(", ",es25.17e3))') x
     text = trim(line)
-  end function numbers
+  end function format_point
 
 
   !> A row of ELEMENT: the first one of an element begins with its number.
   subroutine element_row(cards, work, row, scope, n_nodes, n_left, text)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(in) :: work
-    type(row_type), intent(in) :: row
-    type(scope_type), intent(in) :: scope
+    type(flattening_type), intent(in) :: work
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
     integer, intent(in) :: n_nodes               !< of the type; 0: not known
     integer, intent(inout) :: n_left             !< nodes that the element still wants; < 0: as long as rows end with a comma
     character(:), allocatable, intent(out) :: text
@@ -648,14 +652,14 @@ contains
       if (i > 1) text = text // ', '
       call field_integer(cards, row, i, label, status)
       if (status /= NUMBER_OK) then
-        text = text // reference(work, scope, field_text(cards, row, i), 0)   ! INSTANCE.NUMBER
+        text = text // qualified_reference(work, scope, field_text(cards, row, i), 0)   ! INSTANCE.NUMBER
         if (n_left > 0 .and. field_text(cards, row, i) /= '') n_left = n_left - 1
         cycle
       end if
       if (is_first .and. i == 1) then
-        text = text // text_of(label + scope%element_shift)
+        text = text // to_text(label + scope%element_shift)
       else
-        text = text // text_of(label + scope%node_shift)
+        text = text // to_text(label + scope%node_shift)
         if (n_left > 0) n_left = n_left - 1
       end if
     end do
@@ -667,9 +671,9 @@ contains
   !> A row of numbers and names of sets; of a range the step stays.
   function set_row(cards, work, row, scope, is_range, shift) result(text)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(in) :: work
-    type(row_type), intent(in) :: row
-    type(scope_type), intent(in) :: scope
+    type(flattening_type), intent(in) :: work
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
     logical, intent(in) :: is_range
     integer, intent(in) :: shift
     character(:), allocatable :: text
@@ -680,7 +684,7 @@ contains
       if (is_range .and. i == 3) then
         text = text // field_text(cards, row, i)
       else
-        text = text // reference(work, scope, field_text(cards, row, i), shift)
+        text = text // qualified_reference(work, scope, field_text(cards, row, i), shift)
       end if
     end do
   end function set_row
@@ -689,9 +693,9 @@ contains
   !> A row whose first field, or every field after `every` others, is a name or a number of the part.
   function first_row(cards, work, row, scope, shift, every) result(text)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(in) :: work
-    type(row_type), intent(in) :: row
-    type(scope_type), intent(in) :: scope
+    type(flattening_type), intent(in) :: work
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
     integer, intent(in) :: shift
     integer, intent(in) :: every                 !< 0: no field, 1: the first, 3: the first, the fourth, ...
     character(:), allocatable :: text
@@ -703,7 +707,7 @@ contains
       is_reference = every == 1 .and. i == 1
       if (every == 3) is_reference = modulo(i, 3) == 1
       if (is_reference) then
-        text = text // reference(work, scope, field_text(cards, row, i), shift)
+        text = text // qualified_reference(work, scope, field_text(cards, row, i), shift)
       else
         text = text // field_text(cards, row, i)
       end if
@@ -714,21 +718,21 @@ contains
   !> The local axes of an analytic surface that begins with START: those of the part, where the instance has them.
   subroutine write_axes(cards, work, c, row, scope)
     type(cards_type), intent(in) :: cards
-    type(flat_type), intent(inout) :: work
+    type(flattening_type), intent(inout) :: work
     integer, intent(in) :: c                     !< card
-    type(row_type), intent(in) :: row            !< its first
-    type(scope_type), intent(in) :: scope
+    type(data_row_type), intent(in) :: row            !< its first
+    type(instance_type), intent(in) :: scope
     character(:), allocatable :: text, type
-    type = squeezed(value_of(cards, c, 'TYPE'))
-    if (squeezed(field_text(cards, row, 1)) /= 'START' .or. type == 'SEGMENTS') return
-    text = numbers(moved(scope, [0.0_DP, 0.0_DP, 0.0_DP]))
+    type = name_key(parameter_value(cards, c, 'TYPE'))
+    if (name_key(field_text(cards, row, 1)) /= 'START' .or. type == 'SEGMENTS') return
+    text = format_point(placed_point(scope, [0.0_DP, 0.0_DP, 0.0_DP]))
     if (type == 'REVOLUTION') then
-      text = text(3:) // numbers(moved(scope, [0.0_DP, 1.0_DP, 0.0_DP]))
+      text = text(3:) // format_point(placed_point(scope, [0.0_DP, 1.0_DP, 0.0_DP]))
       call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
     else
-      text = text(3:) // numbers(moved(scope, [1.0_DP, 0.0_DP, 0.0_DP]))
+      text = text(3:) // format_point(placed_point(scope, [1.0_DP, 0.0_DP, 0.0_DP]))
       call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
-      text = numbers(moved(scope, [0.0_DP, 0.0_DP, -1.0_DP]))
+      text = format_point(placed_point(scope, [0.0_DP, 0.0_DP, -1.0_DP]))
       call append_line(work%flat, text(3:), cards%line_file(row%line), cards%line_number(row%line))
     end if
   end subroutine write_axes
@@ -737,14 +741,14 @@ contains
   !> A row of an analytic surface: points of axes, and those of a profile in the plane, where the instance has them.
   function profile_row(cards, row, scope, is_flat) result(text)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
-    type(scope_type), intent(in) :: scope
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
     logical, intent(in) :: is_flat               !< SEGMENTS
     character(:), allocatable :: text
     real(DP) :: x(3)
     integer :: i, k, n, status
     logical :: is_word
-    is_word = is_one_of(squeezed(field_text(cards, row, 1)), 'START|LINE|CIRCL|PARAB')
+    is_word = is_one_of(name_key(field_text(cards, row, 1)), 'START|LINE|CIRCL|PARAB')
     n = merge(2, 3, is_flat)
     text = ''
     if (is_word) text = ', ' // field_text(cards, row, 1)
@@ -753,14 +757,14 @@ contains
       do k = i, min(i + n - 1, row%n)
         call field_real(cards, row, k, x(k - i + 1), status)
       end do
-      if (status /= NUMBER_OK .or. (is_word .and. .not. is_flat) .or. .not. scope%is_moved) then   ! as it is
+      if (status /= NUMBER_OK .or. (is_word .and. .not. is_flat) .or. .not. scope%has_placement) then   ! as it is
         do k = i, min(i + n - 1, row%n)
           text = text // ', ' // field_text(cards, row, k)
         end do
         cycle
       end if
-      x = moved(scope, x)
-      text = text // numbers(x)
+      x = placed_point(scope, x)
+      text = text // format_point(x)
       if (is_flat) text = text(:index(text, ',', back=.true.) - 1)
     end do
     text = text(3:)
@@ -770,19 +774,19 @@ contains
   !> A row of ORIENTATION or TRANSFORM: the first has two points. Those of axes through the origin are only turned.
   function point_row(cards, row, scope, is_first, system) result(text)
     type(cards_type), intent(in) :: cards
-    type(row_type), intent(in) :: row
-    type(scope_type), intent(in) :: scope
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
     logical, intent(in) :: is_first
     character(*), intent(in) :: system           !< begins with C if cylindrical
     character(:), allocatable :: text
-    type(scope_type) :: mover
+    type(instance_type) :: mover
     real(DP) :: x(6)
     integer :: i, status
     text = field_text(cards, row, 1)
     do i = 2, row%n
       text = text // ', ' // field_text(cards, row, i)
     end do
-    if (.not. (is_first .and. scope%is_moved)) return
+    if (.not. (is_first .and. scope%has_placement)) return
     x = 0
     do i = 1, min(6, row%n)
       call field_real(cards, row, i, x(i), status)
@@ -793,8 +797,8 @@ contains
       mover%shift = 0
       mover%centre = 0
     end if
-    text = numbers(moved(mover, x(:3)))
-    text = text(3:) // numbers(moved(mover, x(4:)))
+    text = format_point(placed_point(mover, x(:3)))
+    text = text(3:) // format_point(placed_point(mover, x(4:)))
   end function point_row
 
 end module amontons_deck_parts

@@ -2,17 +2,18 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_reader
   use amontons_kinds, only: DP, NAME_LENGTH
-  use amontons_cards, only: cards_type, row_type, parameter_type, remarks_type, read_parameters, field_integer, &
+  use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, read_parameters, field_integer, &
     field_real, field_text, start_rows, next_row
   use amontons_card_schema, only: card_table_type, match_parameters, parameter_text
   use amontons_containers, only: name_table_type, label_table_type, integer_list_type
   use amontons_mesh, only: mesh_type
   use amontons_model, only: DIALECT_ABAQUS
-  use amontons_text, only: text_of, squeezed, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
+  use amontons_text, only: to_text, name_key, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
   implicit none
   private
-  public :: reader_type, time_list_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data
-  public :: read_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+  public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
+    check_no_data
+  public :: read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
 
   !> The times of a TIME POINTS card.
   type :: time_list_type
@@ -24,24 +25,24 @@ module amontons_deck_reader
   type :: reader_type
     type(cards_type) :: cards
     type(card_table_type) :: table
-    type(remarks_type) :: remarks
+    type(deck_messages_type) :: messages
     integer :: dialect = DIALECT_ABAQUS          !< DIALECT_ABAQUS or DIALECT_CALCULIX
-    integer :: cut_step = 0                      !< a step that a restart has ended early; 0: none
-    real(DP) :: cut_time = 0                     !< at its end [step time]
+    integer :: truncated_step = 0                      !< a step that a restart has ended early; 0: none
+    real(DP) :: truncated_time = 0                     !< at its end [step time]
     integer, allocatable :: delayed_amplitude(:) !< (n_cards) amplitude of a card with TIME DELAY, 0
     integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
     type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes, time_names
     type(time_list_type), allocatable :: time_lists(:)
     type(label_table_type) :: node_labels, element_labels
-    type(label_table_type) :: draft_labels       !< all elements of the deck, also those that are no solids
-    logical, allocatable :: node_repeats(:)      !< (node sets) the deck names a member more than once
-    logical, allocatable :: element_repeats(:)   !< (element sets) the same
-    logical, allocatable :: has_leftovers(:)     !< (element sets) it holds elements that are no solids and were dropped
-    integer, allocatable :: left_first(:)        !< (n + 1) start of each element that was left out, in left_nodes
-    integer, allocatable :: left_nodes(:)
-    integer, allocatable :: left_of_draft(:)     !< (elements of the deck) number among those left out, 0
-    type(integer_list_type), allocatable :: left_of_set(:)   !< (element sets) those of its members that were left out
-    logical :: has_refused_kinds = .false.       !< elements of kinds that we do not have were told; what needs them is not
+    type(label_table_type) :: draft_element_labels       !< all elements of the deck, also those that are no solids
+    logical, allocatable :: node_set_repeats(:)      !< (node sets) the deck names a member more than once
+    logical, allocatable :: element_set_repeats(:)   !< (element sets) the same
+    logical, allocatable :: has_omitted_elements(:)     !< (element sets) it holds elements that are no solids and were dropped
+    integer, allocatable :: omitted_first(:)        !< (n + 1) start of each element that was left out, in left_nodes
+    integer, allocatable :: omitted_nodes(:)
+    integer, allocatable :: omitted_of_draft(:)     !< (elements of the deck) number among those left out, 0
+    type(integer_list_type), allocatable :: omitted_of_set(:)   !< (element sets) those of its members that were left out
+    logical :: has_unsupported_kinds = .false.       !< elements of kinds that we do not have were told; what needs them is not
   end type reader_type
 
 contains
@@ -52,7 +53,7 @@ contains
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), allocatable, intent(out) :: parameters(:)
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     call read_parameters(reader%cards, reader%cards%cards(c), parameters)
     associate (card => reader%cards%cards(c))
       call match_parameters(reader%table%entries(card%entry), parameters, card%line, .true.)
@@ -73,27 +74,27 @@ contains
 
 
   !> Tells an error.
-  subroutine complain(reader, line, text)
+  subroutine report_error(reader, line, text)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< line of the deck; 0: none
     character(*), intent(in) :: text
-    call reader%remarks%add(line, text)
-  end subroutine complain
+    call reader%messages%add(line, text)
+  end subroutine report_error
 
 
   !> Tells a note.
-  subroutine note(reader, line, text)
+  subroutine report_note(reader, line, text)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< line of the deck; 0: none
     character(*), intent(in) :: text
-    call reader%remarks%add(line, text, is_warning=.true.)
-  end subroutine note
+    call reader%messages%add(line, text, is_warning=.true.)
+  end subroutine report_note
 
 
   !> Reads a real field or tells why not.
-  subroutine need_real(reader, row, i, what, value, is_ok, default)
+  subroutine read_real(reader, row, i, what, value, is_ok, default)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i                     !< field
     character(*), intent(in) :: what             !< its name in messages
     real(DP), intent(out) :: value
@@ -108,31 +109,31 @@ contains
     end if
     is_ok = .false.
     if (status == NUMBER_EMPTY) then
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // &
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' (' // what // &
         ') is missing; it must be a real number.')
     else if (status == NUMBER_NOT_FINITE) then
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ' // &
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' (' // what // ') is ' // &
         field_text(reader%cards, row, i) // '; it must be a finite number.')
     else
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ''' // &
-        field_text(reader%cards, row, i) // '''; it must be a real number' // hint_at_commas(field_text(reader%cards, row, i)))
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' (' // what // ') is ''' // &
+        field_text(reader%cards, row, i) // '''; it must be a real number' // suggest_commas(field_text(reader%cards, row, i)))
     end if
-  end subroutine need_real
+  end subroutine read_real
 
 
   !> How numbers are written, for a field that is more than one.
-  pure function hint_at_commas(field) result(hint)
+  pure function suggest_commas(field) result(hint)
     character(*), intent(in) :: field
     character(:), allocatable :: hint
     hint = '.'
     if (index(trim(adjustl(field)), ' ') > 0) hint = '; a comma parts two numbers, and a point is the decimal mark.'
-  end function hint_at_commas
+  end function suggest_commas
 
 
   !> Reads an integer field or tells why not.
-  subroutine need_integer(reader, row, i, what, value, is_ok, default)
+  subroutine read_integer(reader, row, i, what, value, is_ok, default)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i                     !< field
     character(*), intent(in) :: what             !< its name in messages
     integer, intent(out) :: value
@@ -147,19 +148,19 @@ contains
     end if
     is_ok = .false.
     if (status == NUMBER_EMPTY) then
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is missing; it must be an integer.')
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' (' // what // ') is missing; it must be an integer.')
     else
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' (' // what // ') is ''' // &
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' (' // what // ') is ''' // &
         field_text(reader%cards, row, i) // '''; it must be an integer.')
     end if
-  end subroutine need_integer
+  end subroutine read_integer
 
 
   !> The constants of a routine of the user, in lines of eight; tells too few and too many.
-  subroutine read_constants(reader, c, row, count_name, constants)
+  subroutine read_user_constants(reader, c, row, count_name, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
-    type(row_type), intent(inout) :: row         !< before its data lines
+    type(data_row_type), intent(inout) :: row         !< before its data lines
     character(*), intent(in) :: count_name       !< parameter that gives their number, for messages
     real(DP), intent(inout) :: constants(:)      !< zero comes in, for fields that are blank
     integer, parameter :: FIELDS = 8
@@ -169,40 +170,40 @@ contains
     i = 0
     is_ok = .true.
     do while (next_row(reader%cards, row) .and. is_ok)
-      call need_at_most(reader, row, min(FIELDS, n - i))
+      call check_n_fields(reader, row, min(FIELDS, n - i))
       do k = 1, min(FIELDS, n - i)
-        call need_real(reader, row, k, 'constant', constants(i + k), is_ok, 0.0_DP)
+        call read_real(reader, row, k, 'constant', constants(i + k), is_ok, 0.0_DP)
       end do
       i = i + min(FIELDS, n - i)
     end do
-    if (i < n .and. is_ok) call complain(reader, reader%cards%cards(c)%line, count_name // ' is ' // text_of(n) // &
-      ', but there is room for only ' // text_of(i) // ' in the data lines, eight in each.')
-  end subroutine read_constants
+    if (i < n .and. is_ok) call report_error(reader, reader%cards%cards(c)%line, count_name // ' is ' // to_text(n) // &
+      ', but there is room for only ' // to_text(i) // ' in the data lines, eight in each.')
+  end subroutine read_user_constants
 
 
   !> Tells fields beyond the last one that is read.
-  subroutine need_at_most(reader, row, n)
+  subroutine check_n_fields(reader, row, n)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: n                     !< fields that are read
-    if (row%n > n) call complain(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // &
-      text_of(n) // ' can stand here.')
-  end subroutine need_at_most
+    if (row%n > n) call report_error(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // &
+      to_text(n) // ' can stand here.')
+  end subroutine check_n_fields
 
 
   !> Tells data lines of a card that takes none.
-  subroutine need_no_data(reader, row)
+  subroutine check_no_data(reader, row)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row            !< a row that should not be there
-    call complain(reader, row%line, 'The card above takes no data here; this line is not understood.')
-  end subroutine need_no_data
+    type(data_row_type), intent(in) :: row            !< a row that should not be there
+    call report_error(reader, row%line, 'The card above takes no data here; this line is not understood.')
+  end subroutine check_no_data
 
 
   !> The node or the nodes of the node set that a field names; tells it if there is none.
   subroutine nodes_of_field(reader, mesh, row, i, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i                     !< field
     integer, allocatable, intent(out) :: nodes(:)   !< indices; of size 0 on trouble
     logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
@@ -219,10 +220,10 @@ contains
     allocate (nodes(0))
     is_ok = .false.
     if (status == NUMBER_EMPTY) then
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' must name a node or a node set; it is empty.')
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' must name a node or a node set; it is empty.')
     else
-      call complain(reader, row%line, 'There is no node or node set ''' // field_text(reader%cards, row, i) // '''' // &
-        reader%node_sets%hint(field_text(reader%cards, row, i)))
+      call report_error(reader, row%line, 'There is no node or node set ''' // field_text(reader%cards, row, i) // '''' // &
+        reader%node_sets%suggest(field_text(reader%cards, row, i)))
     end if
   end subroutine nodes_of_field
 
@@ -231,7 +232,7 @@ contains
   subroutine elements_of_field(reader, mesh, row, i, elements, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: i                     !< field
     integer, allocatable, intent(out) :: elements(:)   !< indices; of size 0 on trouble
     logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
@@ -245,8 +246,8 @@ contains
       found = reader%element_sets%find(field_text(reader%cards, row, i))
       if (found > 0) elements = mesh%element_sets(found)%members
       if (found > 0) then
-        if (reader%has_leftovers(found)) is_ok = .false.
-        if (reader%has_leftovers(found) .and. .not. reader%has_refused_kinds) call complain(reader, row%line, &
+        if (reader%has_omitted_elements(found)) is_ok = .false.
+        if (reader%has_omitted_elements(found) .and. .not. reader%has_unsupported_kinds) call report_error(reader, row%line, &
           'The element set ''' // field_text(reader%cards, row, i) // ''' holds elements that are no solids; name ' // &
           'solid elements only.')
       end if
@@ -255,13 +256,13 @@ contains
     allocate (elements(0))
     is_ok = .false.
     if (status == NUMBER_EMPTY) then
-      call complain(reader, row%line, 'Field ' // text_of(i) // ' must name an element or an element set; it is empty.')
-    else if (status == NUMBER_OK .and. reader%draft_labels%find(label) > 0) then
-      if (.not. reader%has_refused_kinds) call complain(reader, row%line, 'The element ' // text_of(label) // &
+      call report_error(reader, row%line, 'Field ' // to_text(i) // ' must name an element or an element set; it is empty.')
+    else if (status == NUMBER_OK .and. reader%draft_element_labels%find(label) > 0) then
+      if (.not. reader%has_unsupported_kinds) call report_error(reader, row%line, 'The element ' // to_text(label) // &
         ' is no solid; name solid elements only.')
     else
-      call complain(reader, row%line, 'There is no element or element set ''' // &
-        field_text(reader%cards, row, i) // '''' // reader%element_sets%hint(field_text(reader%cards, row, i)))
+      call report_error(reader, row%line, 'There is no element or element set ''' // &
+        field_text(reader%cards, row, i) // '''' // reader%element_sets%suggest(field_text(reader%cards, row, i)))
     end if
   end subroutine elements_of_field
 
@@ -277,7 +278,7 @@ contains
     name = parameter_text(parameters, 'AMPLITUDE')
     if (name == '') return
     amplitude = reader%amplitudes%find(name)
-    if (amplitude == 0) call complain(reader, reader%cards%cards(c)%line, 'There is no amplitude ''' // name // '''.')
+    if (amplitude == 0) call report_error(reader, reader%cards%cards(c)%line, 'There is no amplitude ''' // name // '''.')
     if (.not. allocated(reader%delayed_amplitude)) return
     if (reader%delayed_amplitude(c) > 0) amplitude = reader%delayed_amplitude(c)
   end subroutine find_amplitude
@@ -290,10 +291,10 @@ contains
     character(*), intent(in) :: name
     character(:), allocatable :: key
     integer :: dot
-    key = squeezed(name)
+    key = name_key(name)
     dot = index(key, '.')                        ! INSTANCE.NAME of a deck with parts: both may be so long
-    if (max(dot - 1, len(key) - dot) > NAME_LENGTH) call complain(reader, reader%cards%cards(c)%line, 'The name ''' // name &
-      // ''' has more than ' // text_of(NAME_LENGTH) // ' characters.')
+    if (max(dot - 1, len(key) - dot) > NAME_LENGTH) call report_error(reader, reader%cards%cards(c)%line, 'The name ''' // name &
+      // ''' has more than ' // to_text(NAME_LENGTH) // ' characters.')
   end subroutine check_name
 
 end module amontons_deck_reader

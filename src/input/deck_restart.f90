@@ -5,58 +5,60 @@
 !! the old steps up to the one that is gone on from and the new steps, in this order, are the deck of the new job: what follows
 !! is what one deck with all steps would have given.
 module amontons_deck_restart
-  use amontons_restart_file, only: label_type, read_archived_deck, find_state
-  use amontons_cards, only: cards_type, remarks_type, parameter_type, read_parameters, start_text, append_line, find_cards, &
+  use amontons_restart_file, only: state_key_type, read_restart_deck, find_restart_state
+  use amontons_cards, only: cards_type, deck_messages_type, parameter_type, read_parameters, start_deck_text, append_line, &
+    find_cards, &
     line_text
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_kinds, only: I64
-  use amontons_model, only: job_options_type, origin_type, job_path
+  use amontons_model, only: job_options_type, restart_origin_type, job_path
   use amontons_text, only: parse_integer, is_one_of, NUMBER_OK, NEWLINE
   implicit none
   private
   public :: join_decks
 
-  character(*), parameter :: ALLOWED = 'HEADING|RESTART|AMPLITUDE|NSET|ELSET|SURFACE|TIMEPOINTS|PREPRINT' !< before new steps
+  ! before new steps
+  character(*), parameter :: CARDS_BEFORE_STEPS = 'HEADING|RESTART|AMPLITUDE|NSET|ELSET|SURFACE|TIMEPOINTS|PREPRINT'
 
 contains
 
   !> If the deck has *RESTART, READ: the joined deck, and where it goes on.
   !!
   !! Errors: EXIT_USAGE (an old job is named for a deck that reads none), EXIT_IO (no such file or state, damaged).
-  subroutine join_decks(cards, remarks, options, origin, error)
+  subroutine join_decks(cards, messages, options, origin, error)
     type(cards_type), intent(inout) :: cards
-    type(remarks_type), intent(inout) :: remarks
+    type(deck_messages_type), intent(inout) :: messages
     type(job_options_type), intent(in) :: options
-    type(origin_type), intent(out) :: origin       !< its path stays empty if the deck reads no restart file
+    type(restart_origin_type), intent(out) :: origin       !< its path stays empty if the deck reads no restart file
     type(error_type), allocatable, intent(out) :: error
     type(cards_type) :: old, joined
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: text
     integer :: c, step, increment, line
-    c = reading_card(cards)
+    c = find_restart_read(cards)
     if (c == 0) then
       if (allocated(options%old_job)) call set_error(error, EXIT_USAGE, 'The old job ' // options%old_job // &
         ' is named, but the deck has no *RESTART, READ before its steps.')
       return
     end if
     call read_parameters(cards, cards%cards(c), parameters)
-    origin%path = path_of(options)
-    call read_archived_deck(origin%path, text, origin%dialect, error)
+    origin%path = restart_path(options)
+    call read_restart_deck(origin%path, text, origin%dialect, error)
     if (allocated(error)) return
-    step = number_of(parameters, 'STEP')
-    increment = number_of(parameters, 'INC')
-    call find_state(origin%path, step, increment, origin%label, error)
+    step = parameter_integer(parameters, 'STEP')
+    increment = parameter_integer(parameters, 'INC')
+    call find_restart_state(origin%path, step, increment, origin%label, error)
     if (allocated(error)) return
-    origin%is_cut = has_parameter(parameters, 'ENDSTEP') .and. .not. origin%label%is_step_done
-    call take_text(text, old)
-    call start_text(joined)
-    call list_files(cards, origin%path, joined)
-    call copy_lines(old, 1, line_of(old, 'STEP', 1, old%n_lines + 1) - 1, 0, joined)
-    line = line_of(cards, 'STEP', 1, cards%n_lines + 1)
-    call copy_model(cards, line - 1, joined, remarks)
-    call copy_lines(old, line_of(old, 'STEP', 1, old%n_lines + 1), &
-      line_of(old, 'ENDSTEP', origin%label%step, old%n_lines), 0, joined)
+    origin%is_step_ended = has_parameter(parameters, 'ENDSTEP') .and. .not. origin%label%is_step_done
+    call read_lines(text, old)
+    call start_deck_text(joined)
+    call join_file_lists(cards, origin%path, joined)
+    call copy_lines(old, 1, card_line(old, 'STEP', 1, old%n_lines + 1) - 1, 0, joined)
+    line = card_line(cards, 'STEP', 1, cards%n_lines + 1)
+    call copy_model(cards, line - 1, joined, messages)
+    call copy_lines(old, card_line(old, 'STEP', 1, old%n_lines + 1), &
+      card_line(old, 'ENDSTEP', origin%label%step, old%n_lines), 0, joined)
     call copy_lines(cards, line, cards%n_lines, 1, joined)
     call find_cards(joined)
     cards = joined
@@ -64,7 +66,7 @@ contains
 
 
   !> The card *RESTART, READ before the steps; 0: there is none.
-  integer function reading_card(cards) result(c)
+  integer function find_restart_read(cards) result(c)
     type(cards_type), intent(in) :: cards
     type(parameter_type), allocatable :: parameters(:)
     do c = 1, cards%n_cards
@@ -74,18 +76,18 @@ contains
       if (has_parameter(parameters, 'READ')) return
     end do
     c = 0
-  end function reading_card
+  end function find_restart_read
 
 
   !> The restart file: that of the old job if one is named, else job.rin beside the deck, as with CalculiX.
-  function path_of(options) result(path)
+  function restart_path(options) result(path)
     type(job_options_type), intent(in) :: options
     character(:), allocatable :: path
     integer :: last
     if (.not. allocated(options%old_job)) then
       path = 'job.rin'
       if (allocated(options%job)) path = options%job // '.rin'
-      if (allocated(options%deck)) path = folder_of(options%deck) // path
+      if (allocated(options%deck)) path = folder_name(options%deck) // path
       return
     end if
     path = options%old_job
@@ -94,19 +96,19 @@ contains
       if (any(path(last - 3:) == ['.inp', '.res'])) path = path(:last - 4)
     end if
     path = path // '.res'
-  end function path_of
+  end function restart_path
 
 
   !> The folder of a path with its slash; empty if there is none.
-  pure function folder_of(path) result(folder)
+  pure function folder_name(path) result(folder)
     character(*), intent(in) :: path
     character(:), allocatable :: folder
     folder = path(:index(path, '/', back=.true.))
-  end function folder_of
+  end function folder_name
 
 
   !> A whole number behind a parameter; 0 if it is not there or none (the check of the cards tells that).
-  integer function number_of(parameters, key) result(number)
+  integer function parameter_integer(parameters, key) result(number)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: key
     integer :: status
@@ -114,16 +116,16 @@ contains
     if (.not. has_parameter(parameters, key)) return
     call parse_integer(parameter_text(parameters, key), number, status)
     if (status /= NUMBER_OK) number = 0
-  end function number_of
+  end function parameter_integer
 
 
   !> The lines and cards of a text; what it includes is in place already.
-  subroutine take_text(text, cards)
+  subroutine read_lines(text, cards)
     character(*), intent(in) :: text
     type(cards_type), intent(out) :: cards
     integer(I64) :: first, last
     integer :: number
-    call start_text(cards)
+    call start_deck_text(cards)
     first = 1
     number = 0
     do while (first <= len(text, I64))
@@ -137,11 +139,11 @@ contains
       first = last + 1
     end do
     call find_cards(cards)
-  end subroutine take_text
+  end subroutine read_lines
 
 
   !> The files of the joined deck: the restart file, then those of the new deck.
-  subroutine list_files(cards, path, joined)
+  subroutine join_file_lists(cards, path, joined)
     type(cards_type), intent(in) :: cards
     character(*), intent(in) :: path
     type(cards_type), intent(inout) :: joined
@@ -153,11 +155,11 @@ contains
       joined%files(f + 1) = cards%files(f)
       if (cards%files(f)%parent > 0) joined%files(f + 1)%parent = cards%files(f)%parent + 1
     end do
-  end subroutine list_files
+  end subroutine join_file_lists
 
 
   !> Line of the i-th card of a keyword; `none` if there are fewer.
-  pure integer function line_of(cards, key, i, none) result(line)
+  pure integer function card_line(cards, key, i, none) result(line)
     type(cards_type), intent(in) :: cards
     character(*), intent(in) :: key                !< squeezed
     integer, intent(in) :: i
@@ -170,7 +172,7 @@ contains
       if (n == i) return
     end do
     line = none
-  end function line_of
+  end function card_line
 
 
   !> Copies lines as they are.
@@ -187,11 +189,11 @@ contains
 
 
   !> What stands before the new steps: the heading and stray text become comments; what would change the model is told.
-  subroutine copy_model(cards, last, joined, remarks)
+  subroutine copy_model(cards, last, joined, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: last                    !< line before the first new step
     type(cards_type), intent(inout) :: joined
-    type(remarks_type), intent(inout) :: remarks
+    type(deck_messages_type), intent(inout) :: messages
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: comment
     integer :: i, c
@@ -203,12 +205,12 @@ contains
           c = c + 1
           comment = ''
           if (cards%cards(c)%key == 'HEADING') comment = '** '
-          if (.not. is_one_of(cards%cards(c)%key, ALLOWED)) call remarks%add(joined%n_lines + 1, 'The card *' // &
+          if (.not. is_one_of(cards%cards(c)%key, CARDS_BEFORE_STEPS)) call messages%add(joined%n_lines + 1, 'The card *' // &
             cards%cards(c)%key // ' cannot stand before the steps of a deck that goes on from a restart file: the model ' // &
             'comes from there.')
           call read_parameters(cards, cards%cards(c), parameters)
           if (cards%cards(c)%key == 'AMPLITUDE' .and. parameter_text(parameters, 'DEFINITION') == 'USER') &
-            call remarks%add(joined%n_lines + 1, 'An amplitude of the user must be in the deck of the old job: its ' // &
+            call messages%add(joined%n_lines + 1, 'An amplitude of the user must be in the deck of the old job: its ' // &
             'variables are in the restart file.')
         end if
       end if

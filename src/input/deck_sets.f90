@@ -3,56 +3,56 @@
 !!
 !! A set is what all the cards with its name give together, wherever they stand; sets may name sets that come later.
 module amontons_deck_sets
-  use amontons_cards, only: parameter_type, row_type, next_row, field_integer, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
   use amontons_card_schema, only: has_parameter, parameter_text
-  use amontons_deck_mesh, only: draft_type
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_integer, need_at_most, is_card, &
+  use amontons_deck_mesh, only: element_draft_type
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_integer, check_n_fields, is_card, &
     check_name
   use amontons_containers, only: integer_list_type, label_table_type, name_table_type
   use amontons_mesh, only: mesh_type, set_type
   use amontons_model, only: DIALECT_CALCULIX
-  use amontons_text, only: text_of, NUMBER_OK, NUMBER_EMPTY
+  use amontons_text, only: to_text, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
   public :: read_sets
 
-  integer, parameter :: STATE_NEW = 0, STATE_OPEN = 1, STATE_DONE = 2
+  integer, parameter :: SET_UNRESOLVED = 0, SET_IN_PROGRESS = 1, SET_RESOLVED = 2
 
   !> A set on its way.
-  type :: growing_type
+  type :: pending_set_type
     character(:), allocatable :: name            !< as first written
     type(integer_list_type) :: cards             !< the cards that give members
-    integer :: state = STATE_NEW
+    integer :: state = SET_UNRESOLVED
     integer, allocatable :: members(:)
     logical :: has_repeats = .false.             !< the deck names a member more than once
-  end type growing_type
+  end type pending_set_type
 
   !> The node sets or the element sets.
-  type :: family_type
+  type :: set_family_type
     logical :: is_node = .true.
     character(:), allocatable :: noun            !< 'node' or 'element'
     type(name_table_type) :: names
     type(label_table_type) :: labels             !< label to index
-    type(growing_type), allocatable :: sets(:)
+    type(pending_set_type), allocatable :: sets(:)
     integer, allocatable :: stamp(:)             !< (members that exist) last set that took it
-  end type family_type
+  end type set_family_type
 
 contains
 
   !> Reads all sets. The members of element sets are indices of drafts.
   subroutine read_sets(reader, draft, mesh)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(mesh_type), intent(inout) :: mesh
-    type(family_type) :: elements, nodes
+    type(set_family_type) :: elements, nodes
     elements%is_node = .false.
     elements%noun = 'element'
     elements%labels = draft%labels
     allocate (elements%stamp(draft%n), source=0)
     call gather_family(reader, 'ELEMENT', 'ELSET', elements)
     call resolve_family(reader, draft, mesh, elements)
-    reader%element_repeats = elements%sets%has_repeats
-    call move_family(elements, mesh%element_sets)
+    reader%element_set_repeats = elements%sets%has_repeats
+    call store_sets(elements, mesh%element_sets)
     reader%element_sets = elements%names
 
     nodes%noun = 'node'
@@ -60,8 +60,8 @@ contains
     allocate (nodes%stamp(mesh%n_nodes), source=0)
     call gather_family(reader, 'NODE', 'NSET', nodes)
     call resolve_family(reader, draft, mesh, nodes)
-    reader%node_repeats = nodes%sets%has_repeats
-    call move_family(nodes, mesh%node_sets)
+    reader%node_set_repeats = nodes%sets%has_repeats
+    call store_sets(nodes, mesh%node_sets)
     reader%node_sets = nodes%names
   end subroutine read_sets
 
@@ -71,10 +71,10 @@ contains
     type(reader_type), intent(inout) :: reader
     character(*), intent(in) :: block_key        !< 'NODE' or 'ELEMENT'
     character(*), intent(in) :: set_key          !< 'NSET' or 'ELSET': card, and parameter of both cards
-    type(family_type), intent(inout) :: family
-    type(growing_type), allocatable :: larger(:)
+    type(set_family_type), intent(inout) :: family
+    type(pending_set_type), allocatable :: larger(:)
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     character(:), allocatable :: name
     integer :: c, s
     logical :: is_new
@@ -84,7 +84,7 @@ contains
       call open_card(reader, c, parameters, row)
       name = parameter_text(parameters, set_key)
       if (name == '') cycle
-      if (has_parameter(parameters, 'INSTANCE')) call complain(reader, reader%cards%cards(c)%line, 'INSTANCE belongs to the ' &
+      if (has_parameter(parameters, 'INSTANCE')) call report_error(reader, reader%cards%cards(c)%line, 'INSTANCE belongs to the ' &
         // 'sets of an assembly; this deck has none here.')
       call check_name(reader, c, name)
       call family%names%add(name, s, is_new)
@@ -102,9 +102,9 @@ contains
   !> Finds the members of all sets of a family.
   subroutine resolve_family(reader, draft, mesh, family)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(mesh_type), intent(in) :: mesh
-    type(family_type), intent(inout) :: family
+    type(set_family_type), intent(inout) :: family
     integer :: s
     do s = 1, family%names%n
       call resolve_set(reader, draft, mesh, family, s)
@@ -113,8 +113,8 @@ contains
 
 
   !> Hands the sets over.
-  subroutine move_family(family, sets)
-    type(family_type), intent(inout) :: family
+  subroutine store_sets(family, sets)
+    type(set_family_type), intent(inout) :: family
     type(set_type), allocatable, intent(out) :: sets(:)
     integer :: s
     allocate (sets(family%names%n))
@@ -122,40 +122,40 @@ contains
       sets(s)%name = family%sets(s)%name
       call move_alloc(family%sets(s)%members, sets(s)%members)
     end do
-  end subroutine move_family
+  end subroutine store_sets
 
 
   !> Finds the members of one set: first those of the sets that it names, then its own.
   recursive subroutine resolve_set(reader, draft, mesh, family, s)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(mesh_type), intent(in) :: mesh
-    type(family_type), intent(inout) :: family
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s                     !< the set
     type(integer_list_type) :: members
     integer :: i
-    if (family%sets(s)%state /= STATE_NEW) return
-    family%sets(s)%state = STATE_OPEN
+    if (family%sets(s)%state /= SET_UNRESOLVED) return
+    family%sets(s)%state = SET_IN_PROGRESS
     do i = 1, family%sets(s)%cards%n
       call resolve_named(reader, draft, mesh, family, s, family%sets(s)%cards%items(i))
     end do
     do i = 1, family%sets(s)%cards%n
-      call take_card(reader, draft, mesh, family, s, family%sets(s)%cards%items(i), members)
+      call add_card_members(reader, draft, mesh, family, s, family%sets(s)%cards%items(i), members)
     end do
     family%sets(s)%members = members%trimmed()
-    family%sets(s)%state = STATE_DONE
+    family%sets(s)%state = SET_RESOLVED
   end subroutine resolve_set
 
 
   !> Resolves the sets that one card names; tells names that are no set, and circles.
   recursive subroutine resolve_named(reader, draft, mesh, family, s, c)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(mesh_type), intent(in) :: mesh
-    type(family_type), intent(inout) :: family
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s, c                  !< the set and the card
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: i, label, status, other
     if (is_block(reader, c)) return
     call open_card(reader, c, parameters, row)
@@ -166,10 +166,10 @@ contains
         if (status == NUMBER_OK .or. status == NUMBER_EMPTY) cycle
         other = family%names%find(field_text(reader%cards, row, i))
         if (other == 0) then
-          call complain(reader, row%line, 'There is no ' // family%noun // ' set ''' // &
+          call report_error(reader, row%line, 'There is no ' // family%noun // ' set ''' // &
             field_text(reader%cards, row, i) // '''.')
-        else if (other /= s .and. family%sets(other)%state == STATE_OPEN) then
-          call complain(reader, row%line, 'The ' // family%noun // ' sets ''' // family%sets(s)%name // ''' and ''' // &
+        else if (other /= s .and. family%sets(other)%state == SET_IN_PROGRESS) then
+          call report_error(reader, row%line, 'The ' // family%noun // ' sets ''' // family%sets(s)%name // ''' and ''' // &
             family%sets(other)%name // ''' contain each other.')
         else
           call resolve_set(reader, draft, mesh, family, other)
@@ -189,38 +189,38 @@ contains
 
 
   !> Adds the members that one card gives.
-  subroutine take_card(reader, draft, mesh, family, s, c, members)
+  subroutine add_card_members(reader, draft, mesh, family, s, c, members)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(mesh_type), intent(in) :: mesh
-    type(family_type), intent(inout) :: family
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s, c                  !< the set and the card
     type(integer_list_type), intent(inout) :: members
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: i
     call open_card(reader, c, parameters, row)
     if (is_card(reader, c, 'NODE')) then
       do i = draft%node_first(c), draft%node_last(c)
-        call take_member(family, s, draft%node_at(i), members)
+        call add_member(family, s, draft%node_at(i), members)
       end do
     else if (is_card(reader, c, 'ELEMENT')) then
       do i = draft%element_first(c), draft%element_last(c)
-        call take_member(family, s, i, members)
+        call add_member(family, s, i, members)
       end do
     else if (has_parameter(parameters, 'GENERATE')) then
-      call take_ranges(reader, row, family, s, members)
+      call add_ranges(reader, row, family, s, members)
     else if (family%is_node .and. has_parameter(parameters, 'ELSET')) then
-      call take_nodes_of(reader, draft, mesh, family, s, c, members)
+      call add_element_nodes(reader, draft, mesh, family, s, c, members)
     else
-      call take_rows(reader, row, family, s, members)
+      call add_rows(reader, row, family, s, members)
     end if
-  end subroutine take_card
+  end subroutine add_card_members
 
 
   !> Adds one member unless the set has it already.
-  subroutine take_member(family, s, i, members)
-    type(family_type), intent(inout) :: family
+  subroutine add_member(family, s, i, members)
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s                     !< the set
     integer, intent(in) :: i                     !< the member
     type(integer_list_type), intent(inout) :: members
@@ -228,27 +228,27 @@ contains
     if (family%stamp(i) == s) return
     family%stamp(i) = s
     call members%add(i)
-  end subroutine take_member
+  end subroutine add_member
 
 
   !> Rows first, last, step. Numbers in between that do not exist are passed over; a range without any is told.
-  subroutine take_ranges(reader, row, family, s, members)
+  subroutine add_ranges(reader, row, family, s, members)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
-    type(family_type), intent(inout) :: family
+    type(data_row_type), intent(inout) :: row
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s
     type(integer_list_type), intent(inout) :: members
     integer :: first, last, step, label, found, n_found
     logical :: is_ok
     do while (next_row(reader%cards, row))
       is_ok = .true.
-      call need_at_most(reader, row, 3)
-      call need_integer(reader, row, 1, 'first ' // family%noun, first, is_ok)
-      call need_integer(reader, row, 2, 'last ' // family%noun, last, is_ok, default=first)
-      call need_integer(reader, row, 3, 'step', step, is_ok, default=1)
+      call check_n_fields(reader, row, 3)
+      call read_integer(reader, row, 1, 'first ' // family%noun, first, is_ok)
+      call read_integer(reader, row, 2, 'last ' // family%noun, last, is_ok, default=first)
+      call read_integer(reader, row, 3, 'step', step, is_ok, default=1)
       if (.not. is_ok) cycle
       if (step < 1 .or. last < first) then
-        call complain(reader, row%line, 'A range needs first <= last and a step of at least 1.')
+        call report_error(reader, row%line, 'A range needs first <= last and a step of at least 1.')
         cycle
       end if
       n_found = 0
@@ -256,45 +256,45 @@ contains
         found = family%labels%find(label)
         if (found == 0) cycle
         n_found = n_found + 1
-        call take_member(family, s, found, members)
+        call add_member(family, s, found, members)
       end do
-      if (n_found == 0) call note(reader, row%line, 'This range holds no ' // family%noun // ' that exists.')
+      if (n_found == 0) call report_note(reader, row%line, 'This range holds no ' // family%noun // ' that exists.')
     end do
-  end subroutine take_ranges
+  end subroutine add_ranges
 
 
   !> The nodes of the elements of a set.
-  subroutine take_nodes_of(reader, draft, mesh, family, s, c, members)
+  subroutine add_element_nodes(reader, draft, mesh, family, s, c, members)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     type(mesh_type), intent(in) :: mesh          !< with its element sets
-    type(family_type), intent(inout) :: family
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s, c
     type(integer_list_type), intent(inout) :: members
     type(parameter_type), allocatable :: parameters(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: set, i, j, e
     call open_card(reader, c, parameters, row)
     set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
     if (set == 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'There is no element set ''' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'There is no element set ''' // &
         parameter_text(parameters, 'ELSET') // '''.')
       return
     end if
     do i = 1, size(mesh%element_sets(set)%members)
       e = mesh%element_sets(set)%members(i)
       do j = draft%first(e), draft%first(e + 1) - 1
-        if (draft%nodes%items(j) > 0) call take_member(family, s, draft%nodes%items(j), members)
+        if (draft%nodes%items(j) > 0) call add_member(family, s, draft%nodes%items(j), members)
       end do
     end do
-  end subroutine take_nodes_of
+  end subroutine add_element_nodes
 
 
   !> Rows of numbers and of names of sets, which are resolved already.
-  subroutine take_rows(reader, row, family, s, members)
+  subroutine add_rows(reader, row, family, s, members)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
-    type(family_type), intent(inout) :: family
+    type(data_row_type), intent(inout) :: row
+    type(set_family_type), intent(inout) :: family
     integer, intent(in) :: s
     type(integer_list_type), intent(inout) :: members
     integer :: i, j, label, status, found
@@ -303,19 +303,19 @@ contains
         call field_integer(reader%cards, row, i, label, status)
         if (status == NUMBER_OK) then
           found = family%labels%find(label)
-          if (found > 0) call take_member(family, s, found, members)
-          if (found == 0) call reader%remarks%add(row%line, 'There is no ' // family%noun // ' ' // text_of(label) // &
+          if (found > 0) call add_member(family, s, found, members)
+          if (found == 0) call reader%messages%add(row%line, 'There is no ' // family%noun // ' ' // to_text(label) // &
             '.', is_warning=reader%dialect == DIALECT_CALCULIX)
         else if (status /= NUMBER_EMPTY) then
           found = family%names%find(field_text(reader%cards, row, i))
           if (found == 0 .or. found == s) cycle
-          if (family%sets(found)%state /= STATE_DONE) cycle
+          if (family%sets(found)%state /= SET_RESOLVED) cycle
           do j = 1, size(family%sets(found)%members)
-            call take_member(family, s, family%sets(found)%members(j), members)
+            call add_member(family, s, family%sets(found)%members(j), members)
           end do
         end if
       end do
     end do
-  end subroutine take_rows
+  end subroutine add_rows
 
 end module amontons_deck_sets

@@ -5,24 +5,25 @@
 !! stiffer than what it holds: it gives way by its force over 1e4 E L, L its length at the start.
 module amontons_deck_springs
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row
+  use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_deck_couplings, only: find_orientation
-  use amontons_deck_mesh, only: draft_type, is_of, NOT_GIVEN
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, need_no_data, &
+  use amontons_deck_mesh, only: element_draft_type, is_in_family, NOT_GIVEN
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
+    check_no_data, &
     is_card
-  use amontons_materials, only: spring_type, curve_type
+  use amontons_materials, only: spring_type, hardening_curve_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: text_of
-  use amontons_mpc_data, only: frame_rule_type, frame_at
+  use amontons_text, only: to_text
+  use amontons_mpc_data, only: coordinate_system_type, axes_at
   use amontons_topology, only: KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, FAMILY_MASS, KIND_SPRINGA
-  use amontons_deck_mpc, only: next_mpc, each_once
+  use amontons_deck_mpc, only: read_next_mpc, unique_nodes
   implicit none
   private
   public :: read_springs
-  public :: read_ropes
+  public :: read_distance_limits
 
-  real(DP), parameter :: STIFFER = 1.0e4_DP        !< than a cube of the stiffest material, as long as the rope [-]
+  real(DP), parameter :: LIMIT_STIFFNESS_FACTOR = 1.0e4_DP        !< than a cube of the stiffest material, as long as the rope [-]
 
 contains
 
@@ -30,14 +31,15 @@ contains
   subroutine read_springs(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model     !< with the element sets of drafts
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(inout) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(8), parameter :: CARDS(3) = [character(8) :: 'SPRING', 'GAP', 'MASS']
     integer :: c, set, e, k
     allocate (model%springs(0))
     do e = 1, draft%n
-      if (is_of(draft%kind(e), FAMILY_SPRING) .or. is_of(draft%kind(e), FAMILY_MASS)) draft%section(e) = NOT_GIVEN
+      if (is_in_family(draft%kind(e), FAMILY_SPRING) .or. is_in_family(draft%kind(e), &
+        FAMILY_MASS)) draft%section_value(e) = NOT_GIVEN
     end do
     do c = 1, reader%cards%n_cards
       do k = 1, size(CARDS)
@@ -47,18 +49,18 @@ contains
       call open_card(reader, c, parameters, row)
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       if (set == 0) then
-        call complain(reader, reader%cards%cards(c)%line, 'There is no element set ''' // &
+        call report_error(reader, reader%cards%cards(c)%line, 'There is no element set ''' // &
           parameter_text(parameters, 'ELSET') // '''.')
         cycle
       end if
       associate (members => model%mesh%element_sets(set)%members)
-        if (.not. are_all(reader, draft, c, members, trim(CARDS(k)))) cycle
-        draft%section(members) = 1               ! named by a card, whatever its data are worth
+        if (.not. check_member_kinds(reader, draft, c, members, trim(CARDS(k)))) cycle
+        draft%section_value(members) = 1               ! named by a card, whatever its data are worth
         select case (k)
         case (1)
           call read_spring(reader, model, c, members, draft)
         case (2)
-          call read_gap(reader, model, c, members, draft)
+          call read_gap_element(reader, model, c, members, draft)
         case (3)
           call read_mass(reader, c, members, row, draft)
         end select
@@ -68,37 +70,37 @@ contains
 
 
   !> Whether all members of a set are what a card speaks of; tells the first that is not.
-  logical function are_all(reader, draft, c, members, card)
+  logical function check_member_kinds(reader, draft, c, members, card)
     type(reader_type), intent(inout) :: reader
-    type(draft_type), intent(in) :: draft
+    type(element_draft_type), intent(in) :: draft
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: members(:)            !< drafts
     character(*), intent(in) :: card             !< SPRING, GAP or MASS
     character(:), allocatable :: what
     integer :: i
     logical :: is_so
-    are_all = .false.
+    check_member_kinds = .false.
     do i = 1, size(members)
       associate (kind => draft%kind(members(i)))
         select case (card)
         case ('SPRING')
-          is_so = is_of(kind, FAMILY_SPRING) .and. kind /= KIND_GAPUNI
+          is_so = is_in_family(kind, FAMILY_SPRING) .and. kind /= KIND_GAPUNI
           what = 'spring'
         case ('GAP')
           is_so = kind == KIND_GAPUNI
           what = 'gap of type GAPUNI'
         case default
-          is_so = is_of(kind, FAMILY_MASS)
+          is_so = is_in_family(kind, FAMILY_MASS)
           what = 'mass'
         end select
       end associate
       if (is_so) cycle
-      call complain(reader, reader%cards%cards(c)%line, 'The element ' // text_of(draft%label(members(i))) // ' is no ' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'The element ' // to_text(draft%label(members(i))) // ' is no ' // &
         what // '.')
       return
     end do
-    are_all = .true.
-  end function are_all
+    check_member_kinds = .true.
+  end function check_member_kinds
 
 
   !> MASS: one number.
@@ -106,18 +108,18 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: members(:)            !< drafts
-    type(row_type), intent(inout) :: row
-    type(draft_type), intent(inout) :: draft
+    type(data_row_type), intent(inout) :: row
+    type(element_draft_type), intent(inout) :: draft
     real(DP) :: mass
     logical :: is_ok
     is_ok = next_row(reader%cards, row)
     if (.not. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: the mass.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The data are missing: the mass.')
       return
     end if
-    call need_real(reader, row, 1, 'mass', mass, is_ok)
-    if (is_ok) draft%section(members) = mass
-    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+    call read_real(reader, row, 1, 'mass', mass, is_ok)
+    if (is_ok) draft%section_value(members) = mass
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
   end subroutine read_mass
 
 
@@ -127,8 +129,8 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: members(:)            !< drafts
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(inout) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(spring_type) :: spring
     integer :: n, directions(2)
@@ -144,44 +146,44 @@ contains
       if (.not. is_ok) return
     end if
     if (has_parameter(parameters, 'NONLINEAR')) then
-      call read_forces(reader, row, spring%force, is_ok)
+      call read_force_curves(reader, row, spring%force, is_ok)
     else
-      call read_constants(reader, row, spring, is_ok)
+      call read_spring_constants(reader, row, spring, is_ok)
     end if
     if (.not. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: directions (SPRING1, SPRING2), then the ' // &
+      call report_error(reader, reader%cards%cards(c)%line, 'The data are missing: directions (SPRING1, SPRING2), then the ' // &
         'spring constant, or with NONLINEAR lines of force and elongation.')
       return
     end if
     draft%directions(:, members) = spread(directions, 2, size(members))
     if (has_parameter(parameters, 'ORIENTATION') .and. n > 0) then
-      call turn_spring(reader, c, parameters, n, directions, spring)
+      call set_spring_axes(reader, c, parameters, n, directions, spring)
       draft%directions(:, members) = 0
     else if (.not. allocated(spring%force)) then
       if (size(spring%constant%temperature) == 1) then
-        draft%section(members) = spring%constant%value(1, 1)
+        draft%section_value(members) = spring%constant%value(1, 1)
         return
       end if
     end if
-    call add_law(model, spring, members, draft)
+    call assign_law(model, spring, members, draft)
   end subroutine read_spring
 
 
   !> Appends a law and gives it to the elements of a card.
-  subroutine add_law(model, spring, members, draft)
+  subroutine assign_law(model, spring, members, draft)
     type(model_type), intent(inout) :: model
     type(spring_type), intent(in) :: spring
     integer, intent(in) :: members(:)            !< drafts
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     model%springs = [model%springs, spring]
     draft%spring(members) = size(model%springs)
-  end subroutine add_law
+  end subroutine assign_law
 
 
   !> The directions of SPRING1 or SPRING2: 1 to 3.
   subroutine read_directions(reader, row, n, directions, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, intent(in) :: n                     !< 1 or 2
     integer, intent(out) :: directions(2)
     logical, intent(out) :: is_ok
@@ -189,19 +191,19 @@ contains
     directions = 0
     is_ok = .true.
     do i = 1, n
-      call need_integer(reader, row, i, 'direction', directions(i), is_ok, 1)
+      call read_integer(reader, row, i, 'direction', directions(i), is_ok, 1)
       if (.not. is_ok) return
       if (directions(i) >= 1 .and. directions(i) <= 3) cycle
-      call complain(reader, row%line, 'A spring acts in direction 1, 2 or 3; nodes do not turn.')
+      call report_error(reader, row%line, 'A spring acts in direction 1, 2 or 3; nodes do not turn.')
       directions(i) = 1
     end do
   end subroutine read_directions
 
 
   !> Rows of constant, a field that is passed over, temperature.
-  subroutine read_constants(reader, row, spring, is_ok)
+  subroutine read_spring_constants(reader, row, spring, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(spring_type), intent(inout) :: spring
     logical, intent(out) :: is_ok                !< .false.: there are none
     real(DP) :: constant, temperature
@@ -212,12 +214,12 @@ contains
     do while (next_row(reader%cards, row))
       is_ok = .true.
       is_good = .true.
-      call need_at_most(reader, row, 3)
-      call need_real(reader, row, 1, 'spring constant', constant, is_good)
-      call need_real(reader, row, 3, 'temperature', temperature, is_good, 0.0_DP)
+      call check_n_fields(reader, row, 3)
+      call read_real(reader, row, 1, 'spring constant', constant, is_good)
+      call read_real(reader, row, 3, 'temperature', temperature, is_good, 0.0_DP)
       if (.not. is_good) cycle
       if (any(spring%constant%temperature >= temperature)) then
-        call complain(reader, row%line, 'The temperatures of the spring constants must ascend.')
+        call report_error(reader, row%line, 'The temperatures of the spring constants must ascend.')
         cycle
       end if
       constants = [constants, constant]
@@ -228,45 +230,45 @@ contains
       spring%constant%temperature = [0.0_DP]
       spring%constant%value = reshape([1.0_DP], [1, 1])
     end if
-  end subroutine read_constants
+  end subroutine read_spring_constants
 
 
   !> Rows of force, elongation, temperature; the elongations of one temperature ascend.
-  subroutine read_forces(reader, row, tables, is_ok)
+  subroutine read_force_curves(reader, row, tables, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
-    type(curve_type), allocatable, intent(out) :: tables(:)
+    type(data_row_type), intent(inout) :: row
+    type(hardening_curve_type), allocatable, intent(out) :: tables(:)
     logical, intent(out) :: is_ok                !< .false.: there are none
     real(DP) :: force, elongation, temperature
     logical :: is_good
     allocate (tables(0))
     do while (next_row(reader%cards, row))
       is_good = .true.
-      call need_at_most(reader, row, 3)
-      call need_real(reader, row, 1, 'force', force, is_good, 0.0_DP)
-      call need_real(reader, row, 2, 'elongation', elongation, is_good, 0.0_DP)
-      call need_real(reader, row, 3, 'temperature', temperature, is_good, 0.0_DP)
-      if (is_good) call add_force(reader, row%line, temperature, elongation, force, tables)
+      call check_n_fields(reader, row, 3)
+      call read_real(reader, row, 1, 'force', force, is_good, 0.0_DP)
+      call read_real(reader, row, 2, 'elongation', elongation, is_good, 0.0_DP)
+      call read_real(reader, row, 3, 'temperature', temperature, is_good, 0.0_DP)
+      if (is_good) call add_curve_point(reader, row%line, temperature, elongation, force, tables)
     end do
     is_ok = size(tables) > 0
-  end subroutine read_forces
+  end subroutine read_force_curves
 
 
   !> A point of the table of the last temperature, or the first of the next.
-  subroutine add_force(reader, line, temperature, elongation, force, tables)
+  subroutine add_curve_point(reader, line, temperature, elongation, force, tables)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
     real(DP), intent(in) :: temperature, elongation, force
-    type(curve_type), allocatable, intent(inout) :: tables(:)
+    type(hardening_curve_type), allocatable, intent(inout) :: tables(:)
     integer :: n
     n = size(tables)
     if (n > 0) then
       associate (last => tables(n))
         if (temperature < last%temperature) then
-          call complain(reader, line, 'The temperatures of a spring must ascend.')
+          call report_error(reader, line, 'The temperatures of a spring must ascend.')
           return
         else if (.not. temperature > last%temperature) then
-          if (elongation <= last%strain(size(last%strain))) call complain(reader, line, &
+          if (elongation <= last%strain(size(last%strain))) call report_error(reader, line, &
             'The elongations of a spring must ascend.')
           last%strain = [last%strain, elongation]
           last%stress = [last%stress, force]
@@ -274,43 +276,43 @@ contains
         end if
       end associate
     end if
-    tables = [tables, curve_type(temperature=temperature, strain=[elongation], stress=[force])]
-  end subroutine add_force
+    tables = [tables, hardening_curve_type(temperature=temperature, strain=[elongation], stress=[force])]
+  end subroutine add_curve_point
 
 
   !> ORIENTATION: directions 1 to 3 are those of the axes that it names.
-  subroutine turn_spring(reader, c, parameters, n, directions, spring)
+  subroutine set_spring_axes(reader, c, parameters, n, directions, spring)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     integer, intent(in) :: n                     !< 1 or 2 directions
     integer, intent(in) :: directions(2)
     type(spring_type), intent(inout) :: spring
-    type(frame_rule_type) :: rule
+    type(coordinate_system_type) :: rule
     real(DP) :: frame(3, 3)
     logical :: is_ok
     integer :: i
     is_ok = .true.
     call find_orientation(reader, c, parameter_text(parameters, 'ORIENTATION'), rule, is_ok)
-    if (is_ok .and. rule%is_cylindrical) call complain(reader, reader%cards%cards(c)%line, &
+    if (is_ok .and. rule%is_cylindrical) call report_error(reader, reader%cards%cards(c)%line, &
       'The orientation of springs must be rectangular.')
     spring%axes(1, :) = 1
     if (.not. is_ok .or. rule%is_cylindrical) return
-    frame = frame_at(rule, [0.0_DP, 0.0_DP, 0.0_DP])
+    frame = axes_at(rule, [0.0_DP, 0.0_DP, 0.0_DP])
     do i = 1, n
       spring%axes(:, i) = frame(:, directions(i))
     end do
-  end subroutine turn_spring
+  end subroutine set_spring_axes
 
 
   !> GAP: clearance, direction, a field that is passed over, stiffness, pull.
-  subroutine read_gap(reader, model, c, members, draft)
+  subroutine read_gap_element(reader, model, c, members, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: members(:)            !< drafts
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(inout) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(spring_type) :: gap
     real(DP) :: axis(3)
@@ -320,36 +322,37 @@ contains
     gap%is_gap = .true.
     is_ok = next_row(reader%cards, row)
     if (.not. is_ok) then
-      call complain(reader, reader%cards%cards(c)%line, 'The data are missing: clearance and direction of the gap.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The data are missing: clearance and direction of the gap.')
       return
     end if
-    call need_at_most(reader, row, 7)
-    call need_real(reader, row, 1, 'clearance', gap%clearance, is_ok, 0.0_DP)
+    call check_n_fields(reader, row, 7)
+    call read_real(reader, row, 1, 'clearance', gap%clearance, is_ok, 0.0_DP)
     do i = 1, 3
-      call need_real(reader, row, i + 1, 'direction', axis(i), is_ok, 0.0_DP)
+      call read_real(reader, row, i + 1, 'direction', axis(i), is_ok, 0.0_DP)
     end do
-    call need_real(reader, row, 6, 'stiffness', gap%stiffness, is_ok, 1.0e12_DP)
-    call need_real(reader, row, 7, 'pull', gap%pull, is_ok, 1.0e-3_DP)
+    call read_real(reader, row, 6, 'stiffness', gap%stiffness, is_ok, 1.0e12_DP)
+    call read_real(reader, row, 7, 'pull', gap%open_force, is_ok, 1.0e-3_DP)
     if (.not. is_ok) return
-    if (gap%stiffness <= 0 .or. gap%pull < 0) call complain(reader, row%line, 'The stiffness of a gap must be positive, and ' // &
+    if (gap%stiffness <= 0 .or. gap%open_force < 0) call report_error(reader, row%line, &
+      'The stiffness of a gap must be positive, and ' // &
       'its pull not negative.')
-    if (next_row(reader%cards, row)) call need_no_data(reader, row)
-    if (reader%dialect /= DIALECT_CALCULIX) call note(reader, reader%cards%cards(c)%line, 'A closed gap is a spring of ' // &
-      'stiffness ' // text_of(gap%stiffness) // ' here; the sixth value of the line gives another one.')
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
+    if (reader%dialect /= DIALECT_CALCULIX) call report_note(reader, reader%cards%cards(c)%line, 'A closed gap is a spring of ' // &
+      'stiffness ' // to_text(gap%stiffness) // ' here; the sixth value of the line gives another one.')
     gap%axes(:, 1) = axis
-    call add_law(model, gap, members, draft)
+    call assign_law(model, gap, members, draft)
     do i = 1, 3                                  ! along an axis the other displacements of its nodes are not resisted
       if (abs(axis(i)) > 0 .and. .not. any(abs(pack(axis, [1, 2, 3] /= i)) > 0)) draft%directions(:, members) = i
     end do
-  end subroutine read_gap
+  end subroutine read_gap_element
 
 
   !> Reads all DIST of MPC cards. Before: nodes, sets, materials and springs are read; the elements are drafts.
-  subroutine read_ropes(reader, model, draft)
+  subroutine read_distance_limits(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(draft_type), intent(inout) :: draft
-    type(row_type) :: row
+    type(element_draft_type), intent(inout) :: draft
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     character(:), allocatable :: kind
@@ -360,25 +363,25 @@ contains
       call open_card(reader, c, parameters, row)
       has_row = next_row(reader%cards, row)
       do while (has_row)
-        call next_mpc(reader, model, row, 'DIST', has_row, kind, nodes, line, is_ok)
-        if (is_ok .and. kind == 'DIST') call add_rope(reader, model, c, line, each_once(nodes), draft)
+        call read_next_mpc(reader, model, row, 'DIST', has_row, kind, nodes, line, is_ok)
+        if (is_ok .and. kind == 'DIST') call add_distance_limit(reader, model, c, line, unique_nodes(nodes), draft)
       end do
     end do
-  end subroutine read_ropes
+  end subroutine read_distance_limits
 
 
   !> A rope between the first two nodes; the first coordinate of the third is its length.
-  subroutine add_rope(reader, model, c, line, nodes, draft)
+  subroutine add_distance_limit(reader, model, c, line, nodes, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: line
     integer, intent(in) :: nodes(:)
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     type(spring_type) :: rope
     real(DP) :: distance, modulus
     if (size(nodes) /= 3) then
-      call complain(reader, line, 'DIST needs a node three times, another one three times, and a node whose first ' // &
+      call report_error(reader, line, 'DIST needs a node three times, another one three times, and a node whose first ' // &
         'coordinate is the distance that they may have.')
       return
     end if
@@ -386,22 +389,22 @@ contains
       distance = norm2(x(:, nodes(2)) - x(:, nodes(1)))
       rope%clearance = x(1, nodes(3)) - distance
     end associate
-    modulus = stiffest(model)
+    modulus = max_modulus(model)
     if (.not. distance > 0.0_DP .or. .not. modulus > 0.0_DP .or. rope%clearance < -1.0e-6_DP * distance) then
-      call complain(reader, line, 'DIST: the two nodes must be apart at the start, not farther than the distance given ' // &
+      call report_error(reader, line, 'DIST: the two nodes must be apart at the start, not farther than the distance given ' // &
         '(first coordinate of the last node), and a material must be elastic.')
       return
     end if
-    rope%is_rope = .true.
+    rope%is_distance_limit = .true.
     rope%length_node = nodes(3)
-    rope%stiffness = STIFFER * modulus * distance
+    rope%stiffness = LIMIT_STIFFNESS_FACTOR * modulus * distance
     model%springs = [model%springs, rope]
     call append_draft(draft, c, line, nodes(:2), size(model%springs))
-  end subroutine add_rope
+  end subroutine add_distance_limit
 
 
   !> The largest Young's modulus of all materials, or what comes near it.
-  pure real(DP) function stiffest(model) result(modulus)
+  pure real(DP) function max_modulus(model) result(modulus)
     type(model_type), intent(in) :: model
     integer :: i
     modulus = 0.0_DP
@@ -409,12 +412,12 @@ contains
       modulus = max(modulus, model%materials(i)%youngs_modulus)
       if (allocated(model%materials(i)%elastic%value)) modulus = max(modulus, maxval(model%materials(i)%elastic%value(1, :)))
     end do
-  end function stiffest
+  end function max_modulus
 
 
   !> One more element among the drafts, with the next label.
   subroutine append_draft(draft, c, line, nodes, spring)
-    type(draft_type), intent(inout) :: draft
+    type(element_draft_type), intent(inout) :: draft
     integer, intent(in) :: c, line, nodes(2)
     integer, intent(in) :: spring                !< index of its law
     integer, allocatable :: directions(:, :)
@@ -431,7 +434,7 @@ contains
     call draft%nodes%add(nodes(2))
     draft%first = [draft%first(:n), draft%first(n) + 2]
     draft%material = [draft%material(:draft%n), 0]
-    draft%section = [draft%section(:draft%n), 1.0_DP]
+    draft%section_value = [draft%section_value(:draft%n), 1.0_DP]
     draft%spring = [draft%spring(:draft%n), spring]
     draft%n = n
   end subroutine append_draft

@@ -4,21 +4,22 @@
 !! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE: what a step changes of the model.
 module amontons_deck_steps
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, line_text, field_text
-  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
-  use amontons_deck_initial_conditions, only: thermal_type, start_thermal, begin_thermal_step, read_temperature, &
-    hand_over_temperatures, cut_temperatures
+  use amontons_cards, only: parameter_type, data_row_type, next_row, line_text, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
+  use amontons_deck_initial_conditions, only: active_temperatures_type, init_temperatures, propagate_temperatures, &
+    read_temperature, &
+    get_step_temperatures, truncate_temperatures
   use amontons_deck_loads, only: read_boundary, read_cload, read_dload
-  use amontons_load_propagation, only: standing_type, start_standing, begin_step, hand_over_loads, cut_loads
+  use amontons_load_propagation, only: active_loads_type, init_active_loads, propagate_loads, get_step_loads, truncate_loads
   use amontons_deck_contact, only: read_contact_change
-  use amontons_deck_output, only: output_type, begin_output, read_output_card, close_output
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
-    need_no_data, is_card, nodes_of_field, elements_of_field
+  use amontons_deck_output, only: output_requests_type, begin_output, read_output_card, set_output_times
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
+    check_no_data, is_card, nodes_of_field, elements_of_field
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_steps, only: step_type, controls_type, calculix_controls, SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, &
-    SEARCH_NODAL, SEARCH_AUTO, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE
-  use amontons_text, only: text_of, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
-  use amontons_mpc_data, only: BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE
+  use amontons_steps, only: step_type, controls_type, calculix_controls, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
+    LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE
+  use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
+  use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type
@@ -28,21 +29,21 @@ module amontons_deck_steps
   public :: read_steps
 
   !> What is known while the steps are read.
-  type :: progress_type
+  type :: step_reader_type
     type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
-    type(thermal_type) :: thermal
-    type(standing_type) :: standing
-    type(output_type) :: output
-    type(standing_type) :: base                  !< loads before the first PERTURBATION step
-    type(thermal_type) :: base_thermal           !< temperatures before it
+    type(active_temperatures_type) :: thermal
+    type(active_loads_type) :: active_loads
+    type(output_requests_type) :: output
+    type(active_loads_type) :: base                  !< loads before the first PERTURBATION step
+    type(active_temperatures_type) :: unperturbed_temperatures           !< temperatures before it
     integer :: n = 0                             !< steps begun
     real(DP) :: total_time = 0                   !< at the end of the step before [time]
     logical :: has_static = .false.
-    logical :: has_refused = .false.             !< a card of this step is refused, maybe its procedure
+    logical :: has_rejected_card = .false.             !< a card of this step is refused, maybe its procedure
     logical :: is_open = .false.
     integer :: interaction = 0                   !< the one that the last CHANGE card names
     integer :: material = 0                      !< the one that the last CHANGE MATERIAL made
-  end type progress_type
+  end type step_reader_type
 
 contains
 
@@ -50,21 +51,21 @@ contains
   subroutine read_steps(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(progress_type) :: progress
+    type(step_reader_type) :: progress
     integer :: c, n_steps
     n_steps = 0
     if (reader%cards%n_cards > 0) n_steps = maxval(reader%step_of_card)
     allocate (model%steps(n_steps))
-    if (n_steps == 0) call complain(reader, 0, 'The deck has no step: there is no *STEP card.')
-    call start_standing(model, progress%standing)
-    call start_thermal(model, progress%thermal)
+    if (n_steps == 0) call report_error(reader, 0, 'The deck has no step: there is no *STEP card.')
+    call init_active_loads(model, progress%active_loads)
+    call init_temperatures(model, progress%thermal)
     progress%step%controls = default_controls(reader%dialect)
     if (reader%dialect == DIALECT_CALCULIX) call turn_on_nlgeom(reader, model, progress%step)
     allocate (progress%step%prints(0))
     do c = 1, reader%cards%n_cards
       if (reader%step_of_card(c) == 0) then
         if (progress%n == 0 .and. is_card(reader, c, 'BOUNDARY')) call read_boundary(reader, model, c, 0, &
-          progress%standing)
+          progress%active_loads)
         if (progress%n == 0 .and. is_card(reader, c, 'CONTROLS')) call read_controls(reader, c, progress%step%controls)
         cycle
       end if
@@ -84,15 +85,15 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     type(step_type), intent(inout) :: step
-    character(*), parameter :: ALWAYS = 'HYPERELASTIC|HYPERFOAM|DEFORMATION PLASTICITY|GAP CONDUCTANCE'
+    character(*), parameter :: NLGEOM_CARDS = 'HYPERELASTIC|HYPERFOAM|DEFORMATION PLASTICITY|GAP CONDUCTANCE'
     logical :: has_curved
     integer :: c
-    has_curved = any(model%bonds%kind == BOND_PLANE .or. model%bonds%kind == BOND_STRAIGHT .or. &
-      model%bonds%kind == BOND_DISTANCE) .or. any(model%springs%is_rope)
+    has_curved = any(model%nonlinear_mpcs%kind == MPC_PLANE .or. model%nonlinear_mpcs%kind == MPC_STRAIGHT .or. &
+      model%nonlinear_mpcs%kind == MPC_DISTANCE) .or. any(model%springs%is_distance_limit)
     do c = 1, reader%cards%n_cards
-      if (.not. (is_one_of(reader%cards%cards(c)%key, ALWAYS) .or. (has_curved .and. is_card(reader, c, 'MPC')))) cycle
+      if (.not. (is_one_of(reader%cards%cards(c)%key, NLGEOM_CARDS) .or. (has_curved .and. is_card(reader, c, 'MPC')))) cycle
       step%is_nlgeom = .true.
-      call note(reader, reader%cards%cards(c)%line, 'This card turns NLGEOM on for all steps, as in CalculiX; *STEP, ' // &
+      call report_note(reader, reader%cards%cards(c)%line, 'This card turns NLGEOM on for all steps, as in CalculiX; *STEP, ' // &
         'NLGEOM=NO turns it off.')
       return
     end do
@@ -112,8 +113,8 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(progress_type), intent(inout) :: progress
-    type(row_type) :: row
+    type(step_reader_type), intent(inout) :: progress
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     real(DP) :: period
     integer :: status
@@ -122,7 +123,7 @@ contains
     progress%n = progress%n + 1
     progress%is_open = .true.
     progress%has_static = .false.
-    progress%has_refused = .false.
+    progress%has_rejected_card = .false.
     call begin_output(progress%output)
     progress%step%title = ''
     do while (next_row(reader%cards, row))
@@ -135,23 +136,23 @@ contains
     progress%step%max_increments = 100
     if (has_parameter(parameters, 'INC')) then
       call parse_integer(parameter_text(parameters, 'INC'), progress%step%max_increments, status)
-      if (status == NUMBER_OK .and. progress%step%max_increments < 1) call complain(reader, &
+      if (status == NUMBER_OK .and. progress%step%max_increments < 1) call report_error(reader, &
         reader%cards%cards(c)%line, 'INC must be at least 1.')
     end if
     progress%step%is_direct = .false.
-    progress%step%is_clock_set = .false.
-    if (allocated(progress%step%is_born)) deallocate (progress%step%is_born)
-    if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink)
+    progress%step%is_total_time_set = .false.
+    if (allocated(progress%step%is_reactivated)) deallocate (progress%step%is_reactivated)
+    if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink_fit)
     progress%interaction = 0
     progress%material = 0
     progress%step%dt_initial = 1
     progress%step%period = 1
     progress%step%dt_min = 1.0e-6_DP
     progress%step%dt_max = 1
-    progress%step%is_creeping = .false.
-    call begin_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == 'STEP', &
-      progress%standing)
-    call begin_thermal_step(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == &
+    progress%step%has_creep = .false.
+    call propagate_loads(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == 'STEP', &
+      progress%active_loads)
+    call propagate_temperatures(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == &
       'STEP', progress%thermal)
   end subroutine open_step
 
@@ -159,15 +160,15 @@ contains
   !> PERTURBATION: what such a step loads is forgotten when it is over.
   subroutine begin_perturbation(parameters, progress)
     type(parameter_type), intent(in) :: parameters(:)
-    type(progress_type), intent(inout) :: progress
+    type(step_reader_type), intent(inout) :: progress
     if (progress%step%is_perturbation) then
-      progress%standing = progress%base
-      progress%thermal = progress%base_thermal
-      progress%standing%step = progress%n - 1
+      progress%active_loads = progress%base
+      progress%thermal = progress%unperturbed_temperatures
+      progress%active_loads%step = progress%n - 1
       progress%thermal%step = progress%n - 1
     else
-      progress%base = progress%standing
-      progress%base_thermal = progress%thermal
+      progress%base = progress%active_loads
+      progress%unperturbed_temperatures = progress%thermal
     end if
     progress%step%is_perturbation = has_parameter(parameters, 'PERTURBATION')
   end subroutine begin_perturbation
@@ -178,7 +179,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< a card after the step, or the last one
-    type(progress_type), intent(inout) :: progress
+    type(step_reader_type), intent(inout) :: progress
     integer :: k
     if (.not. progress%is_open) return
     progress%is_open = .false.
@@ -186,19 +187,19 @@ contains
     do while (.not. (is_card(reader, k, 'STEP') .and. reader%step_of_card(k) == progress%n))
       k = k - 1
     end do
-    if (.not. (progress%has_static .or. progress%has_refused)) call complain(reader, reader%cards%cards(k)%line, &
+    if (.not. (progress%has_static .or. progress%has_rejected_card)) call report_error(reader, reader%cards%cards(k)%line, &
       'This step has no *STATIC or *VISCO card.')
-    call hand_over_loads(progress%standing, progress%step%prescribed, progress%step%concentrated, &
+    call get_step_loads(progress%active_loads, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
-    if (progress%step%is_nlgeom .and. any(progress%step%distributed%is_following)) call complain(reader, &
+    if (progress%step%is_nlgeom .and. any(progress%step%distributed%is_follower)) call report_error(reader, &
       reader%cards%cards(k)%line, 'Under NLGEOM a traction keeps its direction and its size per undeformed area: its card ' // &
       'needs FOLLOWER=NO, CONSTANT RESULTANT=YES.')
-    call hand_over_temperatures(progress%thermal, progress%step%temperatures)
-    call close_output(reader, progress%output, progress%total_time, progress%step)
-    if (progress%n == reader%cut_step) then
-      call cut_loads(progress%standing, reader%cut_time / progress%step%period)
-      call cut_temperatures(progress%thermal, reader%cut_time / progress%step%period)
-      progress%step%period = reader%cut_time
+    call get_step_temperatures(progress%thermal, progress%step%temperatures)
+    call set_output_times(reader, progress%output, progress%total_time, progress%step)
+    if (progress%n == reader%truncated_step) then
+      call truncate_loads(progress%active_loads, reader%truncated_time / progress%step%period)
+      call truncate_temperatures(progress%thermal, reader%truncated_time / progress%step%period)
+      progress%step%period = reader%truncated_time
     end if
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
@@ -210,17 +211,17 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
-    type(progress_type), intent(inout) :: progress
+    type(step_reader_type), intent(inout) :: progress
     if (reader%cards%cards(c)%entry == 0) return
     associate (entry => reader%table%entries(reader%cards%cards(c)%entry))
-      if (entry%status == STATUS_REFUSED) progress%has_refused = .true.
+      if (entry%status == ENTRY_REJECTED) progress%has_rejected_card = .true.
       select case (entry%key)
       case ('STATIC', 'VISCO')
         progress%has_static = .true.
-        progress%step%is_creeping = entry%key == 'VISCO'
+        progress%step%has_creep = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
         call read_damping(reader, c, model%dialect, progress%step)
-        call set_clock(reader, c, progress)
+        call set_total_time(reader, c, progress)
       case ('NOANALYSIS')
         progress%has_static = .true.
         model%is_checked_only = .true.
@@ -229,15 +230,15 @@ contains
       case ('LINESEARCH')
         call read_line_search(reader, c, progress%step)
       case ('BOUNDARY')
-        call read_boundary(reader, model, c, progress%n, progress%standing)
+        call read_boundary(reader, model, c, progress%n, progress%active_loads)
       case ('CLOAD')
-        call read_cload(reader, model, c, progress%standing)
+        call read_cload(reader, model, c, progress%active_loads)
       case ('TEMPERATURE')
         call read_temperature(reader, model, c, progress%thermal)
       case ('DLOAD', 'DSLOAD')
-        call read_dload(reader, model, c, progress%standing)
+        call read_dload(reader, model, c, progress%active_loads)
       case ('EQUATION')
-        call read_removal(reader, model, c, progress%n)
+        call read_equation_removal(reader, model, c, progress%n)
       case ('CHANGEMATERIAL')
         call read_material_change(reader, model, c, progress%step, progress%material)
       case ('CHANGEPLASTIC')
@@ -263,7 +264,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
@@ -272,20 +273,20 @@ contains
     is_ok = .true.
     has_row = next_row(reader%cards, row)
     if (.not. has_row) row%n = 0
-    call need_at_most(reader, row, 5)            ! the fifth of CalculiX is for flow
-    call need_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
-    if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call note(reader, row%line, &
+    call check_n_fields(reader, row, 5)            ! the fifth of CalculiX is for flow
+    call read_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
+    if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call report_note(reader, row%line, &
       'The length of the step must be positive; 1 is taken.')
     if (step%period <= 0) step%period = 1
-    call need_real(reader, row, 1, 'first increment', step%dt_initial, is_ok, 0.0_DP)
+    call read_real(reader, row, 1, 'first increment', step%dt_initial, is_ok, 0.0_DP)
     if (.not. abs(step%dt_initial) > 0) step%dt_initial = step%period
-    call need_real(reader, row, 3, 'least increment', step%dt_min, is_ok, 0.0_DP)
+    call read_real(reader, row, 3, 'least increment', step%dt_min, is_ok, 0.0_DP)
     if (.not. abs(step%dt_min) > 0) step%dt_min = min(step%dt_initial, 1.0e-6_DP * step%period)
-    call need_real(reader, row, 4, 'largest increment', step%dt_max, is_ok, 0.0_DP)
+    call read_real(reader, row, 4, 'largest increment', step%dt_max, is_ok, 0.0_DP)
     if (.not. abs(step%dt_max) > 0) step%dt_max = step%period
     if (is_ok) call check_times(reader, row%line, step)
     if (.not. has_row) return
-    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
   end subroutine read_static
 
 
@@ -295,28 +296,29 @@ contains
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: dialect               !< DIALECT_...
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    step%damped_fraction = 0
+    step%dissipated_fraction = 0
     step%damping_factor = 0
     step%is_damping_continued = .false.
     call open_card(reader, c, parameters, row)
     if (.not. has_parameter(parameters, 'STABILIZE')) return
     if (dialect == DIALECT_CALCULIX) then
-      call note(reader, reader%cards%cards(c)%line, 'STABILIZE has no effect: CalculiX does not know it. Under the dialect ' // &
+      call report_note(reader, reader%cards%cards(c)%line, 'STABILIZE has no effect: CalculiX does not know it. Under the ' // &
+        'dialect ' // &
         'abaqus it adds damping.')
       return
     end if
-    step%damped_fraction = 2.0e-4_DP
+    step%dissipated_fraction = 2.0e-4_DP
     step%is_damping_continued = has_parameter(parameters, 'CONTINUE') .and. &
       parameter_word(parameters, 'CONTINUE', 'YES') /= 'NO'
-    call take_positive('STABILIZE', step%damped_fraction)
-    call take_positive('FACTOR', step%damping_factor)
+    call read_positive('STABILIZE', step%dissipated_fraction)
+    call read_positive('FACTOR', step%damping_factor)
 
   contains
 
     !> The number of a parameter, if it has one.
-    subroutine take_positive(name, number)
+    subroutine read_positive(name, number)
       character(*), intent(in) :: name
       real(DP), intent(inout) :: number
       real(DP) :: value
@@ -324,19 +326,19 @@ contains
       if (parameter_text(parameters, name) == '') return
       call parse_real(parameter_text(parameters, name), value, status)
       if (status /= NUMBER_OK) return            ! told when the card was checked
-      if (value < 0) call complain(reader, reader%cards%cards(c)%line, 'The value of ' // name // ' must not be negative.')
+      if (value < 0) call report_error(reader, reader%cards%cards(c)%line, 'The value of ' // name // ' must not be negative.')
       number = max(value, 0.0_DP)
-    end subroutine take_positive
+    end subroutine read_positive
 
   end subroutine read_damping
 
 
   !> TIME RESET: the step ends at the total time at which it starts. TOTAL TIME AT START: it starts at this one.
-  subroutine set_clock(reader, c, progress)
+  subroutine set_total_time(reader, c, progress)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
-    type(progress_type), intent(inout) :: progress
-    type(row_type) :: row
+    type(step_reader_type), intent(inout) :: progress
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     real(DP) :: clock
     integer :: status
@@ -347,10 +349,10 @@ contains
       if (status /= NUMBER_OK) return            ! told when the card was checked
     end if
     if (has_parameter(parameters, 'TIME RESET')) clock = clock - progress%step%period
-    progress%step%is_clock_set = abs(clock - progress%total_time) > 0
+    progress%step%is_total_time_set = abs(clock - progress%total_time) > 0
     progress%step%clock = clock
     progress%total_time = clock
-  end subroutine set_clock
+  end subroutine set_total_time
 
 
   !> Tells times that do not fit together.
@@ -359,19 +361,19 @@ contains
     integer, intent(in) :: line
     type(step_type), intent(inout) :: step
     if (step%dt_initial < 0 .or. step%dt_min < 0 .or. step%dt_max < 0) then
-      call complain(reader, line, 'The times of a step must be positive.')
+      call report_error(reader, line, 'The times of a step must be positive.')
       return
     end if
-    if (step%dt_initial > step%period) call complain(reader, line, 'The first increment ' // text_of(step%dt_initial) &
-      // ' is longer than the step, ' // text_of(step%period) // '.')
+    if (step%dt_initial > step%period) call report_error(reader, line, 'The first increment ' // to_text(step%dt_initial) &
+      // ' is longer than the step, ' // to_text(step%period) // '.')
     if (step%is_direct) return
     if (step%dt_min > step%dt_initial) then
-      call note(reader, line, 'The least increment ' // text_of(step%dt_min) // ' is longer than the first one, ' // &
-        text_of(step%dt_initial) // ', which is taken for it.')
+      call report_note(reader, line, 'The least increment ' // to_text(step%dt_min) // ' is longer than the first one, ' // &
+        to_text(step%dt_initial) // ', which is taken for it.')
       step%dt_min = step%dt_initial
     end if
     if (step%dt_max < step%dt_initial) then
-      call note(reader, line, 'The first increment is cut to the largest one, ' // text_of(step%dt_max) // '.')
+      call report_note(reader, line, 'The first increment is cut to the largest one, ' // to_text(step%dt_max) // '.')
       step%dt_initial = step%dt_max
     end if
   end subroutine check_times
@@ -382,7 +384,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(controls_type), intent(inout) :: controls
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: what
     logical :: is_row
@@ -390,7 +392,7 @@ contains
     what = parameter_word(parameters, 'PARAMETERS', '')
     if (has_parameter(parameters, 'RESET')) controls = default_controls(reader%dialect)
     if (what == '' .and. .not. (has_parameter(parameters, 'RESET') .or. has_parameter(parameters, 'ANALYSIS'))) call &
-      complain(reader, row%line, '*CONTROLS needs PARAMETERS=TIME INCREMENTATION/FIELD/LINE SEARCH/GAP/CONTACT or ' // &
+      report_error(reader, row%line, '*CONTROLS needs PARAMETERS=TIME INCREMENTATION/FIELD/LINE SEARCH/GAP/CONTACT or ' // &
       'RESET.')
     is_row = next_row(reader%cards, row)
     select case (what)
@@ -404,40 +406,40 @@ contains
       if (is_row) is_row = next_row(reader%cards, row)   ! the second line of Abaqus and CalculiX is passed over
       if (is_row) is_row = next_row(reader%cards, row)
     case ('LINESEARCH')
-      if (is_row) call read_lengths(reader, row, controls)
+      if (is_row) call read_step_lengths(reader, row, controls)
       if (is_row) is_row = next_row(reader%cards, row)
     case ('GAP')
-      if (is_row) call read_gap(reader, row, controls)
+      if (is_row) call read_gap_tolerance(reader, row, controls)
       if (is_row) is_row = next_row(reader%cards, row)
     case ('CONTACT')
-      call note(reader, reader%cards%cards(c)%line, 'These numbers are for contact by springs; contact is exact ' // &
+      call report_note(reader, reader%cards%cards(c)%line, 'These numbers are for contact by springs; contact is exact ' // &
         'here and does not use them.')
       is_row = .false.
     case ('CONSTRAINTS')
-      call note(reader, reader%cards%cards(c)%line, 'Constraints hold exactly; these tolerances have no effect.')
+      call report_note(reader, reader%cards%cards(c)%line, 'Constraints hold exactly; these tolerances have no effect.')
       is_row = .false.
     end select
-    if (is_row) call need_no_data(reader, row)
+    if (is_row) call check_no_data(reader, row)
   end subroutine read_controls
 
 
   !> I0, IR, IP, IC, IL, IG, -, IA: all at least 1.
   subroutine read_counts(reader, row, controls)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(controls_type), intent(inout) :: controls
     character(2), parameter :: NAMES(8) = ['I0', 'IR', 'IP', 'IC', 'IL', 'IG', 'IS', 'IA']
     integer :: counts(8), i
     logical :: is_ok
     is_ok = .true.
     counts = [controls%i_0, controls%i_r, controls%i_p, controls%i_c, controls%i_l, controls%i_g, 1, controls%i_a]
-    call need_at_most(reader, row, 10)
+    call check_n_fields(reader, row, 10)
     do i = 1, 8
-      call need_integer(reader, row, i, NAMES(i), counts(i), is_ok, default=(counts(i)))
+      call read_integer(reader, row, i, NAMES(i), counts(i), is_ok, default=(counts(i)))
     end do
     if (.not. is_ok) return
     if (any(counts([1, 2, 3, 4, 5, 6, 8]) < 1)) then
-      call complain(reader, row%line, 'The numbers of iterations and cut-backs must be at least 1.')
+      call report_error(reader, row%line, 'The numbers of iterations and cut-backs must be at least 1.')
       return
     end if
     controls%i_0 = counts(1)
@@ -453,18 +455,18 @@ contains
   !> DF, DC, DB, -, -, -, DD: the first three in (0, 1), the last at least 1.
   subroutine read_factors(reader, row, controls)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(controls_type), intent(inout) :: controls
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 8)
-    call need_real(reader, row, 1, 'DF', controls%d_f, is_ok, default=(controls%d_f))
-    call need_real(reader, row, 2, 'DC', controls%d_c, is_ok, default=(controls%d_c))
-    call need_real(reader, row, 3, 'DB', controls%d_b, is_ok, default=(controls%d_b))
-    call need_real(reader, row, 7, 'DD', controls%d_d, is_ok, default=(controls%d_d))
+    call check_n_fields(reader, row, 8)
+    call read_real(reader, row, 1, 'DF', controls%d_f, is_ok, default=(controls%d_f))
+    call read_real(reader, row, 2, 'DC', controls%d_c, is_ok, default=(controls%d_c))
+    call read_real(reader, row, 3, 'DB', controls%d_b, is_ok, default=(controls%d_b))
+    call read_real(reader, row, 7, 'DD', controls%d_d, is_ok, default=(controls%d_d))
     if (.not. is_ok) return
     if (any([controls%d_f, controls%d_c] <= 0) .or. any([controls%d_f, controls%d_c] >= 1) .or. controls%d_b <= 0 .or. &
-      controls%d_b > 1 .or. controls%d_d < 1) call complain(reader, row%line, &
+      controls%d_b > 1 .or. controls%d_d < 1) call report_error(reader, row%line, &
       'The factors must be 0 < DF < 1, 0 < DC < 1, 0 < DB <= 1, DD >= 1.')
   end subroutine read_factors
 
@@ -472,48 +474,48 @@ contains
   !> Rn, Cn, -, -, Rp, -, -, Rl: all positive.
   subroutine read_tolerances(reader, row, controls)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(controls_type), intent(inout) :: controls
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 8)
-    call need_real(reader, row, 1, 'Rn', controls%r_n, is_ok, default=(controls%r_n))
-    call need_real(reader, row, 2, 'Cn', controls%c_n, is_ok, default=(controls%c_n))
-    call need_real(reader, row, 5, 'Rp', controls%r_p, is_ok, default=max(controls%r_p, controls%r_n))
-    call need_real(reader, row, 8, 'Rl', controls%r_l, is_ok, default=(controls%r_l))
-    if (is_ok .and. any([controls%r_n, controls%c_n, controls%r_p, controls%r_l] <= 0)) call complain(reader, &
+    call check_n_fields(reader, row, 8)
+    call read_real(reader, row, 1, 'Rn', controls%r_n, is_ok, default=(controls%r_n))
+    call read_real(reader, row, 2, 'Cn', controls%c_n, is_ok, default=(controls%c_n))
+    call read_real(reader, row, 5, 'Rp', controls%r_p, is_ok, default=max(controls%r_p, controls%r_n))
+    call read_real(reader, row, 8, 'Rl', controls%r_l, is_ok, default=(controls%r_l))
+    if (is_ok .and. any([controls%r_n, controls%c_n, controls%r_p, controls%r_l] <= 0)) call report_error(reader, &
       row%line, 'The tolerances must be positive.')
   end subroutine read_tolerances
 
 
   !> -, s max, s min: 0 < s min <= s max.
-  subroutine read_lengths(reader, row, controls)
+  subroutine read_step_lengths(reader, row, controls)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(controls_type), intent(inout) :: controls
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 5)
-    call need_real(reader, row, 2, 's max', controls%s_max, is_ok, default=(controls%s_max))
-    call need_real(reader, row, 3, 's min', controls%s_min, is_ok, default=(controls%s_min))
-    if (is_ok .and. (controls%s_min <= 0 .or. controls%s_max < controls%s_min)) call complain(reader, row%line, &
+    call check_n_fields(reader, row, 5)
+    call read_real(reader, row, 2, 's max', controls%s_max, is_ok, default=(controls%s_max))
+    call read_real(reader, row, 3, 's min', controls%s_min, is_ok, default=(controls%s_min))
+    if (is_ok .and. (controls%s_min <= 0 .or. controls%s_max < controls%s_min)) call report_error(reader, row%line, &
       'The step lengths must be 0 < s min <= s max.')
-  end subroutine read_lengths
+  end subroutine read_step_lengths
 
 
   !> The penetration allowed at a closed node over the edge length of its facet (our own).
-  subroutine read_gap(reader, row, controls)
+  subroutine read_gap_tolerance(reader, row, controls)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     type(controls_type), intent(inout) :: controls
     logical :: is_ok
     is_ok = .true.
-    call need_at_most(reader, row, 1)
-    call need_real(reader, row, 1, 'penetration over the edge length', controls%gap_tolerance, is_ok, &
+    call check_n_fields(reader, row, 1)
+    call read_real(reader, row, 1, 'penetration over the edge length', controls%gap_tolerance, is_ok, &
       default=(controls%gap_tolerance))
-    if (is_ok .and. controls%gap_tolerance <= 0) call complain(reader, row%line, &
+    if (is_ok .and. controls%gap_tolerance <= 0) call report_error(reader, row%line, &
       'The penetration allowed must be positive.')
-  end subroutine read_gap
+  end subroutine read_gap_tolerance
 
 
   !> LINE SEARCH, TYPE=..., DIRECTION=...
@@ -521,28 +523,28 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     call open_card(reader, c, parameters, row)
     select case (parameter_word(parameters, 'TYPE', ''))
     case ('NONE')
-      step%line_search = SEARCH_NONE
+      step%line_search = LINE_SEARCH_NONE
     case ('ALL')
-      step%line_search = SEARCH_ALL
+      step%line_search = LINE_SEARCH_ALL
     case ('GLOBAL')
-      step%line_search = SEARCH_GLOBAL
+      step%line_search = LINE_SEARCH_GLOBAL
     case ('NODAL')
-      step%line_search = SEARCH_NODAL
+      step%line_search = LINE_SEARCH_NODAL
     case ('AUTO')
-      step%line_search = SEARCH_AUTO
+      step%line_search = LINE_SEARCH_AUTO
     end select
     select case (parameter_word(parameters, 'DIRECTION', ''))
     case ('SYMMETRIC')
-      step%direction = DIRECTION_SYMMETRIC
+      step%direction = TANGENT_SYMMETRIC
     case ('LAGGED')
-      step%direction = DIRECTION_LAGGED
+      step%direction = TANGENT_LAGGED
     case default
-      step%direction = DIRECTION_EXACT
+      step%direction = TANGENT_EXACT
     end select
   end subroutine read_line_search
 
@@ -551,7 +553,7 @@ contains
   logical function is_element_change(reader, c)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c                     !< index of the card
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     is_element_change = is_card(reader, c, 'MODELCHANGE')
     if (.not. is_element_change) return
@@ -566,7 +568,7 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: elements(:)
     integer :: i, n, n_same
@@ -574,12 +576,12 @@ contains
     call open_card(reader, c, parameters, row)
     is_removal = has_parameter(parameters, 'REMOVE')
     if (has_parameter(parameters, 'ADD') .eqv. is_removal) then
-      call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
+      call report_error(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
       return
     end if
     is_free = parameter_word(parameters, 'ADD', 'STRAINFREE') == 'STRAINFREE'
-    if (.not. allocated(step%is_absent)) allocate (step%is_absent(model%mesh%n_elements), source=.false.)
-    if (.not. allocated(step%is_born)) allocate (step%is_born(model%mesh%n_elements), source=.false.)
+    if (.not. allocated(step%is_inactive)) allocate (step%is_inactive(model%mesh%n_elements), source=.false.)
+    if (.not. allocated(step%is_reactivated)) allocate (step%is_reactivated(model%mesh%n_elements), source=.false.)
     n = 0
     n_same = 0
     do while (next_row(reader%cards, row))
@@ -588,16 +590,17 @@ contains
         call elements_of_field(reader, model%mesh, row, i, elements, is_ok)
         n = n + 1
         if (.not. is_ok) cycle
-        n_same = n_same + count(step%is_absent(elements) .eqv. is_removal)
-        if (.not. is_removal .and. is_free) step%is_born(elements) = step%is_born(elements) .or. step%is_absent(elements)
-        step%is_absent(elements) = is_removal
+        n_same = n_same + count(step%is_inactive(elements) .eqv. is_removal)
+        if (.not. is_removal .and. is_free) step%is_reactivated(elements) = step%is_reactivated(elements) &
+          .or. step%is_inactive(elements)
+        step%is_inactive(elements) = is_removal
       end do
     end do
-    if (n == 0) call complain(reader, reader%cards%cards(c)%line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
       'elements or element sets.')
-    if (n_same > 0) call note(reader, reader%cards%cards(c)%line, plural(n_same, 'element') // trim(merge( &
+    if (n_same > 0) call report_note(reader, reader%cards%cards(c)%line, plural(n_same, 'element') // trim(merge( &
       ' had been taken out before.          ', ' had not been taken out, or are back.', is_removal)))
-    if (all(step%is_absent)) call complain(reader, reader%cards%cards(c)%line, 'No element is left in the model.')
+    if (all(step%is_inactive)) call report_error(reader, reader%cards%cards(c)%line, 'No element is left in the model.')
   end subroutine read_element_change
 
 
@@ -607,23 +610,23 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: c                     !< index of the card
     type(step_type), intent(inout) :: step
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: set, material
     call open_card(reader, c, parameters, row)
     set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
     material = present_material(model, reader%materials%find(parameter_text(parameters, 'MATERIAL')))
     associate (line => reader%cards%cards(c)%line)
-      if (set == 0) call complain(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') // '''.')
-      if (material == 0) call complain(reader, line, 'There is no material ''' // parameter_text(parameters, 'MATERIAL') // &
+      if (set == 0) call report_error(reader, line, 'There is no element set ''' // parameter_text(parameters, 'ELSET') // '''.')
+      if (material == 0) call report_error(reader, line, 'There is no material ''' // parameter_text(parameters, 'MATERIAL') // &
         '''.')
     end associate
-    if (next_row(reader%cards, row)) call need_no_data(reader, row)
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
     if (set == 0 .or. material == 0) return
     if (.not. allocated(step%material)) step%material = model%mesh%material
     associate (members => model%mesh%element_sets(set)%members)
       if (any(model%mesh%kind(members) >= KIND_SPRINGA)) then
-        call complain(reader, reader%cards%cards(c)%line, 'Springs and masses have no material; name solid elements only.')
+        call report_error(reader, reader%cards%cards(c)%line, 'Springs and masses have no material; name solid elements only.')
       else
         step%material(members) = material
       end if
@@ -651,7 +654,7 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(step_type), intent(inout) :: step
     integer, intent(out) :: copy                 !< index of the copy; 0: trouble, which was told
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(material_type) :: changed
     integer :: old
@@ -659,7 +662,8 @@ contains
     call open_card(reader, c, parameters, row)
     old = present_material(model, reader%materials%find(parameter_text(parameters, 'NAME')))
     if (old == 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'There is no material ''' // parameter_text(parameters, 'NAME') // '''.')
+      call report_error(reader, reader%cards%cards(c)%line, 'There is no material ''' // parameter_text(parameters, &
+        'NAME') // '''.')
       return
     end if
     changed = model%materials(old)
@@ -676,17 +680,17 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(model_type), intent(inout) :: model
     integer, intent(in) :: copy                  !< index of the changed material; 0: none
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     logical :: is_moving
     if (copy == 0) return                        ! told with CHANGE MATERIAL, or by the place of the card
     call open_card(reader, c, parameters, row)
     is_moving = parameter_word(parameters, 'HARDENING', 'ISOTROPIC') /= 'ISOTROPIC'
     associate (material => model%materials(copy))
-      if (merge(allocated(material%kinematic), allocated(material%isotropic), is_moving)) then
+      if (merge(allocated(material%kinematic_hardening), allocated(material%isotropic_hardening), is_moving)) then
         call read_plastic(reader, c, material)
       else
-        call complain(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has no *PLASTIC with ' // &
+        call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has no *PLASTIC with ' // &
           'this HARDENING, which could be changed.')
       end if
     end associate
@@ -694,12 +698,12 @@ contains
 
 
   !> EQUATION, REMOVE: the equations whose first term is one of these degrees of freedom hold no more.
-  subroutine read_removal(reader, model, c, step)
+  subroutine read_equation_removal(reader, model, c, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     integer, intent(in) :: step                  !< the present one
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     integer :: i, first, last, n
@@ -707,27 +711,27 @@ contains
     call open_card(reader, c, parameters, row)
     if (.not. has_parameter(parameters, 'REMOVE')) return   ! told elsewhere
     if (parameter_word(parameters, 'REMOVE', '') == 'ALL') then
-      where (model%equations%first_dof > 0) model%equations%last_step = min(step - 1, model%equations%last_step)
+      where (model%equations%deck_dof > 0) model%equations%last_step = min(step - 1, model%equations%last_step)
       return
     end if
     do while (next_row(reader%cards, row))
       is_ok = .true.
-      call need_at_most(reader, row, 3)
+      call check_n_fields(reader, row, 3)
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-      call need_integer(reader, row, 2, 'first degree of freedom', first, is_ok)
-      call need_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
+      call read_integer(reader, row, 2, 'first degree of freedom', first, is_ok)
+      call read_integer(reader, row, 3, 'last degree of freedom', last, is_ok, default=first)
       if (.not. is_ok) cycle
       n = 0
       do i = 1, size(model%equations)
         associate (equation => model%equations(i))
-          if (equation%first_dof < first .or. equation%first_dof > last) cycle
+          if (equation%deck_dof < first .or. equation%deck_dof > last) cycle
           if (.not. any(nodes == equation%node(1))) cycle
           equation%last_step = min(step - 1, equation%last_step)
           n = n + 1
         end associate
       end do
-      if (n == 0) call note(reader, row%line, 'No equation has its first term here; none is removed.')
+      if (n == 0) call report_note(reader, row%line, 'No equation has its first term here; none is removed.')
     end do
-  end subroutine read_removal
+  end subroutine read_equation_removal
 
 end module amontons_deck_steps

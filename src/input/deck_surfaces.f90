@@ -2,27 +2,28 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_surfaces
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, row_type, next_row, field_text, field_integer, line_text
-  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, STATUS_REFUSED
-  use amontons_deck_reader, only: reader_type, open_card, complain, note, need_real, need_integer, need_at_most, &
-    need_no_data, read_constants, nodes_of_field, elements_of_field, is_card, check_name
-  use amontons_deck_analytic_surfaces, only: read_profile, is_profile_word
-  use amontons_deck_faces, only: faces_type, find_free_faces, find_left_faces, n_hidden_faces
-  use amontons_loads, only: amplitude_type, equation_type, COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, &
-    COURSE_DECAY
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, line_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
+    check_no_data, read_user_constants, nodes_of_field, elements_of_field, is_card, check_name
+  use amontons_deck_analytic_surfaces, only: read_profile, is_analytic_type
+  use amontons_deck_faces, only: node_elements_type, find_free_faces, find_omitted_faces, count_shared_faces
+  use amontons_loads, only: amplitude_type, equation_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, &
+    AMPLITUDE_MODULATED, &
+    AMPLITUDE_DECAY
   use amontons_containers, only: integer_list_type, sort_integers
   use amontons_mesh, only: mesh_type
-  use amontons_model, only: model_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, dof_direction, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
-  use amontons_user_routines, only: CALL_NAME
-  use amontons_text, only: text_of, squeezed, parse_real, plural, NUMBER_OK, NEWLINE
-  use amontons_topology, only: kind_type, element_kind, facet_kind_type, facet_kind
+  use amontons_user_routines, only: USER_NAME_LENGTH
+  use amontons_text, only: to_text, name_key, parse_real, plural, NUMBER_OK, NEWLINE
+  use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
   public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
   public :: face_number, fill_surface_nodes
 
-  character(*), parameter :: OF_NODES = '\NODES'   !< behind the name of a surface of nodes that shares its name
+  character(*), parameter :: NODE_SURFACE_SUFFIX = '\NODES'   !< behind the name of a surface of nodes that shares its name
 
   !> Terms of one equation on their way.
   type :: terms_type
@@ -70,7 +71,7 @@ contains
   subroutine read_amplitudes(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(amplitude_type) :: amplitude
     integer :: c, position
@@ -85,15 +86,16 @@ contains
       amplitude%is_total_time = parameter_word(parameters, 'TIME', 'STEPTIME') == 'TOTALTIME'
       amplitude%is_absolute = parameter_word(parameters, 'VALUE', 'RELATIVE') == 'ABSOLUTE'
       if (amplitude%is_absolute .and. reader%dialect == DIALECT_CALCULIX) then
-        call note(reader, reader%cards%cards(c)%line, 'VALUE is not known to CalculiX and is passed over: the values are factors.')
+        call report_note(reader, reader%cards%cards(c)%line, &
+          'VALUE is not known to CalculiX and is passed over: the values are factors.')
         amplitude%is_absolute = .false.
       end if
-      call read_course(reader, c, parameters, row, amplitude)
+      call read_amplitude_definition(reader, c, parameters, row, amplitude)
       call reader%amplitudes%add(amplitude%name, position, is_new)
       if (is_new) then
         model%amplitudes = [model%amplitudes, amplitude]
       else
-        call complain(reader, reader%cards%cards(c)%line, 'The amplitude ''' // amplitude%name // &
+        call report_error(reader, reader%cards%cards(c)%line, 'The amplitude ''' // amplitude%name // &
           ''' is defined twice.')
       end if
     end do
@@ -102,53 +104,54 @@ contains
 
 
   !> The course of an amplitude, by its DEFINITION.
-  subroutine read_course(reader, c, parameters, row, amplitude)
+  subroutine read_amplitude_definition(reader, c, parameters, row, amplitude)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(amplitude_type), intent(inout) :: amplitude
     real(DP), allocatable :: numbers(:)
     integer :: n
     character(:), allocatable :: definition
     definition = parameter_word(parameters, 'DEFINITION', 'TABULAR')
-    amplitude%course = COURSE_TABLE
-    if (allocated(amplitude%numbers)) deallocate (amplitude%numbers)
+    amplitude%course = AMPLITUDE_TABLE
+    if (allocated(amplitude%formula_constants)) deallocate (amplitude%formula_constants)
     amplitude%time = [0.0_DP]                    ! until there is something better
     amplitude%factor = [0.0_DP]
     if (definition /= 'EQUALLYSPACED' .and. (has_parameter(parameters, 'FIXED INTERVAL') .or. &
-      has_parameter(parameters, 'BEGIN'))) call complain(reader, reader%cards%cards(c)%line, &
+      has_parameter(parameters, 'BEGIN'))) call report_error(reader, reader%cards%cards(c)%line, &
       'FIXED INTERVAL and BEGIN belong to DEFINITION=EQUALLY SPACED.')
     amplitude%is_user = definition == 'USER'
     select case (definition)
     case ('USER')
       call read_user_amplitude(reader, c, parameters, row, amplitude)
     case ('TABULAR', 'SMOOTHSTEP')
-      if (definition == 'SMOOTHSTEP') amplitude%course = COURSE_SMOOTH
-      call read_pairs_of_numbers(reader, row, amplitude)
+      if (definition == 'SMOOTHSTEP') amplitude%course = AMPLITUDE_SMOOTH_STEP
+      call read_amplitude_table(reader, row, amplitude)
     case ('EQUALLYSPACED')
       call read_numbers(reader, row, 1, numbers)
-      call space_equally(reader, c, parameters, numbers, amplitude)
+      call set_equal_spacing(reader, c, parameters, numbers, amplitude)
     case default
       call read_numbers(reader, row, 4, numbers)
       n = size(numbers)
-      call order_numbers(definition, numbers, amplitude)
-      if (.not. allocated(amplitude%numbers)) then
-        amplitude%course = COURSE_TABLE
-        if (n > 0) call complain(reader, reader%cards%cards(c)%line, 'PERIODIC needs the number n of terms, omega, t0, A0 and ' // &
+      call order_formula_constants(definition, numbers, amplitude)
+      if (.not. allocated(amplitude%formula_constants)) then
+        amplitude%course = AMPLITUDE_TABLE
+        if (n > 0) call report_error(reader, reader%cards%cards(c)%line, &
+          'PERIODIC needs the number n of terms, omega, t0, A0 and ' // &
           'below them n pairs A, B; MODULATED needs A0, A, t0, omega 1, omega 2; DECAY needs A0, A, t0 and a positive td.')
       end if
     end select
     amplitude%time = amplitude%time + parameter_real(parameters, 'SHIFTX', 0.0_DP)
     amplitude%factor = amplitude%factor + parameter_real(parameters, 'SHIFTY', 0.0_DP)
-    if (amplitude%course >= COURSE_PERIODIC .and. (has_parameter(parameters, 'SHIFTX') .or. &
-      has_parameter(parameters, 'SHIFTY'))) call complain(reader, reader%cards%cards(c)%line, &
+    if (amplitude%course >= AMPLITUDE_PERIODIC .and. (has_parameter(parameters, 'SHIFTX') .or. &
+      has_parameter(parameters, 'SHIFTY'))) call report_error(reader, reader%cards%cards(c)%line, &
       'SHIFTX and SHIFTY shift tables; write the shifted numbers.')
-  end subroutine read_course
+  end subroutine read_amplitude_definition
 
 
   !> The numbers of a formula as amplitude_type has them; not allocated if they are not as they should be.
-  pure subroutine order_numbers(definition, numbers, amplitude)
+  pure subroutine order_formula_constants(definition, numbers, amplitude)
     character(*), intent(in) :: definition       !< PERIODIC, MODULATED or DECAY
     real(DP), intent(in) :: numbers(:)
     type(amplitude_type), intent(inout) :: amplitude
@@ -156,22 +159,22 @@ contains
     n = size(numbers)
     select case (definition)
     case ('PERIODIC')
-      amplitude%course = COURSE_PERIODIC
+      amplitude%course = AMPLITUDE_PERIODIC
       if (n < 4) return
-      if (nint(numbers(1)) >= 1 .and. n == 4 + 2 * nint(min(numbers(1), 1.0e6_DP))) amplitude%numbers = numbers(2:)
+      if (nint(numbers(1)) >= 1 .and. n == 4 + 2 * nint(min(numbers(1), 1.0e6_DP))) amplitude%formula_constants = numbers(2:)
     case ('MODULATED')
-      amplitude%course = COURSE_MODULATED
-      if (n == 5) amplitude%numbers = numbers
+      amplitude%course = AMPLITUDE_MODULATED
+      if (n == 5) amplitude%formula_constants = numbers
     case default
-      amplitude%course = COURSE_DECAY
+      amplitude%course = AMPLITUDE_DECAY
       if (n /= 4) return
-      if (numbers(4) > 0) amplitude%numbers = numbers
+      if (numbers(4) > 0) amplitude%formula_constants = numbers
     end select
-  end subroutine order_numbers
+  end subroutine order_formula_constants
 
 
   !> EQUALLY SPACED: factors at times BEGIN + i FIXED INTERVAL.
-  subroutine space_equally(reader, c, parameters, numbers, amplitude)
+  subroutine set_equal_spacing(reader, c, parameters, numbers, amplitude)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
@@ -181,18 +184,18 @@ contains
     integer :: i
     interval = parameter_real(parameters, 'FIXED INTERVAL', 0.0_DP)
     if (.not. interval > 0) then
-      call complain(reader, reader%cards%cards(c)%line, 'DEFINITION=EQUALLY SPACED needs a positive FIXED INTERVAL.')
+      call report_error(reader, reader%cards%cards(c)%line, 'DEFINITION=EQUALLY SPACED needs a positive FIXED INTERVAL.')
     else if (size(numbers) > 0) then
       amplitude%time = [(parameter_real(parameters, 'BEGIN', 0.0_DP) + real(i, DP) * interval, i=0, size(numbers) - 1)]
       amplitude%factor = numbers
     end if
-  end subroutine space_equally
+  end subroutine set_equal_spacing
 
 
   !> All numbers in the rows of a card; tells it if there are fewer than wanted.
   subroutine read_numbers(reader, row, n_least, numbers)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     integer, intent(in) :: n_least
     real(DP), allocatable, intent(out) :: numbers(:)   !< none on trouble
     real(DP) :: value
@@ -202,11 +205,11 @@ contains
     is_ok = .true.
     do while (next_row(reader%cards, row))
       do i = 1, row%n
-        call need_real(reader, row, i, 'number', value, is_ok, 0.0_DP)
+        call read_real(reader, row, i, 'number', value, is_ok, 0.0_DP)
         numbers = [numbers, value]
       end do
     end do
-    if (is_ok .and. size(numbers) < n_least) call complain(reader, row%line, 'This amplitude needs at least ' // &
+    if (is_ok .and. size(numbers) < n_least) call report_error(reader, row%line, 'This amplitude needs at least ' // &
       plural(n_least, 'number') // '.')
     if (.not. is_ok .or. size(numbers) < n_least) numbers = [real(DP) ::]
   end subroutine read_numbers
@@ -217,7 +220,7 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(amplitude_type), intent(inout) :: amplitude
     integer :: n
     amplitude%is_total_time = .true.
@@ -227,9 +230,10 @@ contains
     amplitude%n_svars = nint(min(max(parameter_real(parameters, 'VARIABLES', 0.0_DP), 0.0_DP), 1.0e6_DP))
     if (allocated(amplitude%props)) deallocate (amplitude%props)
     allocate (amplitude%props(n), source=0.0_DP)
-    if (len(amplitude%name) > CALL_NAME) call complain(reader, reader%cards%cards(c)%line, 'The name of an amplitude ' // &
-      'that UAMP is given has at most ' // text_of(CALL_NAME) // ' letters.')
-    call read_constants(reader, c, row, 'PROPERTIES', amplitude%props)
+    if (len(amplitude%name) > USER_NAME_LENGTH) call report_error(reader, reader%cards%cards(c)%line, &
+      'The name of an amplitude ' // &
+      'that UAMP is given has at most ' // to_text(USER_NAME_LENGTH) // ' letters.')
+    call read_user_constants(reader, c, row, 'PROPERTIES', amplitude%props)
   end subroutine read_user_amplitude
 
 
@@ -251,7 +255,7 @@ contains
   subroutine delay_amplitudes(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(amplitude_type) :: amplitude
     integer :: c, found
@@ -263,14 +267,14 @@ contains
       if (.not. has_parameter(parameters, 'TIME DELAY')) cycle
       found = reader%amplitudes%find(parameter_text(parameters, 'AMPLITUDE'))
       if (found == 0) then
-        if (.not. has_parameter(parameters, 'AMPLITUDE')) call complain(reader, reader%cards%cards(c)%line, &
+        if (.not. has_parameter(parameters, 'AMPLITUDE')) call report_error(reader, reader%cards%cards(c)%line, &
           'TIME DELAY needs an AMPLITUDE that it delays.')
         cycle
       end if
-      if (model%amplitudes(found)%course >= COURSE_PERIODIC) call complain(reader, reader%cards%cards(c)%line, &
+      if (model%amplitudes(found)%course >= AMPLITUDE_PERIODIC) call report_error(reader, reader%cards%cards(c)%line, &
         'TIME DELAY delays tables; give the formula of the amplitude ''' // model%amplitudes(found)%name // ''' a later t0.')
       amplitude = model%amplitudes(found)
-      if (amplitude%is_user) call complain(reader, reader%cards%cards(c)%line, &
+      if (amplitude%is_user) call report_error(reader, reader%cards%cards(c)%line, &
         'TIME DELAY is not for an amplitude that UAMP gives.')
       amplitude%time = amplitude%time + parameter_real(parameters, 'TIME DELAY', 0.0_DP)
       model%amplitudes = [model%amplitudes, amplitude]
@@ -280,9 +284,9 @@ contains
 
 
   !> The rows of an amplitude.
-  subroutine read_pairs_of_numbers(reader, row, amplitude)
+  subroutine read_amplitude_table(reader, row, amplitude)
     type(reader_type), intent(inout) :: reader
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     type(amplitude_type), intent(inout) :: amplitude
     real(DP), allocatable :: numbers(:)
     real(DP) :: value
@@ -292,22 +296,22 @@ contains
     is_ok = .true.
     do while (next_row(reader%cards, row))
       if (modulo(row%n, 2) /= 0) then
-        call complain(reader, row%line, 'An amplitude has pairs of time and factor; this line has an odd number ' // &
+        call report_error(reader, row%line, 'An amplitude has pairs of time and factor; this line has an odd number ' // &
           'of values.')
         is_ok = .false.
       end if
       do i = 1, row%n
-        call need_real(reader, row, i, trim(merge('time  ', 'factor', modulo(i, 2) == 1)), value, is_ok)
+        call read_real(reader, row, i, trim(merge('time  ', 'factor', modulo(i, 2) == 1)), value, is_ok)
         numbers = [numbers, value]
       end do
     end do
     n = size(numbers) / 2
     if (is_ok .and. n == 0) then
-      call complain(reader, row%line, 'An amplitude needs at least one pair of time and factor.')
+      call report_error(reader, row%line, 'An amplitude needs at least one pair of time and factor.')
       is_ok = .false.
     end if
     if (is_ok) then
-      if (any(numbers(3::2) <= numbers(1:2 * n - 2:2))) call complain(reader, row%line, &
+      if (any(numbers(3::2) <= numbers(1:2 * n - 2:2))) call report_error(reader, row%line, &
         'The times of an amplitude must ascend.')
     else
       numbers = [0.0_DP, 0.0_DP]
@@ -315,7 +319,7 @@ contains
     end if
     amplitude%time = numbers(1:2 * n:2)
     amplitude%factor = numbers(2:2 * n:2)
-  end subroutine read_pairs_of_numbers
+  end subroutine read_amplitude_table
 
 
   !> SURFACE: of element faces, or of nodes. Names are used once; under the calculix dialect a surface of faces and one of
@@ -323,10 +327,10 @@ contains
   subroutine read_surfaces(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(surface_type) :: surface
-    type(faces_type) :: index
+    type(node_elements_type) :: index
     integer, allocatable :: stamp(:)
     integer :: c, position, twin
     logical :: is_new
@@ -342,14 +346,14 @@ contains
       surface%is_node_based = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'NODE'
       if (.not. is_new .and. reader%dialect == DIALECT_CALCULIX) then
         if (surface%is_node_based .neqv. model%surfaces(position)%is_node_based) call reader%surfaces%add(surface%name // &
-          OF_NODES, twin, is_new)
+          NODE_SURFACE_SUFFIX, twin, is_new)
       end if
       if (.not. is_new) then
-        call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')
+        call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')
         cycle
       end if
       if (allocated(surface%profile)) deallocate (surface%profile)
-      if (is_profile_word(parameter_word(parameters, 'TYPE', 'ELEMENT'))) then
+      if (is_analytic_type(parameter_word(parameters, 'TYPE', 'ELEMENT'))) then
         call read_profile(reader, c, surface)
       else if (surface%is_node_based) then
         call read_surface_nodes(reader, model%mesh, c, stamp, surface)
@@ -357,7 +361,7 @@ contains
         call read_surface_faces(reader, model%mesh, c, stamp, index, surface)
       end if
       model%surfaces = [model%surfaces, surface]
-      if (position < size(model%surfaces)) call part_twins(model%surfaces, position)
+      if (position < size(model%surfaces)) call rename_node_surface(model%surfaces, position)
     end do
   end subroutine read_surfaces
 
@@ -366,13 +370,13 @@ contains
   pure integer function find_slave_surface(reader, name) result(surface)
     type(reader_type), intent(in) :: reader
     character(*), intent(in) :: name
-    surface = reader%surfaces%find(name // OF_NODES)
+    surface = reader%surfaces%find(name // NODE_SURFACE_SUFFIX)
     if (surface == 0) surface = reader%surfaces%find(name)
   end function find_slave_surface
 
 
   !> Of two surfaces of one name, the last one and another, that of nodes goes to the end and is called so.
-  subroutine part_twins(surfaces, position)
+  subroutine rename_node_surface(surfaces, position)
     type(surface_type), intent(inout) :: surfaces(:)
     integer, intent(in) :: position                !< of the first one
     type(surface_type) :: first
@@ -384,7 +388,7 @@ contains
       end if
       last%name = last%name // ' (nodes)'
     end associate
-  end subroutine part_twins
+  end subroutine rename_node_surface
 
 
   !> A surface of nodes; a second field (area) is passed over.
@@ -394,7 +398,7 @@ contains
     integer, intent(in) :: c
     integer, intent(inout) :: stamp(:)           !< last card that took a node; free to use
     type(surface_type), intent(inout) :: surface
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(integer_list_type) :: list
     integer, allocatable :: nodes(:)
@@ -403,7 +407,7 @@ contains
     call open_card(reader, c, parameters, row)
     is_ok = .true.
     do while (next_row(reader%cards, row))
-      call need_at_most(reader, row, 2)
+      call check_n_fields(reader, row, 2)
       call nodes_of_field(reader, mesh, row, 1, nodes, is_ok)
       do i = 1, size(nodes)
         if (stamp(nodes(i)) == c) cycle
@@ -411,7 +415,7 @@ contains
         call list%add(nodes(i))
       end do
     end do
-    if (is_ok .and. list%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
+    if (is_ok .and. list%n == 0) call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // &
       ''' has no nodes.')
     surface%nodes = list%trimmed()
     call sort_integers(surface%nodes)
@@ -426,9 +430,9 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: c
     integer, intent(inout) :: stamp(:)           !< last card that took a face; free to use
-    type(faces_type), intent(inout) :: index     !< of faces, made when it is needed
+    type(node_elements_type), intent(inout) :: index     !< of faces, made when it is needed
     type(surface_type), intent(inout) :: surface
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(integer_list_type) :: elements, faces
     integer, allocatable :: found(:)
@@ -437,15 +441,15 @@ contains
     call open_card(reader, c, parameters, row)
     is_ok = .true.
     do while (next_row(reader%cards, row))
-      call need_at_most(reader, row, 2)
+      call check_n_fields(reader, row, 2)
       if (field_text(reader%cards, row, 2) == '') then
-        call take_whole(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+        call add_free_faces(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
         cycle
       end if
       call elements_of_field(reader, mesh, row, 1, found, is_ok)
       face = face_number(field_text(reader%cards, row, 2), 'S')
       if (face == 0) then
-        call complain(reader, row%line, 'The second field must be a face S1 to S6, or nothing for all free faces; it is ''' // &
+        call report_error(reader, row%line, 'The second field must be a face S1 to S6, or nothing for all free faces; it is ''' // &
           field_text(reader%cards, row, 2) // '''.')
         is_ok = .false.
         cycle
@@ -459,28 +463,28 @@ contains
         call faces%add(face)
       end do
       if (n_without > 0) is_ok = .false.
-      if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here have no face S' // &
-        text_of(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+      if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here have no face S' // &
+        to_text(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
     end do
-    if (is_ok .and. elements%n == 0) call complain(reader, reader%cards%cards(c)%line, 'The surface ''' // &
+    if (is_ok .and. elements%n == 0) call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // &
       surface%name // ''' has no faces.')
     surface%element = elements%trimmed()
     surface%face = faces%trimmed()
     call fill_surface_nodes(mesh, surface)
     if (.not. is_ok) return
-    n_hidden = n_hidden_faces(index, mesh, surface%element, surface%face)
-    if (n_hidden > 0 .and. n_hidden < size(surface%face)) call note(reader, reader%cards%cards(c)%line, 'The surface ''' // &
-      surface%name // ''' holds faces inside the body, ' // text_of(n_hidden) // ' of ' // text_of(size(surface%face)) // &
+    n_hidden = count_shared_faces(index, mesh, surface%element, surface%face)
+    if (n_hidden > 0 .and. n_hidden < size(surface%face)) call report_note(reader, reader%cards%cards(c)%line, 'The surface ''' // &
+      surface%name // ''' holds faces inside the body, ' // to_text(n_hidden) // ' of ' // to_text(size(surface%face)) // &
       ': another element shares them. The name of the set alone, without S1 to S6, takes its free faces.')
   end subroutine read_surface_faces
 
 
   !> A row without a face: of solids their free faces, of faces that a mesh generator wrote the element faces under them.
-  subroutine take_whole(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+  subroutine add_free_faces(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(row_type), intent(in) :: row
-    type(faces_type), intent(inout) :: index
+    type(data_row_type), intent(in) :: row
+    type(node_elements_type), intent(inout) :: index
     integer, intent(in) :: c                     !< index of the card
     integer, intent(inout) :: stamp(:)
     type(integer_list_type), intent(inout) :: elements, faces
@@ -488,17 +492,17 @@ contains
     integer, allocatable :: left(:), members(:), element(:), face(:)
     integer :: i, n_without
     n_without = 0
-    call left_of_field(reader, row, left)
+    call omitted_of_field(reader, row, left)
     if (size(left) > 0) then
-      call find_left_faces(reader, index, mesh, left, element, face, n_without)
+      call find_omitted_faces(reader, index, mesh, left, element, face, n_without)
     else
       call elements_of_field(reader, mesh, row, 1, members, is_ok)
       call find_free_faces(index, mesh, members, element, face)
-      if (is_ok .and. size(element) == 0) call complain(reader, row%line, 'The elements ''' // &
+      if (is_ok .and. size(element) == 0) call report_error(reader, row%line, 'The elements ''' // &
         field_text(reader%cards, row, 1) // ''' have no free face; name the faces S1 to S6.')
       if (size(element) == 0) is_ok = .false.
     end if
-    if (n_without > 0) call complain(reader, row%line, plural(n_without, 'element') // ' here lie on no face of a solid.')
+    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here lie on no face of a solid.')
     if (n_without > 0) is_ok = .false.
     do i = 1, size(element)
       if (stamp(6 * element(i) - 6 + face(i)) == -c) cycle
@@ -506,33 +510,33 @@ contains
       call elements%add(element(i))
       call faces%add(face(i))
     end do
-  end subroutine take_whole
+  end subroutine add_free_faces
 
 
   !> The elements left out that a field names; none if it names solids, or nothing.
-  subroutine left_of_field(reader, row, left)
+  subroutine omitted_of_field(reader, row, left)
     type(reader_type), intent(in) :: reader
-    type(row_type), intent(in) :: row
+    type(data_row_type), intent(in) :: row
     integer, allocatable, intent(out) :: left(:)
     integer :: label, status, found
     allocate (left(0))
     call field_integer(reader%cards, row, 1, label, status)
     if (status == NUMBER_OK) then
-      found = reader%draft_labels%find(label)
+      found = reader%draft_element_labels%find(label)
       if (found == 0) return
-      if (reader%left_of_draft(found) > 0) left = [reader%left_of_draft(found)]
+      if (reader%omitted_of_draft(found) > 0) left = [reader%omitted_of_draft(found)]
     else
       found = reader%element_sets%find(field_text(reader%cards, row, 1))
-      if (found > 0) left = reader%left_of_set(found)%trimmed()
+      if (found > 0) left = reader%omitted_of_set(found)%trimmed()
     end if
-  end subroutine left_of_field
+  end subroutine omitted_of_field
 
 
   !> The number of faces of an element.
   pure function n_faces(mesh, e) result(n)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: n
     entry = element_kind(mesh%kind(e))
     n = entry%n_faces
@@ -544,7 +548,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(inout) :: surface
     type(integer_list_type) :: list
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: facet
     integer :: i, k
     do i = 1, size(surface%element)
@@ -568,7 +572,7 @@ contains
     integer :: face
     character(:), allocatable :: key
     face = 0
-    key = squeezed(label)
+    key = name_key(label)
     if (len(key) /= 2) return
     if (key(1:1) == letter .and. scan(key(2:2), '123456') == 1) face = iachar(key(2:2)) - iachar('0')
   end function face_number
@@ -579,7 +583,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     type(equation_type), allocatable :: larger(:), equations(:)
-    type(row_type) :: row
+    type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(terms_type) :: terms
     integer :: c, line, n_terms, n, i
@@ -590,14 +594,15 @@ contains
       if (.not. is_card(reader, c, 'EQUATION')) cycle
       call open_card(reader, c, parameters, row)
       if (has_parameter(parameters, 'REMOVE')) cycle       ! read with its step
-      if (reader%step_of_card(c) > 0) call complain(reader, reader%cards%cards(c)%line, 'Equations hold from the start of the ' // &
+      if (reader%step_of_card(c) > 0) call report_error(reader, reader%cards%cards(c)%line, &
+        'Equations hold from the start of the ' // &
         'job: *EQUATION must stand before the first step; in a step it stands with REMOVE.')
       do while (next_row(reader%cards, row))
         line = row%line
         is_ok = .true.
-        call need_at_most(reader, row, 1)
-        call need_integer(reader, row, 1, 'number of terms', n_terms, is_ok)
-        if (is_ok .and. n_terms < 1) call complain(reader, line, 'An equation needs at least one term.')
+        call check_n_fields(reader, row, 1)
+        call read_integer(reader, row, 1, 'number of terms', n_terms, is_ok)
+        if (is_ok .and. n_terms < 1) call report_error(reader, line, 'An equation needs at least one term.')
         if (.not. is_ok .or. n_terms < 1) exit
         call read_terms(reader, model%mesh, row, n_terms, terms, is_ok)
         if (.not. is_ok) exit
@@ -609,7 +614,7 @@ contains
           end if
           n = n + 1
           call merge_terms(reader, terms, i, line, equations(n))
-          if (allocated(model%frame_of)) call turn_terms(model, equations(n))
+          if (allocated(model%frame_of)) call transform_terms(model, equations(n))
         end do
       end do
     end do
@@ -621,7 +626,7 @@ contains
   subroutine read_terms(reader, mesh, row, n_terms, terms, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
-    type(row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row
     integer, intent(in) :: n_terms
     type(terms_type), intent(out) :: terms
     logical, intent(inout) :: is_ok              !< .false.: the rest of the card is not read
@@ -631,13 +636,13 @@ contains
     allocate (terms%node(1, n_terms), source=0)
     do while (terms%n < n_terms .and. is_ok)
       if (.not. next_row(reader%cards, row)) then
-        call complain(reader, row%line, 'The equation has ' // text_of(n_terms) // ' terms, but only ' // &
+        call report_error(reader, row%line, 'The equation has ' // to_text(n_terms) // ' terms, but only ' // &
           plural(terms%n, 'term') // ' follow.')
         is_ok = .false.
         return
       end if
       if (row%n > 3 * (n_terms - terms%n) .or. modulo(row%n, 3) /= 0) then
-        call complain(reader, row%line, 'This line must hold terms of three values, node, degree of freedom, ' // &
+        call report_error(reader, row%line, 'This line must hold terms of three values, node, degree of freedom, ' // &
           'coefficient; at most ' // plural(n_terms - terms%n, 'term') // ' are missing.')
         is_ok = .false.
         return
@@ -645,20 +650,20 @@ contains
       do i = 1, row%n, 3
         terms%n = terms%n + 1
         call nodes_of_field(reader, mesh, row, i, nodes, is_ok)
-        call need_integer(reader, row, i + 1, 'degree of freedom', terms%dof(terms%n), is_ok)
-        call need_real(reader, row, i + 2, 'coefficient', terms%coefficient(terms%n), is_ok)
+        call read_integer(reader, row, i + 1, 'degree of freedom', terms%dof(terms%n), is_ok)
+        call read_real(reader, row, i + 2, 'coefficient', terms%coefficient(terms%n), is_ok)
         if (is_ok .and. (terms%dof(terms%n) < 1 .or. terms%dof(terms%n) > 3)) then
-          call complain(reader, row%line, 'The degree of freedom must be 1, 2 or 3.')
+          call report_error(reader, row%line, 'The degree of freedom must be 1, 2 or 3.')
           is_ok = .false.
         end if
-        if (is_ok) call take_term_nodes(reader, row%line, nodes, terms, is_ok)
+        if (is_ok) call store_term_nodes(reader, row%line, nodes, terms, is_ok)
       end do
     end do
   end subroutine read_terms
 
 
   !> Puts the nodes of the last term: one for all copies of the equation, or one for each.
-  subroutine take_term_nodes(reader, line, nodes, terms, is_ok)
+  subroutine store_term_nodes(reader, line, nodes, terms, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
     integer, intent(in) :: nodes(:)
@@ -677,10 +682,10 @@ contains
     else if (size(nodes) == 1) then
       terms%node(:, terms%n) = nodes(1)
     else
-      call complain(reader, line, 'The node sets of an equation must have the same number of nodes.')
+      call report_error(reader, line, 'The node sets of an equation must have the same number of nodes.')
       is_ok = .false.
     end if
-  end subroutine take_term_nodes
+  end subroutine store_term_nodes
 
 
   !> Makes one equation: terms of the same degree of freedom are added up.
@@ -695,7 +700,7 @@ contains
     equation%dof = terms%dof
     equation%coefficient = terms%coefficient
     equation%line = reader%cards%line_number(line)
-    equation%first_dof = terms%dof(1)
+    equation%deck_dof = terms%dof(1)
     n = 0
     do i = 1, terms%n
       do j = 1, n
@@ -713,13 +718,13 @@ contains
     equation%node = equation%node(:n)
     equation%dof = equation%dof(:n)
     equation%coefficient = equation%coefficient(:n)
-    if (.not. abs(equation%coefficient(1)) > 0) call complain(reader, line, &
+    if (.not. abs(equation%coefficient(1)) > 0) call report_error(reader, line, &
       'The coefficient of the first term is zero; its degree of freedom is the one eliminated.')
   end subroutine merge_terms
 
 
   !> Terms of transformed nodes become terms in the global directions.
-  subroutine turn_terms(model, equation)
+  subroutine transform_terms(model, equation)
     type(model_type), intent(in) :: model
     type(equation_type), intent(inout) :: equation
     type(equation_type) :: turned
@@ -729,18 +734,18 @@ contains
     turned%dof = [integer ::]
     turned%coefficient = [real(DP) ::]
     do i = 1, size(equation%node)
-      direction = direction_of(model, equation%node(i), equation%dof(i))
+      direction = dof_direction(model, equation%node(i), equation%dof(i))
       do k = 1, 3
         if (.not. abs(direction(k)) > 0) cycle
         turned%node = [turned%node, equation%node(i)]
         turned%dof = [turned%dof, k]
         turned%coefficient = [turned%coefficient, equation%coefficient(i) * direction(k)]
       end do
-      if (i == 1) turned%n_candidates = size(turned%node)
+      if (i == 1) turned%n_eliminable = size(turned%node)
     end do
     turned%line = equation%line
-    turned%first_dof = equation%first_dof
+    turned%deck_dof = equation%deck_dof
     equation = turned
-  end subroutine turn_terms
+  end subroutine transform_terms
 
 end module amontons_deck_surfaces

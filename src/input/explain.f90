@@ -5,8 +5,9 @@
 !! numbers those of the model. So it cannot tell anything else than what is done.
 module amontons_explain
   use amontons_kinds, only: DP
-  use amontons_card_schema, only: card_entry_type, option_type, match_parameters, STATUS_USED, STATUS_NOTED, STATUS_REFUSED
-  use amontons_cards, only: parameter_type, read_parameters, line_text, row_type, start_rows, next_row
+  use amontons_card_schema, only: card_entry_type, parameter_schema_type, match_parameters, ENTRY_SUPPORTED, ENTRY_IGNORED, &
+    ENTRY_REJECTED
+  use amontons_cards, only: parameter_type, read_parameters, line_text, data_row_type, start_rows, next_row
   use amontons_deck_reader, only: reader_type
   use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
@@ -15,14 +16,14 @@ module amontons_explain
   use amontons_steps, only: step_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
-  use amontons_text, only: squeezed, text_of, plural, is_one_of, NEWLINE
-  use amontons_topology, only: kind_type, element_kind, N_KINDS
+  use amontons_text, only: name_key, to_text, plural, is_one_of, NEWLINE
+  use amontons_topology, only: element_kind_type, element_kind, N_KINDS
   implicit none
   private
   public :: explain_cards
 
-  integer, parameter :: MOST_ROWS = 3              !< data lines of a card that are shown
-  character(*), parameter :: BULK = 'NODE|ELEMENT|NSET|ELSET|HEADING'   !< their data lines are only counted
+  integer, parameter :: MAX_ROWS_SHOWN = 3              !< data lines of a card that are shown
+  character(*), parameter :: COUNTED_CARDS = 'NODE|ELEMENT|NSET|ELSET|HEADING'   !< their data lines are only counted
   character(*), parameter :: INDENT = '    '
 
 contains
@@ -51,7 +52,7 @@ contains
     call explain_materials(model, text)
     call explain_interactions(model, text)
     call explain_steps(model, text)
-    if (reader%remarks%n_errors > 0) text = text // NEWLINE // 'The deck has ' // plural(reader%remarks%n_errors, 'error') // &
+    if (reader%messages%n_errors > 0) text = text // NEWLINE // 'The deck has ' // plural(reader%messages%n_errors, 'error') // &
       ', so it would not run; what could not be read is missing here.' // NEWLINE
   end subroutine explain_cards
 
@@ -65,15 +66,15 @@ contains
     integer :: i
     associate (card => reader%cards%cards(c))
       text = text // reader%cards%files(reader%cards%line_file(card%line))%path // ':' // &
-        text_of(reader%cards%line_number(card%line)) // ': *'
+        to_text(reader%cards%line_number(card%line)) // ': *'
       if (card%entry == 0) then
         text = text // card%key // ': not known' // NEWLINE
         return
       end if
       associate (entry => reader%table%entries(card%entry))
         text = text // entry%keyword // ': ' // status_word(entry%status)
-        if (entry%status /= STATUS_USED) then
-          text = text // '. ' // entry%sentence // NEWLINE
+        if (entry%status /= ENTRY_SUPPORTED) then
+          text = text // '. ' // entry%description // NEWLINE
           return
         end if
         text = text // NEWLINE
@@ -83,7 +84,7 @@ contains
           text = text // INDENT // parameter_line(entry, parameters(i)) // NEWLINE
         end do
         text = text // default_line(entry, parameters)
-        call explain_data(reader, c, is_one_of(entry%key, BULK), text)
+        call explain_data(reader, c, is_one_of(entry%key, COUNTED_CARDS), text)
         if (entry%dialects /= '') text = text // INDENT // 'dialects differ: ' // entry%dialects // NEWLINE
       end associate
     end associate
@@ -95,9 +96,9 @@ contains
     integer, intent(in) :: status                  !< STATUS_...
     character(:), allocatable :: word
     select case (status)
-    case (STATUS_NOTED)
+    case (ENTRY_IGNORED)
       word = 'ignored'
-    case (STATUS_REFUSED)
+    case (ENTRY_REJECTED)
       word = 'refused'
     case default
       word = 'used'
@@ -115,13 +116,13 @@ contains
     if (parameter%has_value) line = line // '=' // parameter%text
     do i = 1, entry%n_options
       associate (option => entry%options(i))
-        if (squeezed(option%name) /= parameter%key) cycle
+        if (name_key(option%name) /= parameter%key) cycle
         line = option%name
         if (parameter%has_value) line = line // '=' // parameter%text
         if (is_one_of(parameter%text, option%refused) .and. option%refused /= '' .and. parameter%text /= '') then
           line = line // ': refused. ' // option%message
         else
-          line = line // ': ' // status_word(option%status) // '. ' // option%sentence
+          line = line // ': ' // status_word(option%status) // '. ' // option%description
         end if
         return
       end associate
@@ -139,8 +140,8 @@ contains
     list = ''
     do i = 1, entry%n_options
       associate (option => entry%options(i))
-        if (option%status /= STATUS_USED .or. option%default == '' .or. option%default == 'required') cycle
-        if (any([(parameters(k)%key == squeezed(option%name), k=1, size(parameters))])) cycle
+        if (option%status /= ENTRY_SUPPORTED .or. option%default == '' .or. option%default == 'required') cycle
+        if (any([(parameters(k)%key == name_key(option%name), k=1, size(parameters))])) cycle
         if (list /= '') list = list // ', '
         list = list // option%name // '=' // option%default
       end associate
@@ -156,17 +157,18 @@ contains
     integer, intent(in) :: c
     logical, intent(in) :: is_bulk                 !< only their number
     character(:), allocatable, intent(inout) :: text
-    type(row_type) :: row
+    type(data_row_type) :: row
     integer :: n
     n = 0
     call start_rows(reader%cards%cards(c), row)
     do while (next_row(reader%cards, row))
       n = n + 1
-      if (n <= MOST_ROWS .and. .not. is_bulk) text = text // INDENT // 'data: ' // &
+      if (n <= MAX_ROWS_SHOWN .and. .not. is_bulk) text = text // INDENT // 'data: ' // &
         trim(adjustl(line_text(reader%cards, row%line))) // NEWLINE
     end do
     if (is_bulk .and. n > 0) text = text // INDENT // plural(n, 'data line') // NEWLINE
-    if (n > MOST_ROWS .and. .not. is_bulk) text = text // INDENT // 'and ' // plural(n - MOST_ROWS, 'data line') // ' more' // &
+    if (n > MAX_ROWS_SHOWN .and. .not. is_bulk) text = text // INDENT // 'and ' // plural(n - MAX_ROWS_SHOWN, &
+      'data line') // ' more' // &
       NEWLINE
   end subroutine explain_data
 
@@ -179,8 +181,8 @@ contains
     character(:), allocatable :: remark
     integer :: i, line
     logical :: is_warning
-    do i = 1, reader%remarks%n
-      call reader%remarks%get(i, line, is_warning, remark)
+    do i = 1, reader%messages%n
+      call reader%messages%get(i, line, is_warning, remark)
       if (line < first .or. line > last) cycle
       text = text // INDENT // trim(merge('note: ', 'error:', is_warning)) // ' ' // &
         remark // NEWLINE
@@ -192,7 +194,7 @@ contains
   subroutine explain_elements(model, text)
     type(model_type), intent(in) :: model
     character(:), allocatable, intent(inout) :: text
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: kind, n
     if (.not. allocated(model%mesh%kind)) return
     text = text // INDENT // plural(model%mesh%n_nodes, 'node') // NEWLINE
@@ -218,14 +220,15 @@ contains
       associate (material => model%materials(m))
         if (material%name == '') cycle
         text = text // INDENT // 'material ' // material%name // ': ' // elasticity_text(material)
-        if (material%has_density) text = text // '; density ' // text_of(material%density)
-        if (allocated(material%expansion%value)) text = text // '; expansion ' // text_of(material%expansion%value(1, 1)) // &
-          ' from ' // text_of(material%expansion_zero)
-        if (allocated(material%isotropic)) text = text // '; first yield stress ' // text_of(material%isotropic(1)%stress(1))
-        if (allocated(material%kinematic)) text = text // '; kinematic hardening from ' // &
-          text_of(material%kinematic(1)%stress(1))
-        if (allocated(material%creep%value)) text = text // '; creep A ' // text_of(material%creep%value(1, 1)) // ', n ' // &
-          text_of(material%creep%value(2, 1)) // ', m ' // text_of(material%creep%value(3, 1))
+        if (material%has_density) text = text // '; density ' // to_text(material%density)
+        if (allocated(material%expansion%value)) text = text // '; expansion ' // to_text(material%expansion%value(1, 1)) // &
+          ' from ' // to_text(material%expansion_reference)
+        if (allocated(material%isotropic_hardening)) text = text // '; first yield stress ' &
+          // to_text(material%isotropic_hardening(1)%stress(1))
+        if (allocated(material%kinematic_hardening)) text = text // '; kinematic hardening from ' // &
+          to_text(material%kinematic_hardening(1)%stress(1))
+        if (allocated(material%creep%value)) text = text // '; creep A ' // to_text(material%creep%value(1, 1)) // ', n ' // &
+          to_text(material%creep%value(2, 1)) // ', m ' // to_text(material%creep%value(3, 1))
         text = text // NEWLINE
       end associate
     end do
@@ -239,7 +242,7 @@ contains
     integer :: i
     select case (material%elastic_kind)
     case (ELASTIC_ISOTROPIC)
-      text = 'E ' // text_of(material%youngs_modulus) // ', nu ' // text_of(material%poissons_ratio)
+      text = 'E ' // to_text(material%youngs_modulus) // ', nu ' // to_text(material%poissons_ratio)
       if (material%law == LAW_SAINT_VENANT) then
         text = text // '; under NLGEOM second Piola-Kirchhoff stress by Green''s strain'
       else
@@ -252,13 +255,13 @@ contains
     case (ELASTIC_ANISOTROPIC)
       text = 'anisotropic, D'
     case (ELASTIC_HYPER)
-      text = 'rubber of order ' // text_of(material%hyper_order) // ', constants'
+      text = 'rubber of order ' // to_text(material%hyper_order) // ', constants'
     case (ELASTIC_FOAM)
-      text = 'foam of order ' // text_of(material%hyper_order) // ', constants'
+      text = 'foam of order ' // to_text(material%hyper_order) // ', constants'
     end select
     if (.not. allocated(material%elastic%value)) return
     do i = 1, size(material%elastic%value, 1)
-      text = text // ' ' // text_of(material%elastic%value(i, 1))
+      text = text // ' ' // to_text(material%elastic%value(i, 1))
     end do
     if (size(material%elastic%value, 2) > 1) text = text // ' at the first of ' // &
       plural(size(material%elastic%value, 2), 'temperature')
@@ -277,12 +280,12 @@ contains
         if (law%friction >= ROUGH_FRICTION) then
           text = text // '; rough'
         else if (law%friction > 0) then
-          text = text // '; friction ' // text_of(law%friction)
+          text = text // '; friction ' // to_text(law%friction)
         else
           text = text // '; frictionless'
         end if
-        if (law%behavior /= BEHAVIOR_HARD .and. law%friction > 0) text = text // ', stick slope ' // text_of(law%stick_slope)
-        if (law%shear_limit < NO_SHEAR_LIMIT) text = text // ', at most ' // text_of(law%shear_limit)
+        if (law%behavior /= BEHAVIOR_HARD .and. law%friction > 0) text = text // ', stick slope ' // to_text(law%stick_slope)
+        if (law%shear_limit < NO_SHEAR_LIMIT) text = text // ', at most ' // to_text(law%shear_limit)
         text = text // NEWLINE
       end associate
     end do
@@ -297,14 +300,14 @@ contains
     case (BEHAVIOR_HARD)
       text = 'HARD, exact'
     case (BEHAVIOR_LINEAR)
-      text = 'LINEAR, stiffness ' // text_of(law%stiffness) // ', tension ' // text_of(law%tension) // ', reach ' // &
-        text_of(law%reach)
+      text = 'LINEAR, stiffness ' // to_text(law%stiffness) // ', tension ' // to_text(law%tension_limit) // ', reach ' // &
+        to_text(law%cutoff_clearance)
     case (BEHAVIOR_EXPONENTIAL)
-      text = 'EXPONENTIAL, reach ' // text_of(law%reach) // ', pressure ' // text_of(law%pressure)
+      text = 'EXPONENTIAL, reach ' // to_text(law%cutoff_clearance) // ', pressure ' // to_text(law%pressure)
     case (BEHAVIOR_TABULAR)
       text = 'TABULAR, ' // plural(size(law%table_pressure), 'row')
     case default
-      text = 'TIED, stiffness ' // text_of(law%stiffness)
+      text = 'TIED, stiffness ' // to_text(law%stiffness)
     end select
   end function behavior_text
 
@@ -318,14 +321,14 @@ contains
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
         if (.not. allocated(step%prescribed)) cycle      ! the step before had errors
-        text = text // INDENT // 'step ' // text_of(i) // ': ' // &
-          trim(merge('NLGEOM       ', 'small strains', step%is_nlgeom)) // ', length ' // text_of(step%period) // &
-          ', first increment ' // text_of(step%dt_initial) // ', least ' // text_of(step%dt_min) // &
-          ', largest ' // text_of(step%dt_max) // ', at most ' // plural(step%max_increments, 'increment')
+        text = text // INDENT // 'step ' // to_text(i) // ': ' // &
+          trim(merge('NLGEOM       ', 'small strains', step%is_nlgeom)) // ', length ' // to_text(step%period) // &
+          ', first increment ' // to_text(step%dt_initial) // ', least ' // to_text(step%dt_min) // &
+          ', largest ' // to_text(step%dt_max) // ', at most ' // plural(step%max_increments, 'increment')
         if (step%is_direct) text = text // ', all as long as the first'
-        text = text // NEWLINE // INDENT // INDENT // 'Rn ' // text_of(step%controls%r_n) // ', Cn ' // &
-          text_of(step%controls%c_n) // ', I0 ' // text_of(step%controls%i_0) // ', IR ' // text_of(step%controls%i_r) // &
-          ', IC ' // text_of(step%controls%i_c) // ', IA ' // text_of(step%controls%i_a) // NEWLINE
+        text = text // NEWLINE // INDENT // INDENT // 'Rn ' // to_text(step%controls%r_n) // ', Cn ' // &
+          to_text(step%controls%c_n) // ', I0 ' // to_text(step%controls%i_0) // ', IR ' // to_text(step%controls%i_r) // &
+          ', IC ' // to_text(step%controls%i_c) // ', IA ' // to_text(step%controls%i_a) // NEWLINE
         text = text // INDENT // INDENT // plural(size(step%prescribed), 'prescribed displacement') // ', ' // &
           plural(size(step%concentrated), 'force') // ', ' // &
           plural(count(step%distributed%kind == DISTRIBUTED_PRESSURE), 'face') // ' under pressure, ' // &

@@ -16,132 +16,133 @@ module amontons_load_propagation
   use amontons_model, only: model_type
   implicit none
   private
-  public :: standing_type, forces_type, held_type, volume_type, start_standing, begin_step, cut_loads, release_held, hold, &
-    fade_forces, add_force, is_same_place, hand_over_loads
-  public :: FAMILY_BOUNDARY, FAMILY_CLOAD, FAMILY_DLOAD, FAMILY_VOLUME
+  public :: active_loads_type, load_list_type, active_prescribed_type, load_region_type, init_active_loads, propagate_loads, &
+    truncate_loads, release_prescribed, prescribe_dof, &
+    ramp_down_loads, add_load, is_same_region, get_step_loads
+  public :: LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
 
-  integer, parameter :: FAMILY_BOUNDARY = 1, FAMILY_CLOAD = 2, FAMILY_DLOAD = 3, FAMILY_VOLUME = 4
+  integer, parameter :: LOAD_BOUNDARY = 1, LOAD_CLOAD = 2, LOAD_DLOAD = 3, LOAD_VOLUME = 4
 
   !> A prescribed displacement that stands.
-  type, extends(prescribed_type) :: held_type
+  type, extends(prescribed_type) :: active_prescribed_type
     real(DP) :: before = 0                       !< value at the end of the step before
     logical :: was_active = .false.              !< it acted in the step before
     logical :: is_active = .true.                !< it acts in this step
     integer :: step = 0                          !< step that gave it last; 0: the model
-  end type held_type
+  end type active_prescribed_type
 
   !> A load that stands.
-  type, extends(load_type) :: force_type
+  type, extends(load_type) :: active_load_type
     integer :: key = 0                           !< what it acts on
     real(DP) :: before = 0                       !< value at the end of the step before
     logical :: is_active = .true.
     integer :: step = 0                          !< step that gave it last
     integer :: next = 0                          !< next load on the same thing
-  end type force_type
+  end type active_load_type
 
   !> Loads by what they act on.
-  type :: forces_type
+  type :: load_list_type
     integer :: n = 0
-    type(force_type), allocatable :: items(:)
+    type(active_load_type), allocatable :: items(:)
     integer, allocatable :: head(:)              !< (keys) first load on it, 0 none
-  end type forces_type
+  end type load_list_type
 
   !> Where a load on volumes, or a traction, acts, and how.
-  type :: volume_type
+  type :: load_region_type
     integer :: kind = DISTRIBUTED_GRAVITY        !< DISTRIBUTED_GRAVITY, _SPIN, _BODY or _TRACTION
     character(:), allocatable :: region          !< squeezed name or number
     integer, allocatable :: elements(:)
     integer, allocatable :: faces(:)             !< of a traction
-    logical :: is_following = .false.            !< a traction not told to keep direction and size
+    logical :: is_follower = .false.            !< a traction not told to keep direction and size
     real(DP) :: direction(3) = 0                 !< unit vector
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
-  end type volume_type
+  end type load_region_type
 
   !> All that stands at this point of the deck.
-  type :: standing_type
+  type :: active_loads_type
     integer :: step = 0                          !< present step
     logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
     logical :: has_new(4) = .false.              !< (FAMILY_...) OP=NEW has been seen in this step
     integer :: n_held = 0
-    type(held_type), allocatable :: held(:)
-    integer, allocatable :: held_at(:)           !< (3 n_nodes) index into held, 0 none
-    type(forces_type) :: cloads                  !< key 3 (node - 1) + dof
-    type(forces_type) :: pressures               !< key 6 (element - 1) + face
-    type(forces_type) :: volumes                 !< key: index into places
-    type(volume_type), allocatable :: places(:)
-  end type standing_type
+    type(active_prescribed_type), allocatable :: active_prescribed(:)
+    integer, allocatable :: prescribed_index(:)           !< (3 n_nodes) index into held, 0 none
+    type(load_list_type) :: cloads                  !< key 3 (node - 1) + dof
+    type(load_list_type) :: pressures               !< key 6 (element - 1) + face
+    type(load_list_type) :: volumes                 !< key: index into places
+    type(load_region_type), allocatable :: places(:)
+  end type active_loads_type
 
 contains
 
   !> Nothing stands yet.
-  subroutine start_standing(model, standing)
+  subroutine init_active_loads(model, active_loads)
     type(model_type), intent(in) :: model
-    type(standing_type), intent(out) :: standing
-    allocate (standing%held(256), standing%places(0))
-    allocate (standing%held_at(3 * model%mesh%n_nodes), source=0)
-    allocate (standing%cloads%head(3 * model%mesh%n_nodes), source=0)
-    allocate (standing%pressures%head(6 * model%mesh%n_elements), source=0)
-    allocate (standing%volumes%head(1024), source=0)
-    allocate (standing%cloads%items(256), standing%pressures%items(256), standing%volumes%items(16))
-  end subroutine start_standing
+    type(active_loads_type), intent(out) :: active_loads
+    allocate (active_loads%active_prescribed(256), active_loads%places(0))
+    allocate (active_loads%prescribed_index(3 * model%mesh%n_nodes), source=0)
+    allocate (active_loads%cloads%head(3 * model%mesh%n_nodes), source=0)
+    allocate (active_loads%pressures%head(6 * model%mesh%n_elements), source=0)
+    allocate (active_loads%volumes%head(1024), source=0)
+    allocate (active_loads%cloads%items(256), active_loads%pressures%items(256), active_loads%volumes%items(16))
+  end subroutine init_active_loads
 
 
   !> Goes to the next step: everything keeps the value that it had at the end of the step before.
-  subroutine begin_step(model, period, total_time, is_step, standing)
+  subroutine propagate_loads(model, period, total_time, is_step, active_loads)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]
     real(DP), intent(in) :: total_time           !< total time at its end [time]
     logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     integer :: i
-    standing%step = standing%step + 1
-    standing%is_step = is_step
-    standing%has_new = .false.
-    do i = 1, standing%n_held
-      associate (held => standing%held(i))
+    active_loads%step = active_loads%step + 1
+    active_loads%is_step = is_step
+    active_loads%has_new = .false.
+    do i = 1, active_loads%n_held
+      associate (held => active_loads%active_prescribed(i))
         held%was_active = held%is_active
         held%is_from_current = .false.
-        if (standing%step == 1) cycle            ! of the model: it goes to its value over the first step
-        call keep_value(model, period, total_time, held%load_type, held%before)
+        if (active_loads%step == 1) cycle            ! of the model: it goes to its value over the first step
+        call freeze_load(model, period, total_time, held%load_type, held%before)
       end associate
     end do
-    call keep_forces(model, period, total_time, standing%cloads)
-    call keep_forces(model, period, total_time, standing%pressures)
-    call keep_forces(model, period, total_time, standing%volumes)
-  end subroutine begin_step
+    call freeze_load_list(model, period, total_time, active_loads%cloads)
+    call freeze_load_list(model, period, total_time, active_loads%pressures)
+    call freeze_load_list(model, period, total_time, active_loads%volumes)
+  end subroutine propagate_loads
 
 
   !> What the loads of a step that ends early have reached: a fraction of the way of those that run straight.
-  subroutine cut_loads(standing, fraction)
-    type(standing_type), intent(inout) :: standing
+  subroutine truncate_loads(active_loads, fraction)
+    type(active_loads_type), intent(inout) :: active_loads
     real(DP), intent(in) :: fraction             !< of the step that was done [-]
     integer :: i
-    do i = 1, standing%n_held
-      call cut_load(standing%held(i)%load_type)
+    do i = 1, active_loads%n_held
+      call truncate_load(active_loads%active_prescribed(i)%load_type)
     end do
-    do i = 1, standing%cloads%n
-      call cut_load(standing%cloads%items(i)%load_type)
+    do i = 1, active_loads%cloads%n
+      call truncate_load(active_loads%cloads%items(i)%load_type)
     end do
-    do i = 1, standing%pressures%n
-      call cut_load(standing%pressures%items(i)%load_type)
+    do i = 1, active_loads%pressures%n
+      call truncate_load(active_loads%pressures%items(i)%load_type)
     end do
-    do i = 1, standing%volumes%n
-      call cut_load(standing%volumes%items(i)%load_type)
+    do i = 1, active_loads%volumes%n
+      call truncate_load(active_loads%volumes%items(i)%load_type)
     end do
 
   contains
 
     !> One of them.
-    subroutine cut_load(load)
+    subroutine truncate_load(load)
       type(load_type), intent(inout) :: load
       if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
-    end subroutine cut_load
+    end subroutine truncate_load
 
-  end subroutine cut_loads
+  end subroutine truncate_loads
 
 
   !> A load after its step: constant at its last value, unless its amplitude runs in total time.
-  subroutine keep_value(model, period, total_time, load, before)
+  subroutine freeze_load(model, period, total_time, load, before)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period, total_time   !< [time]
     type(load_type), intent(inout) :: load
@@ -154,15 +155,15 @@ contains
     load%amplitude = 0
     load%start = before
     load%end = before
-  end subroutine keep_value
+  end subroutine freeze_load
 
 
   !> Keeps the loads that are not zero, and closes the gaps in the list.
-  subroutine keep_forces(model, period, total_time, forces)
+  subroutine freeze_load_list(model, period, total_time, forces)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period, total_time   !< [time]
-    type(forces_type), intent(inout) :: forces
-    type(force_type) :: force
+    type(load_list_type), intent(inout) :: forces
+    type(active_load_type) :: force
     integer :: i, n
     n = 0
     do i = 1, forces%n
@@ -171,7 +172,7 @@ contains
     do i = 1, forces%n
       force = forces%items(i)
       if (.not. force%is_active) cycle
-      call keep_value(model, period, total_time, force%load_type, force%before)
+      call freeze_load(model, period, total_time, force%load_type, force%before)
       if (.not. (abs(force%end) > 0 .or. force%is_user)) cycle
       n = n + 1
       force%next = forces%head(force%key)
@@ -179,52 +180,52 @@ contains
       forces%items(n) = force
     end do
     forces%n = n
-  end subroutine keep_forces
+  end subroutine freeze_load_list
 
 
   !> OP=NEW: what earlier steps prescribed is released, once in a step.
-  subroutine release_held(step, standing)
+  subroutine release_prescribed(step, active_loads)
     integer, intent(in) :: step
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     integer :: i
-    if (standing%has_new(FAMILY_BOUNDARY) .or. step == 0) return
-    standing%has_new(FAMILY_BOUNDARY) = .true.
-    do i = 1, standing%n_held
-      if (standing%held(i)%step < step) standing%held(i)%is_active = .false.
+    if (active_loads%has_new(LOAD_BOUNDARY) .or. step == 0) return
+    active_loads%has_new(LOAD_BOUNDARY) = .true.
+    do i = 1, active_loads%n_held
+      if (active_loads%active_prescribed(i)%step < step) active_loads%active_prescribed(i)%is_active = .false.
     end do
-  end subroutine release_held
+  end subroutine release_prescribed
 
 
   !> Prescribes one degree of freedom.
-  subroutine hold(new, step, standing, n_changed)
+  subroutine prescribe_dof(new, step, active_loads, n_changed)
     type(prescribed_type), intent(in) :: new     !< with node, dof, end, amplitude, is_held, line
     integer, intent(in) :: step
-    type(standing_type), intent(inout) :: standing
+    type(active_loads_type), intent(inout) :: active_loads
     integer, intent(inout) :: n_changed
-    type(held_type), allocatable :: larger(:)
+    type(active_prescribed_type), allocatable :: larger(:)
     integer :: i
     logical :: was_held, was_here
-    i = standing%held_at(3 * new%node - 3 + new%dof)
+    i = active_loads%prescribed_index(3 * new%node - 3 + new%dof)
     was_here = i > 0
     if (.not. was_here) then
-      if (standing%n_held == size(standing%held)) then
-        allocate (larger(2 * standing%n_held))
-        larger(:standing%n_held) = standing%held
-        call move_alloc(larger, standing%held)
+      if (active_loads%n_held == size(active_loads%active_prescribed)) then
+        allocate (larger(2 * active_loads%n_held))
+        larger(:active_loads%n_held) = active_loads%active_prescribed
+        call move_alloc(larger, active_loads%active_prescribed)
       end if
-      standing%n_held = standing%n_held + 1
-      i = standing%n_held
-      standing%held_at(3 * new%node - 3 + new%dof) = i
+      active_loads%n_held = active_loads%n_held + 1
+      i = active_loads%n_held
+      active_loads%prescribed_index(3 * new%node - 3 + new%dof) = i
     end if
-    associate (held => standing%held(i))
+    associate (held => active_loads%active_prescribed(i))
       if (was_here .and. held%step == step .and. held%is_active) then
-        if (is_other(held, new)) n_changed = n_changed + 1
+        if (is_different(held, new)) n_changed = n_changed + 1
       end if
       was_held = held%is_held .and. held%was_active
       held%prescribed_type = new
       held%start = held%before
       held%is_from_current = step > 1 .and. (was_held .or. .not. held%was_active)
-      if (standing%is_step .and. new%amplitude == 0) then
+      if (active_loads%is_step .and. new%amplitude == 0) then
         held%start = held%end
         held%is_from_current = .false.
       end if
@@ -232,25 +233,25 @@ contains
       held%step = step
       held%is_active = .true.
     end associate
-  end subroutine hold
+  end subroutine prescribe_dof
 
 
   !> Whether a prescription differs from the one given before.
-  pure function is_other(held, new) result(differs)
-    type(held_type), intent(in) :: held
+  pure function is_different(held, new) result(differs)
+    type(active_prescribed_type), intent(in) :: held
     type(prescribed_type), intent(in) :: new
     logical :: differs
     differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held) &
       .or. (held%is_user .neqv. new%is_user)
-  end function is_other
+  end function is_different
 
 
   !> OP=NEW: the loads of earlier steps go to zero over this step, once in a step.
-  subroutine fade_forces(step, is_step, has_new, forces)
+  subroutine ramp_down_loads(step, is_step, has_new, forces)
     integer, intent(in) :: step                  !< present step
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
     logical, intent(inout) :: has_new            !< OP=NEW has been seen in this step
-    type(forces_type), intent(inout) :: forces
+    type(load_list_type), intent(inout) :: forces
     integer :: i
     if (has_new) return
     has_new = .true.
@@ -263,20 +264,20 @@ contains
         if (force%is_user) force%is_active = .false.   ! DLOAD knows no way to zero
       end associate
     end do
-  end subroutine fade_forces
+  end subroutine ramp_down_loads
 
 
   !> Adds a load: in place of those that earlier steps left there, and on top of those that this step gave.
-  subroutine add_force(key, value, amplitude, step, is_step, forces, is_user)
+  subroutine add_load(key, value, amplitude, step, is_step, forces, is_user)
     integer, intent(in) :: key                   !< what it acts on
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude             !< 0: none
     integer, intent(in) :: step
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
-    type(forces_type), intent(inout) :: forces
+    type(load_list_type), intent(inout) :: forces
     logical, intent(in), optional :: is_user     !< DLOAD gives the magnitude
-    type(force_type), allocatable :: larger(:)
-    type(force_type) :: new
+    type(active_load_type), allocatable :: larger(:)
+    type(active_load_type) :: new
     integer :: i
     if (present(is_user)) new%is_user = is_user
     i = forces%head(key)
@@ -308,35 +309,35 @@ contains
     forces%n = forces%n + 1
     forces%items(forces%n) = new
     forces%head(key) = forces%n
-  end subroutine add_force
+  end subroutine add_load
 
 
   !> Whether two loads on volumes are of the same kind on the same region in the same directions.
-  pure logical function is_same_place(a, b)
-    type(volume_type), intent(in) :: a, b
-    is_same_place = a%kind == b%kind .and. a%region == b%region .and. (a%is_following .eqv. b%is_following) &
+  pure logical function is_same_region(a, b)
+    type(load_region_type), intent(in) :: a, b
+    is_same_region = a%kind == b%kind .and. a%region == b%region .and. (a%is_follower .eqv. b%is_follower) &
       .and. all(abs(a%direction - b%direction) < 1.0e-12_DP) .and. .not. any(abs(a%point - b%point) > 0)
-  end function is_same_place
+  end function is_same_region
 
 
   !> The complete lists of what acts in the present step.
-  subroutine hand_over_loads(standing, prescribed, concentrated, distributed)
-    type(standing_type), intent(in) :: standing
+  subroutine get_step_loads(active_loads, prescribed, concentrated, distributed)
+    type(active_loads_type), intent(in) :: active_loads
     type(prescribed_type), allocatable, intent(out) :: prescribed(:)
     type(concentrated_type), allocatable, intent(out) :: concentrated(:)
     type(distributed_type), allocatable, intent(out) :: distributed(:)
     integer :: i, n
-    allocate (prescribed(count(standing%held(:standing%n_held)%is_active)))
+    allocate (prescribed(count(active_loads%active_prescribed(:active_loads%n_held)%is_active)))
     n = 0
-    do i = 1, standing%n_held
-      if (.not. standing%held(i)%is_active) cycle
+    do i = 1, active_loads%n_held
+      if (.not. active_loads%active_prescribed(i)%is_active) cycle
       n = n + 1
-      prescribed(n) = standing%held(i)%prescribed_type
+      prescribed(n) = active_loads%active_prescribed(i)%prescribed_type
     end do
-    allocate (concentrated(count(standing%cloads%items(:standing%cloads%n)%is_active)))
+    allocate (concentrated(count(active_loads%cloads%items(:active_loads%cloads%n)%is_active)))
     n = 0
-    do i = 1, standing%cloads%n
-      associate (force => standing%cloads%items(i))
+    do i = 1, active_loads%cloads%n
+      associate (force => active_loads%cloads%items(i))
         if (.not. force%is_active) cycle
         n = n + 1
         concentrated(n)%load_type = force%load_type
@@ -344,23 +345,23 @@ contains
         concentrated(n)%dof = modulo(force%key - 1, 3) + 1
       end associate
     end do
-    call hand_over_distributed(standing, distributed)
-  end subroutine hand_over_loads
+    call get_distributed_loads(active_loads, distributed)
+  end subroutine get_step_loads
 
 
   !> Pressures face by face and loads on volumes element by element.
-  subroutine hand_over_distributed(standing, distributed)
-    type(standing_type), intent(in) :: standing
+  subroutine get_distributed_loads(active_loads, distributed)
+    type(active_loads_type), intent(in) :: active_loads
     type(distributed_type), allocatable, intent(out) :: distributed(:)
     integer :: i, k, n
-    n = count(standing%pressures%items(:standing%pressures%n)%is_active)
-    do i = 1, standing%volumes%n
-      if (standing%volumes%items(i)%is_active) n = n + size(standing%places(standing%volumes%items(i)%key)%elements)
+    n = count(active_loads%pressures%items(:active_loads%pressures%n)%is_active)
+    do i = 1, active_loads%volumes%n
+      if (active_loads%volumes%items(i)%is_active) n = n + size(active_loads%places(active_loads%volumes%items(i)%key)%elements)
     end do
     allocate (distributed(n))
     n = 0
-    do i = 1, standing%pressures%n
-      associate (force => standing%pressures%items(i))
+    do i = 1, active_loads%pressures%n
+      associate (force => active_loads%pressures%items(i))
         if (.not. force%is_active) cycle
         n = n + 1
         distributed(n)%load_type = force%load_type
@@ -369,8 +370,8 @@ contains
         distributed(n)%face = modulo(force%key - 1, 6) + 1
       end associate
     end do
-    do i = 1, standing%volumes%n
-      associate (force => standing%volumes%items(i), place => standing%places(standing%volumes%items(i)%key))
+    do i = 1, active_loads%volumes%n
+      associate (force => active_loads%volumes%items(i), place => active_loads%places(active_loads%volumes%items(i)%key))
         if (.not. force%is_active) cycle
         do k = 1, size(place%elements)
           n = n + 1
@@ -378,12 +379,12 @@ contains
           distributed(n)%kind = place%kind
           distributed(n)%element = place%elements(k)
           if (allocated(place%faces)) distributed(n)%face = place%faces(k)
-          distributed(n)%is_following = place%is_following
+          distributed(n)%is_follower = place%is_follower
           distributed(n)%direction = place%direction
           distributed(n)%point = place%point
         end do
       end associate
     end do
-  end subroutine hand_over_distributed
+  end subroutine get_distributed_loads
 
 end module amontons_load_propagation

@@ -11,19 +11,19 @@ module amontons_dense
     potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgesdd, dgelsd
   implicit none
   private
-  public :: solve_small, symmetric_eigen, singular_values, rank_of, least_squares
-  public :: factorise_dense, solve_dense, measure_matrix, is_rank_lost, triangle_times, square_of_triangle, invert_positive
-  public :: symmetric_times, transposed_times
-  public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, WORTH_THREADS, BLOCK
+  public :: solve_small, solve_symmetric_eigen, singular_values, numerical_rank, least_squares
+  public :: factorise_dense, solve_dense, find_matrix_scales, is_rank_deficient, multiply_triangular, triangular_product, invert_spd
+  public :: multiply_dense_symmetric, multiply_dense_transpose
+  public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, MIN_THREADED_SIZE, BLOCK_COLUMNS
 
   integer, parameter :: DENSE_OK = 0
   integer, parameter :: DENSE_SINGULAR = 1     !< no unique solution
-  integer, parameter :: WORTH_THREADS = 400    !< unknowns of a matrix that threads share
-  integer, parameter :: BLOCK = 96             !< columns of a task
+  integer, parameter :: MIN_THREADED_SIZE = 400    !< unknowns of a matrix that threads share
+  integer, parameter :: BLOCK_COLUMNS = 96             !< columns of a task
 
   integer, parameter :: DENSE_FAILED = 2       !< NaN or infinity in the matrix, or the iteration did not converge
 
-  real(DP), parameter :: LOST = 32 * epsilon(1.0_DP)   !< a pivot beside its column, of a matrix of one unknown [-]
+  real(DP), parameter :: TOL_SCALAR_PIVOT = 32 * epsilon(1.0_DP)   !< a pivot beside its column, of a matrix of one unknown [-]
 
   !> A x = b for one or several right-hand sides.
   interface solve_small
@@ -62,7 +62,7 @@ contains
       status = DENSE_FAILED
     else
       norm = maxval(sum(abs(a), 1))
-      call mask_traps(environment)
+      call suspend_fp_traps(environment)
       call dgesv(n, size(b, 2), lu, n, pivot, x, n, info)
       condition = 0
       if (info == 0) call dgecon('1', n, lu, n, norm, condition, work, iwork, info)
@@ -74,7 +74,7 @@ contains
 
 
   !> Eigenvalues in ascending order and orthonormal eigenvectors of a symmetric matrix.
-  subroutine symmetric_eigen(a, values, vectors, status)
+  subroutine solve_symmetric_eigen(a, values, vectors, status)
     real(DP), intent(in) :: a(:, :)            !< (n, n) the upper triangle is read
     real(DP), intent(out) :: values(:)         !< (n) ascending
     real(DP), intent(out) :: vectors(:, :)     !< (n, n) in columns
@@ -90,11 +90,11 @@ contains
     status = DENSE_FAILED
     if (.not. all_finite(a)) return
     allocate (work(34 * n))                    ! (NB + 2) n with the usual block size NB = 32
-    call mask_traps(environment)
+    call suspend_fp_traps(environment)
     call dsyev('V', 'U', n, vectors, n, values, work, size(work), info)
     call ieee_set_status(environment)
     if (info == 0) status = DENSE_OK
-  end subroutine symmetric_eigen
+  end subroutine solve_symmetric_eigen
 
 
   !> Singular values in descending order.
@@ -114,7 +114,7 @@ contains
     if (size(a) == 0) return
     status = DENSE_FAILED
     if (.not. all_finite(a)) return
-    call mask_traps(environment)
+    call suspend_fp_traps(environment)
     call dgesdd('N', m, n, copy, m, values, left, 1, right, 1, best, -1, iwork, info)
     allocate (work(nint(best(1))))
     call dgesdd('N', m, n, copy, m, values, left, 1, right, 1, work, size(work), iwork, info)
@@ -124,7 +124,7 @@ contains
 
 
   !> Number of singular values above a part of the largest.
-  subroutine rank_of(a, tolerance, rank, status)
+  subroutine numerical_rank(a, tolerance, rank, status)
     real(DP), intent(in) :: a(:, :)            !< (m, n)
     real(DP), intent(in) :: tolerance          !< part of the largest singular value below which one counts as 0 [-]
     integer, intent(out) :: rank
@@ -133,7 +133,7 @@ contains
     rank = 0
     call singular_values(a, values, status)
     if (size(values) > 0) rank = count(values > tolerance * values(1))
-  end subroutine rank_of
+  end subroutine numerical_rank
 
 
   !> The x that makes |A x - b| smallest, and is itself smallest among those (by the singular value decomposition).
@@ -161,7 +161,7 @@ contains
     copy = a
     right = 0
     right(:m, 1) = b
-    call mask_traps(environment)
+    call suspend_fp_traps(environment)
     call dgelsd(m, n, 1, copy, m, right, size(right), values, tolerance, rank, best, -1, n_iwork, info)
     allocate (work(nint(best(1))), iwork(n_iwork(1)))
     call dgelsd(m, n, 1, copy, m, right, size(right), values, tolerance, rank, work, size(work), iwork, info)
@@ -172,16 +172,16 @@ contains
 
 
   !> Saves the state of the floating-point unit and lets nothing trap until it is set back.
-  subroutine mask_traps(environment)
+  subroutine suspend_fp_traps(environment)
     type(ieee_status_type), intent(out) :: environment
     call ieee_get_status(environment)
     call ieee_set_halting_mode(ieee_all, .false.)
-  end subroutine mask_traps
+  end subroutine suspend_fp_traps
 
 
   !> The largest entry of each row, and of each column when the rows are divided by theirs: stiff laws beside soft ones say nothing
   !! of the rank.
-  pure subroutine measure_matrix(a, row, column)
+  pure subroutine find_matrix_scales(a, row, column)
     real(DP), intent(in) :: a(:, :)            !< (n, n)
     real(DP), intent(out) :: row(:)            !< (n)
     real(DP), intent(out) :: column(:)         !< (n) [-]
@@ -193,18 +193,18 @@ contains
     do k = 1, size(row)
       column(k) = maxval(abs(a(:, k)) / max(row, tiny(1.0_DP)))
     end do
-  end subroutine measure_matrix
+  end subroutine find_matrix_scales
 
 
   !> Whether what factorise_dense made was of a singular matrix: a pivot is nothing beside the row and the column that it stands in.
   !! What rounding leaves of such a pivot grows with the square root of the number of sums.
-  pure logical function is_rank_lost(lu, pivots, row, column) result(is_lost)
+  pure logical function is_rank_deficient(lu, pivots, row, column) result(is_lost)
     real(DP), intent(in) :: lu(:, :)           !< (n, n) L and U
     integer, intent(in) :: pivots(:)           !< (n) of `factorise_dense`
-    real(DP), intent(in) :: row(:), column(:)  !< (n) of `measure_matrix`, before
+    real(DP), intent(in) :: row(:), column(:)  !< (n) of `find_matrix_scales`, before
     real(DP) :: least, moved(size(row)), other
     integer :: k
-    least = LOST * sqrt(real(size(column), DP))
+    least = TOL_SCALAR_PIVOT * sqrt(real(size(column), DP))
     moved = row
     do k = 1, size(pivots)                     ! rows change places as LAPACK changed them
       other = moved(k)
@@ -215,7 +215,7 @@ contains
     do k = 1, size(column)
       if (.not. abs(lu(k, k)) > least * column(k) * moved(k)) is_lost = .true.
     end do
-  end function is_rank_lost
+  end function is_rank_deficient
 
 
   !> Neither NaN nor infinities.
@@ -226,7 +226,7 @@ contains
 
 
   !> x = L x, or L' x, for a lower triangle. Threads share blocks of its rows, or columns.
-  subroutine triangle_times(l, is_transposed, x)
+  subroutine multiply_triangular(l, is_transposed, x)
     real(DP), contiguous, intent(in) :: l(:, :)   !< (n, n) lower triangle, zero above
     logical, intent(in) :: is_transposed
     real(DP), contiguous, intent(inout) :: x(:)   !< (n)
@@ -235,18 +235,18 @@ contains
     n = size(x)
     if (n == 0) return
     y = x
-    !$omp parallel do schedule(dynamic) private(last) if(n >= WORTH_THREADS)
-    do k = 1, n, BLOCK
-      last = min(n, k + BLOCK - 1)
-      call block_times(n, l, is_transposed, k, last, x, y)
+    !$omp parallel do schedule(dynamic) private(last) if(n >= MIN_THREADED_SIZE)
+    do k = 1, n, BLOCK_COLUMNS
+      last = min(n, k + BLOCK_COLUMNS - 1)
+      call multiply_triangular_block(n, l, is_transposed, k, last, x, y)
     end do
     !$omp end parallel do
     x = y
-  end subroutine triangle_times
+  end subroutine multiply_triangular
 
 
   !> The values from k to last of L x, or L' x.
-  subroutine block_times(n, l, is_transposed, k, last, x, y)
+  subroutine multiply_triangular_block(n, l, is_transposed, k, last, x, y)
     integer, intent(in) :: n
     real(DP), intent(in) :: l(n, n)
     logical, intent(in) :: is_transposed
@@ -258,34 +258,34 @@ contains
     else
       call gemv('N', last - k + 1, last, 1.0_DP, l(k, 1), n, x, 1, 0.0_DP, y(k), 1)
     end if
-  end subroutine block_times
+  end subroutine multiply_triangular_block
 
 
   !> x = S x for a symmetric matrix.
-  subroutine symmetric_times(s, x)
+  subroutine multiply_dense_symmetric(s, x)
     real(DP), contiguous, intent(in) :: s(:, :)   !< (n, n)
     real(DP), intent(inout) :: x(:)            !< (n)
     real(DP) :: y(size(x))
     if (size(x) == 0) return
     y = 0
-    if (is_shared(size(x))) then
-      call transposed_times(s, x, y)
+    if (is_threaded(size(x))) then
+      call multiply_dense_transpose(s, x, y)
     else
       call dsymv('L', size(x), 1.0_DP, s, size(x), x, 1, 0.0_DP, y, 1)
     end if
     x = y
-  end subroutine symmetric_times
+  end subroutine multiply_dense_symmetric
 
 
   !> Whether threads share the work on a matrix.
-  logical function is_shared(n)
+  logical function is_threaded(n)
 !$  use omp_lib, only: omp_get_max_threads, omp_get_level
     integer, intent(in) :: n                   !< unknowns
-    is_shared = .false.
-    if (n < WORTH_THREADS) return
-!$  is_shared = omp_get_level() == 0
-!$  if (is_shared) is_shared = omp_get_max_threads() > 1
-  end function is_shared
+    is_threaded = .false.
+    if (n < MIN_THREADED_SIZE) return
+!$  is_threaded = omp_get_level() == 0
+!$  if (is_threaded) is_threaded = omp_get_max_threads() > 1
+  end function is_threaded
 
 
   include 'dense.inc'

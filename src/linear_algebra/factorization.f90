@@ -12,10 +12,10 @@ module amontons_factorization
   use amontons_sparse, only: sparse_type
   implicit none
   private
-  public :: factor_type, lu_type
+  public :: cholesky_type, lu_type
   public :: analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads, choose_blas_kernels
   public :: elimination_order, trailing_block, solve_forward, solve_backward
-  public :: FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
+  public :: FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, TOL_PIVOT
 
   integer, parameter :: FACTOR_OK = 0               !< the factor can be used
   integer, parameter :: FACTOR_NOT_POSITIVE = 1     !< a pivot was not positive; the factor cannot be used
@@ -25,16 +25,16 @@ module amontons_factorization
   integer, parameter :: STATUS_TOO_LARGE = 5        !< of the shim
 
   !> A pivot is what elimination leaves of a diagonal entry. Less than this part of it is rounding noise.
-  real(DP), parameter :: PIVOT_LIMIT = 64 * epsilon(1.0_DP)
+  real(DP), parameter :: TOL_PIVOT = 64 * epsilon(1.0_DP)
 
   !> A Cholesky factor P A P' = L L'. Components are for reading. A copy of it is empty: analyse again.
-  type :: factor_type
+  type :: cholesky_type
     integer :: n_unknowns = 0
     real(DP) :: n_entries = 0                !< of L [-]
     real(DP) :: n_operations = 0             !< multiplications and additions of a factorisation [-]
     real(DP) :: megabytes = 0                !< of factor, permuted matrix and work
     integer :: n_supernodes = 0
-    integer :: weakest = 0                   !< unknown with the smallest pivot, or where the factorisation broke
+    integer :: min_pivot_unknown = 0                   !< unknown with the smallest pivot, or where the factorisation broke
     real(DP) :: pivot_ratio = 0              !< smallest pivot over its diagonal entry [-]
     logical :: is_ready = .false.            !< factorised: it can solve
     type(c_ptr), private :: handle = c_null_ptr
@@ -42,7 +42,7 @@ module amontons_factorization
     procedure, private :: copy_factor
     generic :: assignment(=) => copy_factor
     final :: release_factor
-  end type factor_type
+  end type cholesky_type
 
   !> An LU factor with partial pivoting. A copy of it is empty.
   type :: lu_type
@@ -173,13 +173,13 @@ contains
   !> After it, estimate_memory and the statistics are known; no value is looked at. An earlier analysis is thrown away,
   !> but its memory is used again.
   subroutine analyse(factor, matrix, permutation, error)
-    type(factor_type), intent(inout) :: factor         !< new, or used before
+    type(cholesky_type), intent(inout) :: factor         !< new, or used before
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle with its diagonal
     integer, intent(in), optional :: permutation(:)    !< (n) unknown that comes k-th, from 1; default: METIS decides
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: statistics(4)
     integer :: status
-    call reset(factor)
+    call reset_statistics(factor)
     factor%n_unknowns = matrix%n_rows
     if (matrix%n_rows == 0) return
     if (.not. c_associated(factor%handle)) factor%handle = cholesky_new()
@@ -196,7 +196,7 @@ contains
     end if
     call set_solver_error(status, estimate_memory(factor), error)
     if (allocated(error)) then
-      call forget(factor)
+      call clear_factor(factor)
       return
     end if
     factor%n_entries = statistics(1)
@@ -210,12 +210,12 @@ contains
   !> | status | what it means |
   !> |---|---|
   !> | FACTOR_OK | positive definite: solve works |
-  !> | FACTOR_NEARLY_SINGULAR | solve works, but a pivot (factor%weakest) is rounding noise |
-  !> | FACTOR_NOT_POSITIVE | broke at the unknown factor%weakest: indefinite or singular |
+  !> | FACTOR_NEARLY_SINGULAR | solve works, but a pivot (factor%min_pivot_unknown) is rounding noise |
+  !> | FACTOR_NOT_POSITIVE | broke at the unknown factor%min_pivot_unknown: indefinite or singular |
   !> | FACTOR_NOT_FINITE | the matrix holds NaN or an infinity |
   !> An error is want of memory or a mistake of the program.
   subroutine factorise(factor, matrix, status, shift, error)
-    type(factor_type), intent(inout) :: factor
+    type(cholesky_type), intent(inout) :: factor
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle, of the pattern analysed
     integer, intent(out) :: status                     !< FACTOR_...
     real(DP), intent(in), optional :: shift(:)         !< (n) added to the diagonal, for a preconditioner
@@ -229,8 +229,8 @@ contains
     end if
     if (factor%n_unknowns > 0) then
       status = cholesky_factorise(factor%handle, matrix%value, shift, unknown, factor%pivot_ratio)
-      factor%weakest = unknown + 1
-      if (status == FACTOR_OK .and. .not. factor%pivot_ratio > PIVOT_LIMIT) status = FACTOR_NEARLY_SINGULAR
+      factor%min_pivot_unknown = unknown + 1
+      if (status == FACTOR_OK .and. .not. factor%pivot_ratio > TOL_PIVOT) status = FACTOR_NEARLY_SINGULAR
       call set_solver_error(status, estimate_memory(factor), error)
     end if
     factor%is_ready = status == FACTOR_OK .or. status == FACTOR_NEARLY_SINGULAR
@@ -239,7 +239,7 @@ contains
 
   !> x = A^-1 b.
   subroutine solve_one(factor, b, x)
-    type(factor_type), intent(in) :: factor            !< ready
+    type(cholesky_type), intent(in) :: factor            !< ready
     real(DP), intent(in) :: b(:)                       !< (n)
     real(DP), intent(out) :: x(:)                      !< (n)
     integer :: status
@@ -251,7 +251,7 @@ contains
 
   !> X = A^-1 B, all columns at once where memory allows.
   subroutine solve_many(factor, b, x)
-    type(factor_type), intent(in) :: factor            !< ready
+    type(cholesky_type), intent(in) :: factor            !< ready
     real(DP), intent(in) :: b(:, :)                    !< (n, columns)
     real(DP), intent(out) :: x(:, :)                   !< (n, columns)
     integer :: status
@@ -263,7 +263,7 @@ contains
 
   !> The unknowns in the order in which the factor eliminates them (L L' = P A P').
   subroutine elimination_order(factor, order)
-    type(factor_type), intent(in) :: factor            !< analysed
+    type(cholesky_type), intent(in) :: factor            !< analysed
     integer, intent(out) :: order(:)                   !< (n) unknown that comes k-th, from 1
     call cholesky_order(factor%handle, order)
     order = order + 1
@@ -272,7 +272,7 @@ contains
 
   !> The last rows and columns of L as a full matrix, zero above the diagonal.
   subroutine trailing_block(factor, block)
-    type(factor_type), intent(in) :: factor            !< ready
+    type(cholesky_type), intent(in) :: factor            !< ready
     real(DP), intent(out) :: block(:, :)               !< (m, m)
     call cholesky_trailing(factor%handle, size(block, 1), block)
   end subroutine trailing_block
@@ -280,7 +280,7 @@ contains
 
   !> x = L^-1 b, both in the order of elimination.
   subroutine solve_forward(factor, b, x)
-    type(factor_type), intent(in) :: factor            !< ready
+    type(cholesky_type), intent(in) :: factor            !< ready
     real(DP), intent(in) :: b(:)                       !< (n)
     real(DP), intent(out) :: x(:)                      !< (n)
     if (cholesky_half_solve(factor%handle, 0, b, x) /= 0) x = 0   ! cannot be: see solve_one
@@ -289,7 +289,7 @@ contains
 
   !> x = L'^-1 b, both in the order of elimination.
   subroutine solve_backward(factor, b, x)
-    type(factor_type), intent(in) :: factor            !< ready
+    type(cholesky_type), intent(in) :: factor            !< ready
     real(DP), intent(in) :: b(:)                       !< (n)
     real(DP), intent(out) :: x(:)                      !< (n)
     if (cholesky_half_solve(factor%handle, 1, b, x) /= 0) x = 0   ! cannot be: see solve_one
@@ -298,7 +298,7 @@ contains
 
   !> Memory that the factorisation takes, known after the analysis [megabytes].
   pure function estimate_memory(factor) result(megabytes)
-    type(factor_type), intent(in) :: factor
+    type(cholesky_type), intent(in) :: factor
     real(DP) :: megabytes
     megabytes = factor%megabytes
   end function estimate_memory
@@ -400,30 +400,30 @@ contains
 
 
   !> Gives everything back and makes the factor as new.
-  subroutine forget(factor)
-    type(factor_type), intent(inout) :: factor
+  subroutine clear_factor(factor)
+    type(cholesky_type), intent(inout) :: factor
     call release_factor(factor)
-    call reset(factor)
-  end subroutine forget
+    call reset_statistics(factor)
+  end subroutine clear_factor
 
 
   !> Makes the statistics as new.
-  subroutine reset(factor)
-    type(factor_type), intent(inout) :: factor
+  subroutine reset_statistics(factor)
+    type(cholesky_type), intent(inout) :: factor
     factor%n_unknowns = 0
     factor%n_entries = 0
     factor%n_operations = 0
     factor%megabytes = 0
     factor%n_supernodes = 0
-    factor%weakest = 0
+    factor%min_pivot_unknown = 0
     factor%pivot_ratio = 0
     factor%is_ready = .false.
-  end subroutine reset
+  end subroutine reset_statistics
 
 
   !> Frees the memory of CHOLMOD.
   subroutine release_factor(factor)
-    type(factor_type), intent(inout) :: factor
+    type(cholesky_type), intent(inout) :: factor
     call cholesky_free(factor%handle)
     factor%handle = c_null_ptr
   end subroutine release_factor
@@ -431,10 +431,10 @@ contains
 
   !> A copy is empty: two owners of one handle would free it twice.
   subroutine copy_factor(self, other)
-    class(factor_type), intent(inout) :: self
-    type(factor_type), intent(in) :: other
+    class(cholesky_type), intent(inout) :: self
+    type(cholesky_type), intent(in) :: other
     if (c_associated(self%handle, other%handle)) return
-    call forget(self)
+    call clear_factor(self)
   end subroutine copy_factor
 
 

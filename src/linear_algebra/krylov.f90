@@ -14,19 +14,19 @@ module amontons_krylov
   private
   public :: operator_type, matrix_operator_type
   public :: krylov_options_type, krylov_report_type, gmres, conjugate_gradients
-  public :: KRYLOV_CONVERGED, KRYLOV_TOO_MANY, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, KRYLOV_NOT_FINITE
+  public :: KRYLOV_CONVERGED, KRYLOV_MAX_ITERATIONS, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, KRYLOV_NOT_FINITE
 
   integer, parameter :: KRYLOV_CONVERGED = 0    !< the residual is within the tolerance
-  integer, parameter :: KRYLOV_TOO_MANY = 1     !< the iterations were used up
+  integer, parameter :: KRYLOV_MAX_ITERATIONS = 1     !< the iterations were used up
   integer, parameter :: KRYLOV_STAGNATED = 2    !< no direction is left that lowers the residual: singular, or rounding
   integer, parameter :: KRYLOV_INDEFINITE = 3   !< conjugate gradients met a direction of no or negative energy
   integer, parameter :: KRYLOV_NOT_FINITE = 4   !< the operator, the preconditioner or b gave NaN or an infinity
 
-  real(DP), parameter :: PROGRESS = 0.99_DP     !< a cycle that leaves more of the residual than this has stagnated
+  real(DP), parameter :: MAX_CYCLE_REDUCTION = 0.99_DP     !< a cycle that leaves more of the residual than this has stagnated
 
-  real(DP), parameter :: NOISE = 64 * epsilon(1.0_DP)   !< what is less than this part of a vector is rounding
+  real(DP), parameter :: TOL_ROUNDING = 64 * epsilon(1.0_DP)   !< what is less than this part of a vector is rounding
 
-  real(DP), parameter :: DEPENDENT = 1.0e-8_DP  !< sine of an angle too small to gain by: half of the digits
+  real(DP), parameter :: TOL_DEPENDENT_VECTOR = 1.0e-8_DP  !< sine of an angle too small to gain by: half of the digits
 
   !> A linear map of n numbers to n numbers.
   type, abstract :: operator_type
@@ -54,7 +54,7 @@ module amontons_krylov
   !> When to stop. The residual must come below max(tolerance |b|, floor).
   type :: krylov_options_type
     real(DP) :: tolerance = 1.0e-8_DP       !< of |b| [-]
-    real(DP) :: floor = 0                   !< absolute [as b]
+    real(DP) :: absolute_tolerance = 0                   !< absolute [as b]
     integer :: max_iterations = 200
     integer :: restart = 100                !< most vectors kept by gmres
   end type krylov_options_type
@@ -67,13 +67,13 @@ module amontons_krylov
   end type krylov_report_type
 
   !> The vectors and the small least-squares problem of one cycle of GMRES.
-  type :: cycle_type
+  type :: gmres_cycle_type
     real(DP), allocatable :: v(:, :)        !< (n, m + 1) orthonormal
     real(DP), allocatable :: z(:, :)        !< (n, m) preconditioned
     real(DP), allocatable :: h(:, :)        !< (m + 1, m) Hessenberg matrix, made triangular by rotations
     real(DP), allocatable :: c(:), s(:)     !< (m) cosines and sines of the rotations
     real(DP), allocatable :: g(:)           !< (m + 1) rotated right-hand side; |g(k + 1)| is the residual after k steps
-  end type cycle_type
+  end type gmres_cycle_type
 
 contains
 
@@ -87,19 +87,19 @@ contains
     type(krylov_options_type), intent(in) :: options
     type(krylov_report_type), intent(out) :: report
     type(error_type), allocatable, intent(out) :: error
-    type(cycle_type) :: basis
-    real(DP) :: r(size(b)), best(size(b)), goal, size_of_b, before
-    call start(operator, b, x, options, r, size_of_b, goal, report)
-    if (report%status /= KRYLOV_TOO_MANY) return
+    type(gmres_cycle_type) :: basis
+    real(DP) :: r(size(b)), best(size(b)), target_residual, size_of_b, before
+    call check_trivial_solution(operator, b, x, options, r, size_of_b, target_residual, report)
+    if (report%status /= KRYLOV_MAX_ITERATIONS) return
     call allocate_cycle(basis, size(b), min(options%restart, options%max_iterations), error)
     if (.not. allocated(basis%g)) return
     before = norm(r)
-    do while (report%status == KRYLOV_TOO_MANY .and. report%n_iterations < options%max_iterations)
+    do while (report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations < options%max_iterations)
       best = x
-      call run_cycle(operator, preconditioner, r, goal, options, basis, x, report)
+      call run_gmres_cycle(operator, preconditioner, r, target_residual, options, basis, x, report)
       if (report%status == KRYLOV_NOT_FINITE) exit
       call residual_of(operator, b, x, r)
-      call judge_progress(norm(r), goal, before, report)
+      call check_stagnation(norm(r), target_residual, before, report)
       if (norm(r) > before) x = best                          ! by rounding only
       before = min(norm(r), before)
     end do
@@ -107,36 +107,36 @@ contains
   end subroutine gmres
 
 
-  !> First residual, and the cases in which there is nothing to do. Status KRYLOV_TOO_MANY means: go on.
-  subroutine start(operator, b, x, options, r, size_of_b, goal, report)
+  !> First residual, and the cases in which there is nothing to do. Status KRYLOV_MAX_ITERATIONS means: go on.
+  subroutine check_trivial_solution(operator, b, x, options, r, size_of_b, target_residual, report)
     class(operator_type), intent(inout) :: operator
     real(DP), intent(in) :: b(:)
     real(DP), intent(inout) :: x(:)
     type(krylov_options_type), intent(in) :: options
     real(DP), intent(out) :: r(:)                           !< b - A x
-    real(DP), intent(out) :: size_of_b, goal                !< |b| and the residual to come below
+    real(DP), intent(out) :: size_of_b, target_residual                !< |b| and the residual to come below
     type(krylov_report_type), intent(out) :: report
     size_of_b = norm(b)
-    goal = options%floor
+    target_residual = options%absolute_tolerance
     r = b
-    if (ieee_is_finite(size_of_b)) goal = max(options%tolerance * size_of_b, options%floor)
+    if (ieee_is_finite(size_of_b)) target_residual = max(options%tolerance * size_of_b, options%absolute_tolerance)
     if (.not. ieee_is_finite(size_of_b)) then
       report%status = KRYLOV_NOT_FINITE
       x = 0
       report%residual = 1
-    else if (size_of_b <= options%floor) then
+    else if (size_of_b <= options%absolute_tolerance) then
       x = 0
     else
-      report%status = KRYLOV_TOO_MANY
-      call judge_guess(operator, b, size_of_b, x, r)
+      report%status = KRYLOV_MAX_ITERATIONS
+      call check_initial_guess(operator, b, size_of_b, x, r)
       report%residual = norm(r) / size_of_b
-      if (norm(r) <= goal) report%status = KRYLOV_CONVERGED
+      if (norm(r) <= target_residual) report%status = KRYLOV_CONVERGED
     end if
-  end subroutine start
+  end subroutine check_trivial_solution
 
 
   !> The residual of the first guess. A guess that is not finite or worse than none is replaced by 0.
-  subroutine judge_guess(operator, b, size_of_b, x, r)
+  subroutine check_initial_guess(operator, b, size_of_b, x, r)
     class(operator_type), intent(inout) :: operator
     real(DP), intent(in) :: b(:)
     real(DP), intent(in) :: size_of_b                       !< |b|
@@ -152,12 +152,12 @@ contains
     if (is_useful) return
     x = 0
     r = b
-  end subroutine judge_guess
+  end subroutine check_initial_guess
 
 
   !> Allocates the vectors of GMRES. The system gives memory only as the vectors are touched.
   subroutine allocate_cycle(basis, n, m, error)
-    type(cycle_type), intent(out) :: basis
+    type(gmres_cycle_type), intent(out) :: basis
     integer, intent(in) :: n                                !< unknowns
     integer, intent(in) :: m                                !< iterations before a restart
     type(error_type), allocatable, intent(out) :: error
@@ -170,12 +170,12 @@ contains
 
 
   !> One cycle: builds the basis until the residual is small or the vectors are used up, and corrects x.
-  subroutine run_cycle(operator, preconditioner, r, goal, options, basis, x, report)
+  subroutine run_gmres_cycle(operator, preconditioner, r, target_residual, options, basis, x, report)
     class(operator_type), intent(inout) :: operator, preconditioner
     real(DP), intent(in) :: r(:)                            !< b - A x
-    real(DP), intent(in) :: goal
+    real(DP), intent(in) :: target_residual
     type(krylov_options_type), intent(in) :: options
-    type(cycle_type), intent(inout) :: basis
+    type(gmres_cycle_type), intent(inout) :: basis
     real(DP), intent(inout) :: x(:)
     type(krylov_report_type), intent(inout) :: report
     real(DP) :: length, whole
@@ -185,7 +185,7 @@ contains
     basis%g(1) = norm(r)
     basis%v(:, 1) = r / basis%g(1)
     do k = 1, size(basis%c)
-      if (report%n_iterations == options%max_iterations .or. abs(basis%g(k)) <= goal) exit
+      if (report%n_iterations == options%max_iterations .or. abs(basis%g(k)) <= target_residual) exit
       call preconditioner%apply(basis%v(:, k), basis%z(:, k))
       call operator%apply(basis%z(:, k), basis%v(:, k + 1))
       report%n_iterations = report%n_iterations + 1
@@ -194,20 +194,20 @@ contains
         report%status = KRYLOV_NOT_FINITE
         exit
       end if
-      call rotate(basis, k)
-      if (abs(basis%h(k, k)) <= DEPENDENT * whole) exit     ! A z is nothing new: singular, or time to start again
+      call apply_givens_rotations(basis, k)
+      if (abs(basis%h(k, k)) <= TOL_DEPENDENT_VECTOR * whole) exit     ! A z is nothing new: singular, or time to start again
       n_steps = k
       if (.not. length > 0) exit                            ! the space is complete: the solution lies in it
       basis%v(:, k + 1) = basis%v(:, k + 1) / length
     end do
-    call correct(basis, n_steps, x)
-  end subroutine run_cycle
+    call update_solution(basis, n_steps, x)
+  end subroutine run_gmres_cycle
 
 
   !> Modified Gram-Schmidt of v(k + 1) against those before, a second time if the first cancelled digits ("twice is
   !> enough"). Fills column k of h. A length that is rounding noise of the vector becomes 0.
   subroutine orthogonalise(basis, k, whole, length)
-    type(cycle_type), intent(inout) :: basis
+    type(gmres_cycle_type), intent(inout) :: basis
     integer, intent(in) :: k
     real(DP), intent(out) :: whole                          !< length of the vector
     real(DP), intent(out) :: length                         !< of what is left of it
@@ -220,21 +220,21 @@ contains
     do pass = 1, 2
       before = length
       do i = 1, k
-        overlap = inner(basis%v(:, i), basis%v(:, k + 1))
+        overlap = dot(basis%v(:, i), basis%v(:, k + 1))
         basis%v(:, k + 1) = basis%v(:, k + 1) - overlap * basis%v(:, i)
         basis%h(i, k) = basis%h(i, k) + overlap
       end do
       length = norm(basis%v(:, k + 1))
       if (length > 0.7_DP * before) exit
     end do
-    if (length <= NOISE * whole) length = 0
+    if (length <= TOL_ROUNDING * whole) length = 0
     basis%h(k + 1, k) = length
   end subroutine orthogonalise
 
 
   !> Applies the old rotations to column k of h and makes the new one that removes h(k + 1, k).
-  pure subroutine rotate(basis, k)
-    type(cycle_type), intent(inout) :: basis
+  pure subroutine apply_givens_rotations(basis, k)
+    type(gmres_cycle_type), intent(inout) :: basis
     integer, intent(in) :: k
     real(DP) :: upper, radius
     integer :: i
@@ -256,12 +256,12 @@ contains
       g(k + 1) = -s(k) * g(k)
       g(k) = c(k) * g(k)
     end associate
-  end subroutine rotate
+  end subroutine apply_givens_rotations
 
 
   !> Adds to x the combination of the preconditioned vectors with the smallest residual.
-  subroutine correct(basis, n_steps, x)
-    type(cycle_type), intent(in) :: basis
+  subroutine update_solution(basis, n_steps, x)
+    type(gmres_cycle_type), intent(in) :: basis
     integer, intent(in) :: n_steps
     real(DP), intent(inout) :: x(:)
     real(DP) :: y(n_steps), correction(size(x))
@@ -274,7 +274,7 @@ contains
       correction = correction + y(k) * basis%z(:, k)
     end do
     if (ieee_is_finite(norm(correction))) x = x + correction
-  end subroutine correct
+  end subroutine update_solution
 
 
   !> Solves A x = b with A symmetric positive definite by preconditioned conjugate gradients. When the recurrence says
@@ -286,15 +286,15 @@ contains
     real(DP), intent(inout) :: x(:)                         !< (n) in: first guess; out: solution
     type(krylov_options_type), intent(in) :: options
     type(krylov_report_type), intent(out) :: report
-    real(DP) :: r(size(b)), goal, size_of_b, before
-    call start(operator, b, x, options, r, size_of_b, goal, report)
-    if (report%status /= KRYLOV_TOO_MANY) return
+    real(DP) :: r(size(b)), target_residual, size_of_b, before
+    call check_trivial_solution(operator, b, x, options, r, size_of_b, target_residual, report)
+    if (report%status /= KRYLOV_MAX_ITERATIONS) return
     before = norm(r)
-    do while (report%status == KRYLOV_TOO_MANY .and. report%n_iterations < options%max_iterations)
-      call run_descent(operator, preconditioner, goal, options, r, x, report)
+    do while (report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations < options%max_iterations)
+      call run_cg_iterations(operator, preconditioner, target_residual, options, r, x, report)
       if (report%status == KRYLOV_NOT_FINITE) exit
       call residual_of(operator, b, x, r)
-      call judge_progress(norm(r), goal, before, report)
+      call check_stagnation(norm(r), target_residual, before, report)
       before = norm(r)
     end do
     report%residual = before / size_of_b
@@ -302,23 +302,23 @@ contains
 
 
   !> The verdict on a cycle by its true residual.
-  pure subroutine judge_progress(residual, goal, before, report)
+  pure subroutine check_stagnation(residual, target_residual, before, report)
     real(DP), intent(in) :: residual                        !< after the cycle
-    real(DP), intent(in) :: goal                            !< to come below
+    real(DP), intent(in) :: target_residual                            !< to come below
     real(DP), intent(in) :: before                          !< residual before the cycle
     type(krylov_report_type), intent(inout) :: report
-    if (residual <= goal) then
+    if (residual <= target_residual) then
       report%status = KRYLOV_CONVERGED
-    else if (report%status == KRYLOV_TOO_MANY .and. residual >= PROGRESS * before) then
+    else if (report%status == KRYLOV_MAX_ITERATIONS .and. residual >= MAX_CYCLE_REDUCTION * before) then
       report%status = KRYLOV_STAGNATED
     end if
-  end subroutine judge_progress
+  end subroutine check_stagnation
 
 
   !> Conjugate gradients until the residual of the recurrence is small or something breaks.
-  subroutine run_descent(operator, preconditioner, goal, options, r, x, report)
+  subroutine run_cg_iterations(operator, preconditioner, target_residual, options, r, x, report)
     class(operator_type), intent(inout) :: operator, preconditioner
-    real(DP), intent(in) :: goal
+    real(DP), intent(in) :: target_residual
     type(krylov_options_type), intent(in) :: options
     real(DP), intent(inout) :: r(:)                         !< b - A x; out: as the recurrence has it
     real(DP), intent(inout) :: x(:)
@@ -327,25 +327,25 @@ contains
     real(DP) :: rho, rho_old, energy, alpha
     p = 0
     rho_old = 1
-    do while (report%n_iterations < options%max_iterations .and. norm(r) > goal)
+    do while (report%n_iterations < options%max_iterations .and. norm(r) > target_residual)
       call preconditioner%apply(r, z)
       report%n_iterations = report%n_iterations + 1
-      rho = inner(r, z)
+      rho = dot(r, z)
       p = z + rho / rho_old * p
       call operator%apply(p, a_p)
-      energy = inner(p, a_p)
+      energy = dot(p, a_p)
       if (.not. (ieee_is_finite(rho) .and. ieee_is_finite(energy))) then
         report%status = KRYLOV_NOT_FINITE
       else if (rho <= 0 .or. energy <= 0) then
         report%status = KRYLOV_INDEFINITE
       end if
-      if (report%status /= KRYLOV_TOO_MANY) return
+      if (report%status /= KRYLOV_MAX_ITERATIONS) return
       alpha = rho / energy
       x = x + alpha * p
       r = r - alpha * a_p
       rho_old = rho
     end do
-  end subroutine run_descent
+  end subroutine run_cg_iterations
 
 
   !> r = b - A x.
@@ -359,7 +359,7 @@ contains
 
 
   !> The scalar product in four interleaved sums: the order is fixed, and the processor need not wait for each addition.
-  pure function inner(x, y) result(product)
+  pure function dot(x, y) result(product)
     real(DP), intent(in) :: x(:), y(:)                      !< (n)
     real(DP) :: product
     real(DP) :: part(4)
@@ -373,14 +373,14 @@ contains
     do k = n + 1, size(x)
       product = product + x(k) * y(k)
     end do
-  end function inner
+  end function dot
 
 
   !> The 2-norm.
   pure function norm(x) result(length)
     real(DP), intent(in) :: x(:)                            !< (n)
     real(DP) :: length
-    length = sqrt(inner(x, x))
+    length = sqrt(dot(x, x))
   end function norm
 
 

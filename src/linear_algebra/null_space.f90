@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_null_space
   use amontons_kinds, only: DP
-  use amontons_dense, only: symmetric_eigen, DENSE_OK
+  use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   implicit none
   private
   public :: find_null_space, find_null_vectors
@@ -17,7 +17,7 @@ contains
     real(DP), intent(out) :: vectors(:, :)         !< (m, m)
     real(DP) :: values(size(gram, 1))
     integer :: status
-    call symmetric_eigen(gram, values, vectors, status)
+    call solve_symmetric_eigen(gram, values, vectors, status)
     n = 0
     if (status == DENSE_OK) n = count(values <= tolerance * values(size(values)))
   end subroutine find_null_space

@@ -10,12 +10,12 @@ module amontons_partition
   use amontons_sparse, only: sparse_type
   implicit none
   private
-  public :: partition_mesh, order_nodes, order_unknowns, order_of_nodes, order_by_node, separator_of
+  public :: partition_mesh, order_nodes, order_unknowns, nodes_by_first_use, order_unknowns_by_node, separator_size
 
   integer, parameter :: METIS_OK = 1             !< of metis.h
   integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h
-  integer(c_int32_t), parameter :: SHARED_NODES = 3    !< elements with so many common nodes are neighbours: a face
-  integer, parameter :: MOST_BISECTED = 8        !< METIS advises bisection up to 8 parts, k-way beyond
+  integer(c_int32_t), parameter :: MIN_COMMON_NODES = 3    !< elements with so many common nodes are neighbours: a face
+  integer, parameter :: MAX_BISECTION_PARTS = 8        !< METIS advises bisection up to 8 parts, k-way beyond
 
   interface
     function metis_mesh_to_dual(n_elements, n_nodes, first, nodes, n_common, numbering, graph_first, neighbours) &
@@ -95,11 +95,11 @@ contains
     integer :: status, e
     part = [(min(e, n_parts), e=1, n_elements)]
     if (n_parts <= 1 .or. n_elements <= n_parts) return
-    status = metis_mesh_to_dual(n_elements, n_nodes, first - 1, nodes - 1, SHARED_NODES, 0, graph_first, neighbours)
+    status = metis_mesh_to_dual(n_elements, n_nodes, first - 1, nodes - 1, MIN_COMMON_NODES, 0, graph_first, neighbours)
     call check_status(status, error)
     if (allocated(error)) return
     !$omp critical (metis)
-    if (n_parts <= MOST_BISECTED) then
+    if (n_parts <= MAX_BISECTION_PARTS) then
       status = metis_bisect(n_elements, 1, graph_first, neighbours, weight, c_null_ptr, c_null_ptr, n_parts, &
                             c_null_ptr, c_null_ptr, c_null_ptr, cut, part)
     else
@@ -125,7 +125,7 @@ contains
     integer :: status
     allocate (order(graph%n_rows))
     if (graph%n_rows == 0) return
-    call both_directions(graph, first, neighbours)
+    call symmetrize_graph(graph, first, neighbours)
     if (size(neighbours) == 0) then
       order = [(status, status=1, graph%n_rows)]
       return
@@ -139,7 +139,7 @@ contains
 
 
   !> The graph as METIS wants it: from 0, both directions, no loops, no pair twice.
-  pure subroutine both_directions(graph, first, neighbours)
+  pure subroutine symmetrize_graph(graph, first, neighbours)
     type(sparse_type), intent(in) :: graph             !< pairs in one direction; some may stand in both
     integer(c_int32_t), allocatable, intent(out) :: first(:) !< (n + 1)
     integer(c_int32_t), allocatable, intent(out) :: neighbours(:)
@@ -169,12 +169,12 @@ contains
         next(j) = next(j) + 1
       end do
     end do
-    call drop_repeated(graph%n_rows, first, neighbours)
-  end subroutine both_directions
+    call remove_duplicate_neighbours(graph%n_rows, first, neighbours)
+  end subroutine symmetrize_graph
 
 
   !> Keeps each neighbour once.
-  pure subroutine drop_repeated(n, first, neighbours)
+  pure subroutine remove_duplicate_neighbours(n, first, neighbours)
     integer, intent(in) :: n
     integer(c_int32_t), intent(inout) :: first(:)            !< (n + 1) from 0
     integer(c_int32_t), allocatable, intent(inout) :: neighbours(:)
@@ -193,7 +193,7 @@ contains
       first(i + 1) = n_kept
     end do
     neighbours = neighbours(:n_kept)
-  end subroutine drop_repeated
+  end subroutine remove_duplicate_neighbours
 
 
   !> Fill-reducing order of unknowns that come in groups (those of a node): the groups are ordered, weighted by their
@@ -227,7 +227,7 @@ contains
 
   !> How many unknowns separate those of a matrix into two halves: what comes last in the order, and decides what a factor costs. It
   !! takes a tenth of the time of the order.
-  subroutine separator_of(matrix, group, n_groups, n_separating, error)
+  subroutine separator_size(matrix, group, n_groups, n_separating, error)
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle
     integer, intent(in) :: group(:)                    !< (n) group of each unknown, 1 to n_groups
     integer, intent(in) :: n_groups                    !< groups may be empty
@@ -241,14 +241,14 @@ contains
     n_separating = 0
     call gather_members(group, n_groups, members_first, members)
     call group_graph(matrix, group, n_groups, members_first, members, graph)
-    call both_directions(graph, first, neighbours)
+    call symmetrize_graph(graph, first, neighbours)
     if (size(neighbours) == 0) return
     weight = max(1, members_first(2:) - members_first(:n_groups))
     !$omp critical (metis)
     status = metis_separator(n_groups, first, neighbours, weight, c_null_ptr, n_separating, part)
     !$omp end critical (metis)
     call check_status(status, error)
-  end subroutine separator_of
+  end subroutine separator_size
 
 
   !> The members of each group, ascending.
@@ -306,7 +306,7 @@ contains
 
 
   !> The nodes in the order in which they first appear; those that do not appear come last.
-  pure function order_of_nodes(sequence, n_nodes) result(order)
+  pure function nodes_by_first_use(sequence, n_nodes) result(order)
     integer, intent(in) :: sequence(:)             !< nodes of the unknowns, in the order of the unknowns
     integer, intent(in) :: n_nodes
     integer :: order(n_nodes)
@@ -325,11 +325,11 @@ contains
       n = n + 1
       order(n) = i
     end do
-  end function order_of_nodes
+  end function nodes_by_first_use
 
 
   !> The unknowns in the order of their nodes. Before: the unknowns of a node stand side by side.
-  pure function order_by_node(node_order, node) result(order)
+  pure function order_unknowns_by_node(node_order, node) result(order)
     integer, intent(in) :: node_order(:)           !< (n_nodes)
     integer, intent(in) :: node(:)                 !< (n_free) node of each unknown, ascending
     integer :: order(size(node))
@@ -349,7 +349,7 @@ contains
         order(n) = i
       end do
     end do
-  end function order_by_node
+  end function order_unknowns_by_node
 
 
   !> The error behind a status of METIS.

@@ -12,11 +12,11 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, reduction_type
-  public :: from_triplets, entry_position, transpose_of, full_of, product_of, sum_of
+  public :: sparse_from_triplets, entry_position, sparse_transpose, full_from_upper, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 
-  integer, parameter :: THREADS_PAY = 200000   !< entries below which threads cost more than they give
+  integer, parameter :: MIN_THREADED_ENTRIES = 200000   !< entries below which threads cost more than they give
 
   !> A sparse matrix by compressed rows. Row i holds the entries first(i) to first(i + 1) - 1.
   type :: sparse_type
@@ -41,7 +41,7 @@ module amontons_sparse
   end type reduction_type
 
   !> A list of integers that grows.
-  type :: list_type
+  type :: growing_list_type
     integer, allocatable :: items(:)
     integer :: n = 0
     integer :: capacity = 0
@@ -49,12 +49,12 @@ module amontons_sparse
   contains
     procedure :: append => append_item
     procedure :: to_array => list_to_array
-  end type list_type
+  end type growing_list_type
 
 contains
 
   !> Makes a matrix from triplets; duplicates are summed in the order given. Cost: linear, no comparison sort.
-  subroutine from_triplets(n_rows, n_columns, row, column, value, matrix, error)
+  subroutine sparse_from_triplets(n_rows, n_columns, row, column, value, matrix, error)
     integer, intent(in) :: n_rows, n_columns
     integer, intent(in) :: row(:)              !< (n) 1 to n_rows
     integer, intent(in) :: column(:)           !< (n) 1 to n_columns
@@ -70,9 +70,9 @@ contains
     if (allocated(error)) return
     ! Two stable bucket sorts, by column and then by row, leave equal entries side by side in the order given.
     call bucket_sort(n_columns, n_rows, column, row, value, by_columns)
-    matrix = transpose_of(by_columns)
+    matrix = sparse_transpose(by_columns)
     call sum_duplicates(matrix)
-  end subroutine from_triplets
+  end subroutine sparse_from_triplets
 
 
   !> Sorts triplets into rows, stable.
@@ -83,7 +83,7 @@ contains
     type(sparse_type), intent(out) :: matrix   !< columns as they come
     integer :: next(n_rows), k, p
     call allocate_matrix(matrix, n_rows, n_columns, size(row))
-    call count_items(row, n_rows, matrix%first)
+    call row_starts(row, n_rows, matrix%first)
     next = matrix%first(:n_rows)
     do k = 1, size(row)
       p = next(row(k))
@@ -95,7 +95,7 @@ contains
 
 
   !> Row starts from the rows of entries: first(i + 1) - first(i) entries lie in row i.
-  pure subroutine count_items(row, n_rows, first)
+  pure subroutine row_starts(row, n_rows, first)
     integer, intent(in) :: row(:)              !< row of each entry
     integer, intent(in) :: n_rows
     integer, intent(out) :: first(:)           !< (n_rows + 1)
@@ -108,7 +108,7 @@ contains
     do k = 1, n_rows
       first(k + 1) = first(k) + first(k + 1)
     end do
-  end subroutine count_items
+  end subroutine row_starts
 
 
   !> Sums entries of equal column that stand side by side in a row.
@@ -151,10 +151,10 @@ contains
 
   !> The upper triangle whose transpose has the given unsorted rows below the diagonal: walking down these rows meets
   !> the columns of each upper row in ascending order, so nothing has to be sorted. The diagonal is added.
-  subroutine rows_from_below(n, below_first, below, matrix, error)
+  subroutine upper_from_lower_rows(n, below_first, below, matrix, error)
     integer, intent(in) :: n
     integer, intent(in) :: below_first(:)      !< (n + 1)
-    type(list_type), intent(in) :: below       !< strictly smaller columns of each row
+    type(growing_list_type), intent(in) :: below       !< strictly smaller columns of each row
     type(sparse_type), intent(out) :: matrix
     type(error_type), allocatable, intent(out) :: error
     integer :: next(n), i, p, j
@@ -163,7 +163,7 @@ contains
       return
     end if
     call allocate_matrix(matrix, n, n, below%n + n)
-    if (below%n > 0) call count_items(below%items(:below%n), n, matrix%first)
+    if (below%n > 0) call row_starts(below%items(:below%n), n, matrix%first)
     matrix%first = matrix%first + [(i - 1, i=1, n + 1)]
     next = matrix%first(:n)
     do i = 1, n
@@ -175,7 +175,7 @@ contains
         next(j) = next(j) + 1
       end do
     end do
-  end subroutine rows_from_below
+  end subroutine upper_from_lower_rows
 
 
   !> Where an entry stands in column(:) and value(:); 0 if the pattern does not have it. Cost: binary search.
@@ -202,12 +202,12 @@ contains
 
 
   !> The transpose. Entries of equal place keep their order. Cost: linear.
-  pure function transpose_of(matrix) result(transposed)
+  pure function sparse_transpose(matrix) result(transposed)
     type(sparse_type), intent(in) :: matrix
     type(sparse_type) :: transposed
     integer :: next(matrix%n_columns), i, j, p
     call allocate_matrix(transposed, matrix%n_columns, matrix%n_rows, size(matrix%column))
-    call count_items(matrix%column, matrix%n_columns, transposed%first)
+    call row_starts(matrix%column, matrix%n_columns, transposed%first)
     next = transposed%first(:matrix%n_columns)
     do i = 1, matrix%n_rows
       do p = matrix%first(i), matrix%first(i + 1) - 1
@@ -217,16 +217,16 @@ contains
         next(j) = next(j) + 1
       end do
     end do
-  end function transpose_of
+  end function sparse_transpose
 
 
   !> Both triangles of a symmetric matrix that is stored by its upper one.
-  pure function full_of(matrix) result(full)
+  pure function full_from_upper(matrix) result(full)
     type(sparse_type), intent(in) :: matrix    !< upper triangle
     type(sparse_type) :: full
     type(sparse_type) :: lower
     integer :: i, n, n_below, n_above
-    lower = transpose_of(matrix)
+    lower = sparse_transpose(matrix)
     call allocate_matrix(full, matrix%n_rows, matrix%n_rows, 2 * size(matrix%column) - matrix%n_rows)
     n = 0
     do i = 1, matrix%n_rows
@@ -241,17 +241,17 @@ contains
       n = n + n_above
     end do
     full%first(matrix%n_rows + 1) = n + 1
-  end function full_of
+  end function full_from_upper
 
 
   !> The product of two matrices, row by row (Gustavson, ACM Trans. Math. Software 4, 1978). Cost: its multiplications.
-  pure function product_of(left, right) result(matrix)
+  pure function sparse_product(left, right) result(matrix)
     type(sparse_type), intent(in) :: left      !< (n x k)
     type(sparse_type), intent(in) :: right     !< (k x m)
     type(sparse_type) :: matrix                !< (n x m)
     integer :: place(right%n_columns)
     integer :: i, p, q, n, start
-    call allocate_matrix(matrix, left%n_rows, right%n_columns, n_distinct(left, right))
+    call allocate_matrix(matrix, left%n_rows, right%n_columns, n_product_entries(left, right))
     place = 0
     n = 0
     do i = 1, left%n_rows
@@ -271,12 +271,12 @@ contains
       end do
     end do
     matrix%first(left%n_rows + 1) = n + 1
-    matrix = transpose_of(transpose_of(matrix))   ! sorts the columns
-  end function product_of
+    matrix = sparse_transpose(sparse_transpose(matrix))   ! sorts the columns
+  end function sparse_product
 
 
   !> Entries of a product.
-  pure integer function n_distinct(left, right) result(n)
+  pure integer function n_product_entries(left, right) result(n)
     type(sparse_type), intent(in) :: left, right
     integer :: seen(right%n_columns), i, p, q
     seen = 0
@@ -290,11 +290,11 @@ contains
         end do
       end do
     end do
-  end function n_distinct
+  end function n_product_entries
 
 
   !> A + factor * B, rows merged in ascending order of the columns.
-  pure function sum_of(left, factor, right) result(matrix)
+  pure function sparse_sum(left, factor, right) result(matrix)
     type(sparse_type), intent(in) :: left      !< A (n x m)
     real(DP), intent(in) :: factor
     type(sparse_type), intent(in) :: right     !< B (n x m)
@@ -325,7 +325,7 @@ contains
     matrix%first(left%n_rows + 1) = n + 1
     matrix%column = matrix%column(:n)
     matrix%value = matrix%value(:n)
-  end function sum_of
+  end function sparse_sum
 
 
   !> y = M x. Threads share the rows: bitwise the same for any number of threads.
@@ -335,7 +335,7 @@ contains
     real(DP), intent(out) :: y(:)              !< (n)
     real(DP) :: sum
     integer :: i, p
-    !$omp parallel do private(sum, p) schedule(static) if(size(matrix%column) > THREADS_PAY)
+    !$omp parallel do private(sum, p) schedule(static) if(size(matrix%column) > MIN_THREADED_ENTRIES)
     do i = 1, matrix%n_rows
       sum = 0
       do p = matrix%first(i), matrix%first(i + 1) - 1
@@ -372,12 +372,12 @@ contains
     integer :: n_parts, t
     integer, allocatable :: start(:)
     n_parts = 1
-!$  if (size(matrix%column) > THREADS_PAY) n_parts = omp_get_max_threads()
+!$  if (size(matrix%column) > MIN_THREADED_ENTRIES) n_parts = omp_get_max_threads()
     if (n_parts == 1) then
       call multiply_rows(matrix, 1, matrix%n_rows, x, y)
       return
     end if
-    start = equal_shares(matrix, n_parts)
+    start = balance_row_blocks(matrix, n_parts)
     allocate (part(matrix%n_rows, 2:n_parts))
     !$omp parallel do schedule(static, 1) num_threads(n_parts)
     do t = 1, n_parts
@@ -416,7 +416,7 @@ contains
 
 
   !> First rows of parts with about equal numbers of entries.
-  pure function equal_shares(matrix, n_parts) result(start)
+  pure function balance_row_blocks(matrix, n_parts) result(start)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: n_parts
     integer :: start(n_parts + 1)
@@ -430,70 +430,70 @@ contains
       end do
     end do
     start(n_parts + 1) = matrix%n_rows + 1
-  end function equal_shares
+  end function balance_row_blocks
 
 
   !> Prepares A = C' K C: the pattern of A and where every product goes. C has a row for each unknown of K: empty for a
   !> fixed one, one entry for a free one, several for a dependent one. Entries of C may be zero: they keep a place in A.
   !> Cost: a few passes over K and A.
-  subroutine analyse_reduction(matrix, relation, reduction, reduced, error)
+  subroutine analyse_reduction(matrix, transformation, reduction, reduced, error)
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
-    type(sparse_type), intent(in) :: relation  !< C (n x m)
+    type(sparse_type), intent(in) :: transformation  !< C (n x m)
     type(reduction_type), intent(out) :: reduction
     type(sparse_type), intent(out) :: reduced  !< A, upper triangle (m x m), diagonal present, values 0
     type(error_type), allocatable, intent(out) :: error
-    if (matrix%n_rows /= relation%n_rows .or. matrix%n_columns /= matrix%n_rows) then
+    if (matrix%n_rows /= transformation%n_rows .or. matrix%n_columns /= matrix%n_rows) then
       call set_error(error, EXIT_INTERNAL, 'Matrix and relation of a reduction do not fit together.')
       return
     end if
-    call reduced_pattern(matrix, relation, reduced, error)
+    call reduced_pattern(matrix, transformation, reduced, error)
     if (allocated(error)) return
     reduction%n_entries_k = size(matrix%column)
-    reduction%n_entries_c = size(relation%column)
-    call find_targets(matrix, relation, reduced, reduction)
-    call find_pairs(matrix, relation, reduced, reduction, error)
+    reduction%n_entries_c = size(transformation%column)
+    call find_single_targets(matrix, transformation, reduced, reduction)
+    call find_pair_targets(matrix, transformation, reduced, reduction, error)
   end subroutine analyse_reduction
 
 
   !> The pattern of C' K C: row a of A has the columns of row j of C for all j coupled by K with an i that depends on a.
-  subroutine reduced_pattern(matrix, relation, reduced, error)
-    type(sparse_type), intent(in) :: matrix, relation
+  subroutine reduced_pattern(matrix, transformation, reduced, error)
+    type(sparse_type), intent(in) :: matrix, transformation
     type(sparse_type), intent(out) :: reduced
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: full, dependents
-    type(list_type) :: below
+    type(growing_list_type) :: below
     integer, allocatable :: below_first(:)
-    integer :: seen(relation%n_columns), a, d, p, q
-    full = full_of(matrix)
-    dependents = transpose_of(relation)
-    allocate (below_first(relation%n_columns + 1))
+    integer :: seen(transformation%n_columns), a, d, p, q
+    full = full_from_upper(matrix)
+    dependents = sparse_transpose(transformation)
+    allocate (below_first(transformation%n_columns + 1))
     seen = 0
-    do a = 1, relation%n_columns
+    do a = 1, transformation%n_columns
       below_first(a) = below%n + 1
       do d = dependents%first(a), dependents%first(a + 1) - 1
         do p = full%first(dependents%column(d)), full%first(dependents%column(d) + 1) - 1
-          do q = relation%first(full%column(p)), relation%first(full%column(p) + 1) - 1
-            if (relation%column(q) >= a) exit
-            if (seen(relation%column(q)) == a) cycle
-            seen(relation%column(q)) = a
-            call below%append(relation%column(q))
+          do q = transformation%first(full%column(p)), transformation%first(full%column(p) + 1) - 1
+            if (transformation%column(q) >= a) exit
+            if (seen(transformation%column(q)) == a) cycle
+            seen(transformation%column(q)) = a
+            call below%append(transformation%column(q))
           end do
         end do
       end do
     end do
-    below_first(relation%n_columns + 1) = below%n + 1
-    call rows_from_below(relation%n_columns, below_first, below, reduced, error)
+    below_first(transformation%n_columns + 1) = below%n + 1
+    call upper_from_lower_rows(transformation%n_columns, below_first, below, reduced, error)
   end subroutine reduced_pattern
 
 
   !> The targets of the entries of K whose row and column have one entry of C each.
-  pure subroutine find_targets(matrix, relation, reduced, reduction)
-    type(sparse_type), intent(in) :: matrix, relation, reduced
+  pure subroutine find_single_targets(matrix, transformation, reduced, reduction)
+    type(sparse_type), intent(in) :: matrix, transformation, reduced
     type(reduction_type), intent(inout) :: reduction
     integer :: only(matrix%n_rows)             ! the one column of a row of C, else 0
-    integer :: place(relation%n_columns)       ! where row a of A has a column
+    integer :: place(transformation%n_columns)       ! where row a of A has a column
     integer :: i, p, a, b
-    only = single_columns(relation)
+    only = single_entry_columns(transformation)
     allocate (reduction%target(size(matrix%column)))
     reduction%target = 0
     place = 0
@@ -504,23 +504,23 @@ contains
       do p = matrix%first(i), matrix%first(i + 1) - 1
         b = only(matrix%column(p))
         if (b == 0) cycle
-        reduction%target(p) = target_of(reduced, a, b, place)
+        reduction%target(p) = find_target(reduced, a, b, place)
         if (a == b .and. matrix%column(p) /= i) reduction%target(p) = -reduction%target(p)
       end do
     end do
-  end subroutine find_targets
+  end subroutine find_single_targets
 
 
   !> The column of each row that has exactly one entry, else 0.
-  pure function single_columns(relation) result(only)
-    type(sparse_type), intent(in) :: relation
-    integer :: only(relation%n_rows)
+  pure function single_entry_columns(transformation) result(only)
+    type(sparse_type), intent(in) :: transformation
+    integer :: only(transformation%n_rows)
     integer :: i
-    do i = 1, relation%n_rows
+    do i = 1, transformation%n_rows
       only(i) = 0
-      if (relation%first(i + 1) - relation%first(i) == 1) only(i) = relation%column(relation%first(i))
+      if (transformation%first(i + 1) - transformation%first(i) == 1) only(i) = transformation%column(transformation%first(i))
     end do
-  end function single_columns
+  end function single_entry_columns
 
 
   !> Writes where the columns of one row stand.
@@ -536,7 +536,7 @@ contains
 
 
   !> Where the upper triangle has (a, b) or (b, a).
-  pure integer function target_of(matrix, a, b, place) result(position)
+  pure integer function find_target(matrix, a, b, place) result(position)
     type(sparse_type), intent(in) :: matrix    !< upper triangle
     integer, intent(in) :: a, b
     integer, intent(in) :: place(:)            !< as mark_row leaves it for row a
@@ -545,17 +545,17 @@ contains
     else
       position = entry_position(matrix, b, a)
     end if
-  end function target_of
+  end function find_target
 
 
   !> The entries of K that touch a row of C with several entries, and the targets of all their pairs, in the order
   !> row i of K, entry a of row i of C, entry of K, entry b of C.
-  subroutine find_pairs(matrix, relation, reduced, reduction, error)
-    type(sparse_type), intent(in) :: matrix, relation, reduced
+  subroutine find_pair_targets(matrix, transformation, reduced, reduction, error)
+    type(sparse_type), intent(in) :: matrix, transformation, reduced
     type(reduction_type), intent(inout) :: reduction
     type(error_type), allocatable, intent(out) :: error
-    integer :: place(relation%n_columns)
-    type(list_type) :: rows, row_first, entries, pairs
+    integer :: place(transformation%n_columns)
+    type(growing_list_type) :: rows, row_first, entries, pairs
     integer :: i, p, a, n_before
     place = 0
     do i = 1, matrix%n_rows
@@ -566,9 +566,9 @@ contains
       if (entries%n == n_before) cycle
       call rows%append(i)
       call row_first%append(n_before + 1)
-      do a = relation%first(i), relation%first(i + 1) - 1
-        call mark_row(reduced, relation%column(a), place)
-        call append_pairs(matrix, relation, reduced, i, a, entries%items(n_before + 1:entries%n), place, pairs)
+      do a = transformation%first(i), transformation%first(i + 1) - 1
+        call mark_row(reduced, transformation%column(a), place)
+        call append_pairs(matrix, transformation, reduced, i, a, entries%items(n_before + 1:entries%n), place, pairs)
       end do
     end do
     call row_first%append(entries%n + 1)
@@ -585,25 +585,25 @@ contains
     !> Entries of one row of C.
     pure integer function width(row)
       integer, intent(in) :: row
-      width = relation%first(row + 1) - relation%first(row)
+      width = transformation%first(row + 1) - transformation%first(row)
     end function width
-  end subroutine find_pairs
+  end subroutine find_pair_targets
 
 
   !> The targets of the pairs of one entry of C in row i with all entries of C that some entries of row i of K reach.
-  pure subroutine append_pairs(matrix, relation, reduced, i, a, entries, place, pairs)
-    type(sparse_type), intent(in) :: matrix, relation, reduced
+  pure subroutine append_pairs(matrix, transformation, reduced, i, a, entries, place, pairs)
+    type(sparse_type), intent(in) :: matrix, transformation, reduced
     integer, intent(in) :: i                   !< row of K
     integer, intent(in) :: a                   !< entry of C in its row i
     integer, intent(in) :: entries(:)          !< of row i of K
     integer, intent(in) :: place(:)            !< as mark_row leaves it for the row of A of this entry
-    type(list_type), intent(inout) :: pairs
+    type(growing_list_type), intent(inout) :: pairs
     integer :: e, j, b, target
     do e = 1, size(entries)
       j = matrix%column(entries(e))
-      do b = merge(a, relation%first(j), j == i), relation%first(j + 1) - 1
-        target = target_of(reduced, relation%column(a), relation%column(b), place)
-        if (j /= i .and. relation%column(a) == relation%column(b)) target = -target
+      do b = merge(a, transformation%first(j), j == i), transformation%first(j + 1) - 1
+        target = find_target(reduced, transformation%column(a), transformation%column(b), place)
+        if (j /= i .and. transformation%column(a) == transformation%column(b)) target = -target
         call pairs%append(target)
       end do
     end do
@@ -622,23 +622,23 @@ contains
 
 
   !> A = C' K C for new values of K and C in the patterns analysed. Cost: one pass over K and the expanded pairs.
-  subroutine reduce_matrix(reduction, matrix, relation, reduced, error)
+  subroutine reduce_matrix(reduction, matrix, transformation, reduced, error)
     type(reduction_type), intent(in) :: reduction
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
-    type(sparse_type), intent(in) :: relation  !< C (n x m)
+    type(sparse_type), intent(in) :: transformation  !< C (n x m)
     type(sparse_type), intent(inout) :: reduced   !< A as analyse_reduction made it; its values are overwritten
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: scale(matrix%n_rows), product
     integer :: i, p, q
-    if (size(matrix%column) /= reduction%n_entries_k .or. size(relation%column) /= reduction%n_entries_c) then
+    if (size(matrix%column) /= reduction%n_entries_k .or. size(transformation%column) /= reduction%n_entries_c) then
       call set_error(error, EXIT_INTERNAL, 'A reduction was used with other patterns than those analysed.')
       return
     end if
-    call single_values(relation, scale)
+    call single_entry_values(transformation, scale)
     if (.not. allocated(reduced%value)) allocate (reduced%value(size(reduced%column)))
     reduced%value = 0
     do i = 1, matrix%n_rows
-      if (relation%first(i + 1) - relation%first(i) /= 1) cycle
+      if (transformation%first(i + 1) - transformation%first(i) /= 1) cycle
       do p = matrix%first(i), matrix%first(i + 1) - 1
         q = reduction%target(p)
         if (q == 0) cycle
@@ -647,40 +647,40 @@ contains
         reduced%value(abs(q)) = reduced%value(abs(q)) + product
       end do
     end do
-    call add_pairs(reduction, matrix, relation, reduced%value)
+    call add_pairs(reduction, matrix, transformation, reduced%value)
   end subroutine reduce_matrix
 
 
   !> The value of each row that has exactly one entry, else 0.
-  pure subroutine single_values(relation, scale)
-    type(sparse_type), intent(in) :: relation
+  pure subroutine single_entry_values(transformation, scale)
+    type(sparse_type), intent(in) :: transformation
     real(DP), intent(out) :: scale(:)          !< (n_rows)
     integer :: i
-    do i = 1, relation%n_rows
+    do i = 1, transformation%n_rows
       scale(i) = 0
-      if (relation%first(i + 1) - relation%first(i) == 1) scale(i) = relation%value(relation%first(i))
+      if (transformation%first(i + 1) - transformation%first(i) == 1) scale(i) = transformation%value(transformation%first(i))
     end do
-  end subroutine single_values
+  end subroutine single_entry_values
 
 
-  !> Adds what goes through rows of C with several entries, in the order of find_pairs.
-  pure subroutine add_pairs(reduction, matrix, relation, value)
+  !> Adds what goes through rows of C with several entries, in the order of find_pair_targets.
+  pure subroutine add_pairs(reduction, matrix, transformation, value)
     type(reduction_type), intent(in) :: reduction
-    type(sparse_type), intent(in) :: matrix, relation
+    type(sparse_type), intent(in) :: matrix, transformation
     real(DP), intent(inout) :: value(:)        !< of A
     real(DP) :: left, product
     integer :: r, i, j, a, b, e, q, k
     k = 0
     do r = 1, size(reduction%row)
       i = reduction%row(r)
-      do a = relation%first(i), relation%first(i + 1) - 1
+      do a = transformation%first(i), transformation%first(i + 1) - 1
         do e = reduction%row_first(r), reduction%row_first(r + 1) - 1
           j = matrix%column(reduction%entry(e))
-          left = relation%value(a) * matrix%value(reduction%entry(e))
-          do b = merge(a, relation%first(j), j == i), relation%first(j + 1) - 1
+          left = transformation%value(a) * matrix%value(reduction%entry(e))
+          do b = merge(a, transformation%first(j), j == i), transformation%first(j + 1) - 1
             k = k + 1
             q = reduction%pair(k)
-            product = left * relation%value(b)
+            product = left * transformation%value(b)
             if (q < 0) product = 2 * product
             value(abs(q)) = value(abs(q)) + product
           end do
@@ -692,7 +692,7 @@ contains
 
   !> Adds an item to the list. Cost: amortised constant. A list that cannot grow says so in is_full.
   pure subroutine append_item(self, item)
-    class(list_type), intent(inout) :: self
+    class(growing_list_type), intent(inout) :: self
     integer, intent(in) :: item
     integer, allocatable :: larger(:)
     if (self%n == self%capacity) then
@@ -710,7 +710,7 @@ contains
 
   !> The list as an array of its own length.
   pure subroutine list_to_array(self, array)
-    class(list_type), intent(in) :: self
+    class(growing_list_type), intent(in) :: self
     integer, allocatable, intent(out) :: array(:)
     allocate (array(self%n))
     if (self%n > 0) array = self%items(:self%n)

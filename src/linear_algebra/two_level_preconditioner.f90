@@ -13,20 +13,21 @@
 module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP
   use amontons_sparse, only: sparse_type
-  use amontons_dense, only: invert_positive, symmetric_eigen, symmetric_times, DENSE_OK
+  use amontons_dense, only: invert_spd, solve_symmetric_eigen, multiply_dense_symmetric, DENSE_OK
   implicit none
   private
-  public :: iterative_type, prepare_parts, prepare_iterative, apply_iterative, parts_for, iterative_megabytes
+  public :: two_level_preconditioner_type, build_coarse_space, factorise_two_level, apply_preconditioner, choose_n_parts, &
+    two_level_megabytes
 
-  integer, parameter :: NODES_A_PART = 60              !< aimed at, where that gives not too many parts
-  integer, parameter :: MOST_PARTS = 400               !< six columns each: what a dense inverse makes cheap
-  integer, parameter :: MOST_ATTEMPTS = 10             !< shifts of the diagonal
-  real(DP), parameter :: FIRST_SHIFT = 4.0e-3_DP       !< of the diagonal, where the factor breaks [-]
-  real(DP), parameter :: LEAST_PIVOT = 1.0e-3_DP          !< a pivot below this times its diagonal entry [-]
-  real(DP), parameter :: DEPENDENT = 1.0e-8_DP         !< a motion of a part that is so little new is left out [-]
+  integer, parameter :: TARGET_NODES_PER_PART = 60              !< aimed at, where that gives not too many parts
+  integer, parameter :: MAX_PARTS = 400               !< six columns each: what a dense inverse makes cheap
+  integer, parameter :: MAX_SHIFTS = 10             !< shifts of the diagonal
+  real(DP), parameter :: INITIAL_SHIFT = 4.0e-3_DP       !< of the diagonal, where the factor breaks [-]
+  real(DP), parameter :: MIN_PIVOT_RATIO = 1.0e-3_DP          !< a pivot below this times its diagonal entry [-]
+  real(DP), parameter :: TOL_DEPENDENT_MOTION = 1.0e-8_DP         !< a motion of a part that is so little new is left out [-]
 
   !> The preconditioner of one matrix.
-  type :: iterative_type
+  type :: two_level_preconditioner_type
     integer :: n = 0                                   !< unknowns
     real(SP), allocatable :: value(:)                  !< U, in the pattern of A; its diagonal as the reciprocal
     real(DP) :: shift = 0                              !< of the diagonal that the factor needed [-]
@@ -34,29 +35,29 @@ module amontons_two_level_preconditioner
     integer, allocatable :: part(:)                    !< (n) of each unknown
     real(DP), allocatable :: motion(:, :)              !< (6, n) the rigid motions of its part at each unknown, orthonormal
     real(DP), allocatable :: coarse(:, :)              !< (6 n_parts, 6 n_parts) inverse of Z'AZ
-  end type iterative_type
+  end type two_level_preconditioner_type
 
 contains
 
   !> Parts that suit a number of nodes.
-  pure integer function parts_for(n_nodes) result(n_parts)
+  pure integer function choose_n_parts(n_nodes) result(n_parts)
     integer, intent(in) :: n_nodes
-    n_parts = max(1, min(MOST_PARTS, n_nodes / NODES_A_PART))
-  end function parts_for
+    n_parts = max(1, min(MAX_PARTS, n_nodes / TARGET_NODES_PER_PART))
+  end function choose_n_parts
 
 
   !> Memory of the preconditioner [megabytes].
-  pure real(DP) function iterative_megabytes(n, n_entries, n_parts) result(megabytes)
+  pure real(DP) function two_level_megabytes(n, n_entries, n_parts) result(megabytes)
     integer, intent(in) :: n                           !< unknowns
     integer, intent(in) :: n_entries                   !< of the upper triangle
     integer, intent(in) :: n_parts
     megabytes = (12.0_DP * real(n_entries, DP) + 52.0_DP * real(n, DP) + 8.0_DP * (6.0_DP * real(n_parts, DP))**2) / 1.0e6_DP
-  end function iterative_megabytes
+  end function two_level_megabytes
 
 
   !> Z: the rigid motions of each part at its unknowns, made orthonormal; those that a part does not have become zero.
-  subroutine prepare_parts(self, part, axis, place, n_parts)
-    type(iterative_type), intent(inout) :: self
+  subroutine build_coarse_space(self, part, axis, place, n_parts)
+    type(two_level_preconditioner_type), intent(inout) :: self
     integer, intent(in) :: part(:)                     !< (n) of each unknown, 1 to n_parts
     integer, intent(in) :: axis(:)                     !< (n) direction of the unknown, 1 to 3
     real(DP), intent(in) :: place(:, :)                !< (3, n) coordinates of its node [length]
@@ -84,8 +85,8 @@ contains
       p = part(i)
       self%motion(:, i) = rigid_motion(axis(i), (place(:, i) - centre(:, p)) / max(extent(p), tiny(1.0_DP)))
     end do
-    call make_orthonormal(self)
-  end subroutine prepare_parts
+    call orthonormalize_motions(self)
+  end subroutine build_coarse_space
 
 
   !> Three translations and three rotations about the centre, seen by one unknown.
@@ -108,8 +109,8 @@ contains
 
 
   !> Turns the six motions of each part so that Z'Z is the identity, or zero where a part does not have six.
-  subroutine make_orthonormal(self)
-    type(iterative_type), intent(inout) :: self
+  subroutine orthonormalize_motions(self)
+    type(two_level_preconditioner_type), intent(inout) :: self
     real(DP) :: gram(6, 6, self%n_parts), turn(6, 6, self%n_parts), values(6), vectors(6, 6)
     integer :: i, p, m, status
     gram = 0
@@ -120,39 +121,39 @@ contains
     end do
     turn = 0
     do p = 1, self%n_parts
-      call symmetric_eigen(gram(:, :, p), values, vectors, status)
+      call solve_symmetric_eigen(gram(:, :, p), values, vectors, status)
       if (status /= DENSE_OK) cycle
       do m = 1, 6
-        if (values(m) > DEPENDENT * values(6)) turn(m, :, p) = vectors(:, m) / sqrt(values(m))
+        if (values(m) > TOL_DEPENDENT_MOTION * values(6)) turn(m, :, p) = vectors(:, m) / sqrt(values(m))
       end do
     end do
     do i = 1, size(self%part)
       self%motion(:, i) = matmul(turn(:, :, self%part(i)), self%motion(:, i))
     end do
-  end subroutine make_orthonormal
+  end subroutine orthonormalize_motions
 
 
   !> The preconditioner of a matrix: U and the inverse of Z'AZ.
-  subroutine prepare_iterative(self, matrix, is_broken)
-    type(iterative_type), intent(inout) :: self        !< prepare_parts was called, or there are no parts
+  subroutine factorise_two_level(self, matrix, is_broken)
+    type(two_level_preconditioner_type), intent(inout) :: self        !< build_coarse_space was called, or there are no parts
     type(sparse_type), intent(in) :: matrix            !< A: symmetric, upper triangle with its diagonal
     logical, intent(out) :: is_broken                  !< .true.: A is far from positive, nothing was prepared
     real(DP), allocatable :: u(:)
     integer :: attempt, broken
     self%n = matrix%n_rows
     self%shift = 0
-    do attempt = 1, MOST_ATTEMPTS
+    do attempt = 1, MAX_SHIFTS
       call factorise_incomplete(matrix, self%shift, u, broken)
       if (broken == 0) exit
-      self%shift = max(FIRST_SHIFT, 2.0_DP * self%shift)
+      self%shift = max(INITIAL_SHIFT, 2.0_DP * self%shift)
     end do
     is_broken = broken /= 0
     if (is_broken) return
     if (is_broken) return
     self%value = real(u, SP)
     deallocate (u)
-    call prepare_coarse(self, matrix)
-  end subroutine prepare_iterative
+    call invert_coarse_matrix(self, matrix)
+  end subroutine factorise_two_level
 
 
   !> U with the pattern of A, so that U'U = A + shift diag(A) on it. Row by row: each takes its share from the rows after it.
@@ -169,21 +170,21 @@ contains
     end do
     do k = 1, matrix%n_rows
       p = matrix%first(k)
-      if (.not. u(p) > LEAST_PIVOT * matrix%value(p)) then
+      if (.not. u(p) > MIN_PIVOT_RATIO * matrix%value(p)) then
         broken = k
         return
       end if
       u(p) = 1.0_DP / sqrt(u(p))
       u(p + 1:matrix%first(k + 1) - 1) = u(p + 1:matrix%first(k + 1) - 1) * u(p)
       do p = matrix%first(k) + 1, matrix%first(k + 1) - 1
-        call take_share(matrix, p, matrix%first(k + 1) - 1, u)
+        call eliminate_with_row(matrix, p, matrix%first(k + 1) - 1, u)
       end do
     end do
   end subroutine factorise_incomplete
 
 
   !> Row j, the column of entry p, loses u_kj times the rest of row k, where it has entries for that.
-  pure subroutine take_share(matrix, p, last, u)
+  pure subroutine eliminate_with_row(matrix, p, last, u)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: p, last                     !< entries of row k from u_kj to its end
     real(DP), intent(inout) :: u(:)
@@ -197,29 +198,29 @@ contains
       end do
       if (matrix%column(q) == matrix%column(r)) u(q) = u(q) - u(p) * u(r)
     end do
-  end subroutine take_share
+  end subroutine eliminate_with_row
 
 
   !> The inverse of Z'AZ. Motions that are not there get 1 on the diagonal. If it is not positive there is no second level.
-  subroutine prepare_coarse(self, matrix)
-    type(iterative_type), intent(inout) :: self
+  subroutine invert_coarse_matrix(self, matrix)
+    type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
     integer :: i, status
     if (self%n_parts == 0) return
     if (allocated(self%coarse)) deallocate (self%coarse)
     allocate (self%coarse(6 * self%n_parts, 6 * self%n_parts))
-    call project(self, matrix)
+    call assemble_coarse_matrix(self, matrix)
     do i = 1, 6 * self%n_parts
       if (.not. abs(self%coarse(i, i)) > 0.0_DP) self%coarse(i, i) = 1
     end do
-    call invert_positive(self%coarse, epsilon(1.0_DP), status)
+    call invert_spd(self%coarse, epsilon(1.0_DP), status)
     if (status /= DENSE_OK) deallocate (self%coarse)
-  end subroutine prepare_coarse
+  end subroutine invert_coarse_matrix
 
 
   !> Z'AZ, both triangles. A row of A meets few parts: A Z of the row is gathered first.
-  subroutine project(self, matrix)
-    type(iterative_type), intent(inout) :: self
+  subroutine assemble_coarse_matrix(self, matrix)
+    type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
     integer :: i, j, p, a, b, m, l
     real(DP) :: half
@@ -243,12 +244,12 @@ contains
         self%coarse(m, l) = self%coarse(l, m)
       end do
     end do
-  end subroutine project
+  end subroutine assemble_coarse_matrix
 
 
   !> z: the preconditioner times r.
-  subroutine apply_iterative(self, matrix, r, z)
-    type(iterative_type), intent(in) :: self           !< prepared
+  subroutine apply_preconditioner(self, matrix, r, z)
+    type(two_level_preconditioner_type), intent(in) :: self           !< prepared
     type(sparse_type), intent(in) :: matrix            !< for which it was: its pattern
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
@@ -262,18 +263,18 @@ contains
         c(a + 1:a + 6) = c(a + 1:a + 6) + self%motion(:, i) * r(i)
       end associate
     end do
-    call symmetric_times(self%coarse, c)
+    call multiply_dense_symmetric(self%coarse, c)
     do i = 1, self%n
       associate (a => 6 * (self%part(i) - 1))
         z(i) = z(i) + dot_product(self%motion(:, i), c(a + 1:a + 6))
       end associate
     end do
-  end subroutine apply_iterative
+  end subroutine apply_preconditioner
 
 
   !> z = inv(U) inv(U') r.
   pure subroutine solve_incomplete(self, matrix, r, z)
-    type(iterative_type), intent(in) :: self
+    type(two_level_preconditioner_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix
     real(DP), intent(in) :: r(:)
     real(DP), intent(out) :: z(:)

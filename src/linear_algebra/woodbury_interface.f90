@@ -16,62 +16,62 @@
 module amontons_woodbury_interface
   use amontons_kinds, only: DP, SP, WP => SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
-  use amontons_sparse, only: sparse_type, transpose_of, multiply
+  use amontons_sparse, only: sparse_type, sparse_transpose, multiply
   use amontons_blas, only: getrf => sgetrf, laswp => slaswp, trsm => strsm, gemm => sgemm, getrs => sgetrs, &
     potrf => spotrf, potri => spotri, gemv => sgemv
-  use amontons_dense, only: triangle_times, DENSE_OK, DENSE_SINGULAR, WORTH_THREADS, BLOCK
+  use amontons_dense, only: multiply_triangular, DENSE_OK, DENSE_SINGULAR, MIN_THREADED_SIZE, BLOCK_COLUMNS
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres
   implicit none
   private
-  public :: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
+  public :: woodbury_type, contact_springs_type, invert_interface_stiffness, factorise_spring_coupling, solve_woodbury
 
-  real(SP), parameter :: WELL_HELD = 1.0e-4_SP     !< least pivot of S over its diagonal of which an inverse is made [-]
-  real(SP), parameter :: STIFF = 1.0e4_SP          !< largest entry of T: stiffer springs want more digits [-]
-  integer, parameter :: LANES = 32                 !< rows of T that are made side by side
-  integer, parameter :: HALF = LANES / 2
-  integer, parameter :: TILE = 64                  !< unknowns of the interface that are taken over to them at a time
-  integer, parameter :: MOST_ITERATIONS = 60       !< of a solution; what is left then is left to the one who asked
+  real(SP), parameter :: MIN_PIVOT_RATIO = 1.0e-4_SP     !< least pivot of S over its diagonal of which an inverse is made [-]
+  real(SP), parameter :: MAX_COUPLING_ENTRY = 1.0e4_SP          !< largest entry of T: stiffer springs want more digits [-]
+  integer, parameter :: BLOCK_ROWS = 32                 !< rows of T that are made side by side
+  integer, parameter :: HALF_BLOCK_ROWS = BLOCK_ROWS / 2
+  integer, parameter :: TILE_UNKNOWNS = 64                  !< unknowns of the interface that are taken over to them at a time
+  integer, parameter :: MAX_GMRES_ITERATIONS = 60       !< of a solution; what is left then is left to the one who asked
 
   !> The springs of the present contact, on the interface.
-  type :: springs_type
-    type(sparse_type) :: spread                    !< B (n_contact x n_springs) [-]
-    type(sparse_type) :: follow                    !< A (n_springs x n_contact) [force/length]
-    type(sparse_type) :: moved                     !< M (n_contact x n_moving) [force]
-    type(sparse_type) :: moving                    !< X (n_moving x n_contact) [1/length]
-  end type springs_type
+  type :: contact_springs_type
+    type(sparse_type) :: force_distribution                    !< B (n_contact x n_springs) [-]
+    type(sparse_type) :: spring_tangent                    !< A (n_springs x n_contact) [force/length]
+    type(sparse_type) :: distribution_change                     !< M (n_contact x n_moving) [force]
+    type(sparse_type) :: projection_gradient                    !< X (n_moving x n_contact) [1/length]
+  end type contact_springs_type
 
   !> What the preconditioner is made of.
-  type :: sprung_type
-    logical :: is_inverse = .false.                !< compliance is that of the present bulk
-    type(springs_type) :: springs
+  type :: woodbury_type
+    logical :: has_inverse = .false.                !< compliance is that of the present bulk
+    type(contact_springs_type) :: springs
     real(DP), private :: scale = 1                 !< s [force/length]
     real(SP), allocatable, private :: compliance(:, :)   !< inv(S / s) (n_contact, n_contact) [-]
     real(SP), allocatable, private :: response(:, :)     !< R = (A inv(S))' (n_contact, n_springs) [-]
     real(SP), allocatable, private :: lu(:, :)     !< T factorised
     integer, allocatable, private :: pivots(:)
-  end type sprung_type
+  end type woodbury_type
 
   !> J_c as an operator.
-  type, extends(operator_type) :: stiffness_type
+  type, extends(operator_type) :: interface_stiffness_type
     real(DP), pointer, contiguous :: triangle(:, :) => null()  !< L_cc
     real(DP), pointer :: shift(:) => null()        !< D
-    type(springs_type), pointer :: springs => null()
+    type(contact_springs_type), pointer :: springs => null()
   contains
     procedure :: apply => apply_stiffness
-  end type stiffness_type
+  end type interface_stiffness_type
 
   !> Its approximate inverse.
-  type, extends(operator_type) :: compliance_type
-    type(sprung_type), pointer :: sprung => null()
+  type, extends(operator_type) :: interface_compliance_type
+    type(woodbury_type), pointer :: woodbury => null()
   contains
     procedure :: apply => apply_compliance
-  end type compliance_type
+  end type interface_compliance_type
 
 contains
 
   !> inv(S) for a new factor of the bulk, S = L L' - D. After: is_inverse, unless a body is held so weakly that there is none.
-  subroutine invert_stiffness(self, triangle, shift, error)
-    type(sprung_type), intent(inout) :: self
+  subroutine invert_interface_stiffness(self, triangle, shift, error)
+    type(woodbury_type), intent(inout) :: self
     real(DP), intent(in) :: triangle(:, :)         !< L (n_contact, n_contact), zero above the diagonal
     real(DP), intent(in) :: shift(:)               !< D (n_contact) [force/length]
     type(error_type), allocatable, intent(out) :: error
@@ -80,11 +80,11 @@ contains
     real(DP) :: root
     integer :: i, n, no_memory, status
     n = size(shift)
-    self%is_inverse = .false.
+    self%has_inverse = .false.
     if (allocated(self%compliance)) deallocate (self%compliance)
     allocate (self%compliance(n, n), stat=no_memory)
     if (no_memory == 0) allocate (single(n, n), stat=no_memory)
-    call judge_memory(no_memory, error)
+    call check_allocation(no_memory, error)
     if (allocated(error)) return
     allocate (diagonal(n))
     diagonal = -shift
@@ -95,39 +95,39 @@ contains
     if (.not. self%scale > 0.0_DP) return
     root = sqrt(self%scale)
     single = real(triangle / root, SP)
-    call square_of_triangle(single, self%compliance)
+    call triangular_product(single, self%compliance)
     do i = 1, n
       self%compliance(i, i) = self%compliance(i, i) - real(shift(i) / self%scale, SP)
     end do
     deallocate (single)
-    call invert_positive(self%compliance, WELL_HELD, status)
-    self%is_inverse = status == DENSE_OK
-  end subroutine invert_stiffness
+    call invert_spd(self%compliance, MIN_PIVOT_RATIO, status)
+    self%has_inverse = status == DENSE_OK
+  end subroutine invert_interface_stiffness
 
 
-  !> T for the present springs, and its factor. After: is_fit is .false. if single precision is not enough for it.
-  subroutine couple_springs(self, springs, is_fit, error)
-    type(sprung_type), intent(inout) :: self       !< with inv(S)
-    type(springs_type), intent(in) :: springs
-    logical, intent(out) :: is_fit
+  !> T for the present springs, and its factor. After: is_accurate is .false. if single precision is not enough for it.
+  subroutine factorise_spring_coupling(self, springs, is_accurate, error)
+    type(woodbury_type), intent(inout) :: self       !< with inv(S)
+    type(contact_springs_type), intent(in) :: springs
+    logical, intent(out) :: is_accurate
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: spread_t
     integer :: status
     self%springs = springs
-    is_fit = .false.
-    call make_room(self, springs%follow%n_rows, error)
+    is_accurate = .false.
+    call allocate_coupling(self, springs%spring_tangent%n_rows, error)
     if (allocated(error)) return
-    spread_t = transpose_of(springs%spread)
-    call fill_coupling(self, spread_t)
-    if (.not. maxval(abs(self%lu)) < STIFF) return
+    spread_t = sparse_transpose(springs%force_distribution)
+    call compute_coupling(self, spread_t)
+    if (.not. maxval(abs(self%lu)) < MAX_COUPLING_ENTRY) return
     call factorise_dense(self%lu, self%pivots, status)
-    is_fit = status == DENSE_OK
-  end subroutine couple_springs
+    is_accurate = status == DENSE_OK
+  end subroutine factorise_spring_coupling
 
 
   !> Room for R and T.
-  subroutine make_room(self, n, error)
-    type(sprung_type), intent(inout) :: self
+  subroutine allocate_coupling(self, n, error)
+    type(woodbury_type), intent(inout) :: self
     integer, intent(in) :: n                       !< springs
     type(error_type), allocatable, intent(out) :: error
     integer :: no_memory
@@ -138,43 +138,43 @@ contains
     allocate (self%pivots(n))
     allocate (self%lu(n, n), stat=no_memory)
     if (no_memory == 0) allocate (self%response(size(self%compliance, 1), n), stat=no_memory)
-    call judge_memory(no_memory, error)
-  end subroutine make_room
+    call check_allocation(no_memory, error)
+  end subroutine allocate_coupling
 
 
   !> Errors: EXIT_SOLVER if there was no room.
-  subroutine judge_memory(no_memory, error)
+  subroutine check_allocation(no_memory, error)
     integer, intent(in) :: no_memory               !< status of an allocation
     type(error_type), allocatable, intent(inout) :: error
     if (no_memory /= 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the interface of contact.')
-  end subroutine judge_memory
+  end subroutine check_allocation
 
 
   !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side
   !> by side for the products with B.
-  subroutine fill_coupling(self, spread_t)
-    type(sprung_type), intent(inout) :: self
+  subroutine compute_coupling(self, spread_t)
+    type(woodbury_type), intent(inout) :: self
     type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
     real(SP), allocatable :: rows(:, :)
     integer :: n, j, last
     n = size(self%lu, 1)
     !$omp parallel private(rows, last)
-    allocate (rows(LANES, size(self%compliance, 1)), source=0.0_SP)
+    allocate (rows(BLOCK_ROWS, size(self%compliance, 1)), source=0.0_SP)
     !$omp do schedule(static)
-    do j = 1, n, LANES
-      last = min(j + LANES - 1, n)
-      call respond(self%springs%follow, self%scale, self%compliance, j, last, self%response)
-      call take_rows(self%response, j, last, rows)
-      call couple_rows(spread_t, j, last, rows, self%lu)
+    do j = 1, n, BLOCK_ROWS
+      last = min(j + BLOCK_ROWS - 1, n)
+      call compute_response_columns(self%springs%spring_tangent, self%scale, self%compliance, j, last, self%response)
+      call copy_response_rows(self%response, j, last, rows)
+      call compute_coupling_rows(spread_t, j, last, rows, self%lu)
     end do
     !$omp end do
     deallocate (rows)
     !$omp end parallel
-  end subroutine fill_coupling
+  end subroutine compute_coupling
 
 
   !> The columns from j to last of R.
-  subroutine respond(follow, scale, compliance, j, last, response)
+  subroutine compute_response_columns(follow, scale, compliance, j, last, response)
     type(sparse_type), intent(in) :: follow        !< A (n_springs x n_contact) [force/length]
     real(DP), intent(in) :: scale                  !< s [force/length]
     real(SP), contiguous, intent(in) :: compliance(:, :)   !< inv(S / s)
@@ -187,7 +187,7 @@ contains
       is_node = i + 2 <= last
       if (is_node) is_node = has_same_columns(follow, i)
       if (is_node) then
-        call respond_to_node(follow, scale, compliance, i, response(:, i), response(:, i + 1), response(:, i + 2))
+        call compute_node_response(follow, scale, compliance, i, response(:, i), response(:, i + 1), response(:, i + 2))
         i = i + 3
         cycle
       end if
@@ -197,23 +197,23 @@ contains
       end do
       i = i + 1
     end do
-  end subroutine respond
+  end subroutine compute_response_columns
 
 
   !> The same columns as rows side by side, tile by tile: so many that they are still in the cache when the next column comes.
-  pure subroutine take_rows(response, j, last, rows)
+  pure subroutine copy_response_rows(response, j, last, rows)
     real(SP), contiguous, intent(in) :: response(:, :)
     integer, intent(in) :: j, last
-    real(SP), intent(inout) :: rows(LANES, size(response, 1))
+    real(SP), intent(inout) :: rows(BLOCK_ROWS, size(response, 1))
     integer :: i, k, p
-    do k = 1, size(response, 1), TILE
+    do k = 1, size(response, 1), TILE_UNKNOWNS
       do p = j, last
-        do i = k, min(k + TILE - 1, size(response, 1))
+        do i = k, min(k + TILE_UNKNOWNS - 1, size(response, 1))
           rows(p - j + 1, i) = response(i, p)
         end do
       end do
     end do
-  end subroutine take_rows
+  end subroutine copy_response_rows
 
 
   !> Whether three rows, those of the springs of one node, have their entries in the same columns.
@@ -231,7 +231,7 @@ contains
 
 
   !> Three columns of R, of springs that follow the same unknowns: four columns of inv(S) at a time, each read once.
-  pure subroutine respond_to_node(follow, scale, compliance, i, x, y, z)
+  pure subroutine compute_node_response(follow, scale, compliance, i, x, y, z)
     type(sparse_type), intent(in) :: follow
     real(DP), intent(in) :: scale                  !< [force/length]
     real(SP), contiguous, intent(in) :: compliance(:, :)
@@ -258,16 +258,16 @@ contains
         end do
       end associate
     end do
-  end subroutine respond_to_node
+  end subroutine compute_node_response
 
 
   !> The rows from j to last of T = 1 - R' B.
-  pure subroutine couple_rows(spread_t, j, last, rows, t)
+  pure subroutine compute_coupling_rows(spread_t, j, last, rows, t)
     type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
     integer, intent(in) :: j, last
-    real(SP), intent(in) :: rows(LANES, spread_t%n_columns)
+    real(SP), intent(in) :: rows(BLOCK_ROWS, spread_t%n_columns)
     real(SP), contiguous, intent(inout) :: t(:, :)   !< (n_springs, n_springs)
-    real(SP) :: row(HALF), other(LANES - HALF), weight   ! they stay in registers
+    real(SP) :: row(HALF_BLOCK_ROWS), other(BLOCK_ROWS - HALF_BLOCK_ROWS), weight   ! they stay in registers
     integer :: k, p, c
     do k = 1, spread_t%n_rows
       row = 0.0_SP
@@ -275,84 +275,84 @@ contains
       do p = spread_t%first(k), spread_t%first(k + 1) - 1
         weight = real(spread_t%value(p), SP)
         c = spread_t%column(p)
-        row = row - weight * rows(:HALF, c)
-        other = other - weight * rows(HALF + 1:, c)
+        row = row - weight * rows(:HALF_BLOCK_ROWS, c)
+        other = other - weight * rows(HALF_BLOCK_ROWS + 1:, c)
       end do
-      t(j:min(last, j + HALF - 1), k) = row(:min(last - j + 1, HALF))
-      t(j + HALF:last, k) = other(:last - j - HALF + 1)
+      t(j:min(last, j + HALF_BLOCK_ROWS - 1), k) = row(:min(last - j + 1, HALF_BLOCK_ROWS))
+      t(j + HALF_BLOCK_ROWS:last, k) = other(:last - j - HALF_BLOCK_ROWS + 1)
       if (k >= j .and. k <= last) t(k, k) = t(k, k) + 1.0_SP
     end do
-  end subroutine couple_rows
+  end subroutine compute_coupling_rows
 
 
   !> x = inv(J_c) r to a residual that is small enough.
-  subroutine solve_springs(self, triangle, shift, allowed, x, error)
-    type(sprung_type), intent(inout), target :: self
+  subroutine solve_woodbury(self, triangle, shift, allowed, x, error)
+    type(woodbury_type), intent(inout), target :: self
     real(DP), contiguous, intent(in), target :: triangle(:, :)   !< L
     real(DP), intent(in), target :: shift(:)       !< D [force/length]
     real(DP), intent(in) :: allowed                !< 2-norm of the residual [force]
     real(DP), intent(inout) :: x(:)                !< (n_contact) in: r [force]; out: x [length]
     type(error_type), allocatable, intent(out) :: error
-    type(stiffness_type) :: stiffness
-    type(compliance_type) :: compliance
+    type(interface_stiffness_type) :: stiffness
+    type(interface_compliance_type) :: compliance
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
     real(DP) :: r(size(x))
     stiffness%triangle => triangle
     stiffness%shift => shift
     stiffness%springs => self%springs
-    compliance%sprung => self
+    compliance%woodbury => self
     options%tolerance = 0.0_DP
-    options%floor = allowed
-    options%max_iterations = MOST_ITERATIONS
-    options%restart = MOST_ITERATIONS
+    options%absolute_tolerance = allowed
+    options%max_iterations = MAX_GMRES_ITERATIONS
+    options%restart = MAX_GMRES_ITERATIONS
     r = x
     x = 0.0_DP
     call gmres(stiffness, compliance, r, x, options, report, error)
-  end subroutine solve_springs
+  end subroutine solve_woodbury
 
 
   !> y = J_c x.
   subroutine apply_stiffness(self, x, y)
-    class(stiffness_type), intent(inout) :: self
+    class(interface_stiffness_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_contact) [length]
     real(DP), intent(out) :: y(:)                  !< (n_contact) [force]
     real(DP) :: change(size(x))
     real(DP), allocatable :: force(:)
     y = x
-    call triangle_times(self%triangle, .true., y)
-    call triangle_times(self%triangle, .false., y)
+    call multiply_triangular(self%triangle, .true., y)
+    call multiply_triangular(self%triangle, .false., y)
     y = y - self%shift * x
-    allocate (force(self%springs%follow%n_rows))
-    call multiply(self%springs%follow, x, force)
-    call multiply(self%springs%spread, force, change)
+    allocate (force(self%springs%spring_tangent%n_rows))
+    call multiply(self%springs%spring_tangent, x, force)
+    call multiply(self%springs%force_distribution, force, change)
     y = y - change
-    if (self%springs%moving%n_rows == 0) return
+    if (self%springs%projection_gradient%n_rows == 0) return
     deallocate (force)
-    allocate (force(self%springs%moving%n_rows))
-    call multiply(self%springs%moving, x, force)
-    call multiply(self%springs%moved, force, change)
+    allocate (force(self%springs%projection_gradient%n_rows))
+    call multiply(self%springs%projection_gradient, x, force)
+    call multiply(self%springs%distribution_change, force, change)
     y = y - change
   end subroutine apply_stiffness
 
 
   !> y = inv(S - B A) x, nearly.
   subroutine apply_compliance(self, x, y)
-    class(compliance_type), intent(inout) :: self
+    class(interface_compliance_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_contact) [force]
     real(DP), intent(out) :: y(:)                  !< (n_contact) [length]
-    real(SP) :: r(size(x)), z(size(x)), force(size(self%sprung%lu, 1))
+    real(SP) :: r(size(x)), z(size(x)), force(size(self%woodbury%lu, 1))
     integer :: k, p
-    associate (sprung => self%sprung, spread => self%sprung%springs%spread)
+    associate (sprung => self%woodbury, spread => self%woodbury%springs%force_distribution)
       r = real(x, SP)
-      call transposed_times(sprung%response, r, force)
+      call multiply_dense_transpose(sprung%response, r, force)
       call solve_dense(sprung%lu, sprung%pivots, force)
       do k = 1, size(r)
         do p = spread%first(k), spread%first(k + 1) - 1
           r(k) = r(k) + real(spread%value(p), SP) * force(spread%column(p))
         end do
       end do
-      call transposed_times(sprung%compliance, r, z)
+      call multiply_dense_transpose(sprung%compliance, r, z)
       y = real(z, DP) / sprung%scale
     end associate
   end subroutine apply_compliance

@@ -9,19 +9,20 @@ module amontons_elasticity
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     pack_voigt, unpack_voigt
-  use amontons_logarithmic_strain, only: principal_type, find_principal, left_cauchy_green, principal_stress, divided_coth, &
-    logarithm_1p, NEXT_AXIS
+  use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
+    tensor_from_principal, coth_divided_difference, &
+    log1p, NEXT_AXIS
   implicit none
   private
-  public :: stress_small, stress_finite, kirchhoff_stress, lame_constants, logarithm_1p, gradient_status
-  public :: hooke, isotropic_tangent, green_strain
-  public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, LARGEST_GRADIENT
+  public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, log1p, check_gradient
+  public :: hooke_stress, isotropic_tangent, green_strain
+  public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, MAX_DISPLACEMENT_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
   integer, parameter :: STRESS_INVERTED = 1        !< det F is not positive
   integer, parameter :: STRESS_NOT_FINITE = 2      !< NaN or a deformation beyond all bounds
 
-  real(DP), parameter :: LARGEST_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow on the way
+  real(DP), parameter :: MAX_DISPLACEMENT_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow on the way
 
 contains
 
@@ -38,7 +39,7 @@ contains
 
 
   !> Hooke's law at small strain, for every law: stress = lambda tr(strain) 1 + 2 G strain.
-  pure subroutine stress_small(material, strain, stress, tangent, energy)
+  pure subroutine small_strain_stress(material, strain, stress, tangent, energy)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: strain(6)              !< small strain, tensor components [-]
     real(DP), intent(out) :: stress(6)             !< [stress]
@@ -46,10 +47,10 @@ contains
     real(DP), intent(out) :: energy                !< per volume [stress]
     real(DP) :: lambda, G
     call lame_constants(material, lambda, G)
-    stress = hooke(lambda, G, strain)
+    stress = hooke_stress(lambda, G, strain)
     energy = 0.5_DP * double_dot(stress, strain)
     tangent = isotropic_tangent(lambda, G)
-  end subroutine stress_small
+  end subroutine small_strain_stress
 
 
   !> Kirchhoff stress, its spatial tangent, the strain and the energy at finite strain.
@@ -64,7 +65,7 @@ contains
   !! The displacement gradient H = F - 1 comes in, not F: strains of 1e-9 keep full relative precision, and H = 0
   !! gives zero. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
   !! sections 6.5, 6.6.
-  pure subroutine stress_finite(material, H, tau, tangent, strain, energy, status)
+  pure subroutine finite_strain_stress(material, H, tau, tangent, strain, energy, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient du_i/dX_j, F = 1 + H [-]
     real(DP), intent(out) :: tau(6)                !< Kirchhoff stress [stress]
@@ -72,10 +73,10 @@ contains
     real(DP), intent(out) :: strain(6)         !< of the law: ln(b)/2, or Green's; tensor components [-]
     real(DP), intent(out) :: energy                !< per reference volume [stress]
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK the rest is zero
-    type(principal_type) :: principal
+    type(principal_strains_type) :: principal
     real(DP) :: lambda, G
     tangent = 0
-    call deform(material, H, principal, tau, strain, energy, status)
+    call evaluate_elastic_law(material, H, principal, tau, strain, energy, status)
     if (status /= STRESS_OK) return
     call lame_constants(material, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
@@ -83,7 +84,7 @@ contains
     else
       tangent = hencky_tangent(lambda, G, principal)
     end if
-  end subroutine stress_finite
+  end subroutine finite_strain_stress
 
 
   !> The same without the tangent, for the residual alone.
@@ -94,21 +95,21 @@ contains
     real(DP), intent(out) :: strain(6)         !< of the law: ln(b)/2, or Green's; tensor components [-]
     real(DP), intent(out) :: energy                !< per reference volume [stress]
     integer, intent(out) :: status                 !< STRESS_...
-    type(principal_type) :: principal
-    call deform(material, H, principal, tau, strain, energy, status)
+    type(principal_strains_type) :: principal
+    call evaluate_elastic_law(material, H, principal, tau, strain, energy, status)
   end subroutine kirchhoff_stress
 
 
   !> Whether a displacement gradient can be worked with.
-  pure function gradient_status(H) result(status)
+  pure function check_gradient(H) result(status)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     integer :: status                              !< STRESS_...
     status = STRESS_NOT_FINITE
     if (.not. all(ieee_is_finite(H))) return
-    if (any(abs(H) > LARGEST_GRADIENT)) return
+    if (any(abs(H) > MAX_DISPLACEMENT_GRADIENT)) return
     status = STRESS_INVERTED
     if (determinant_minus_one(H) > -1) status = STRESS_OK
-  end function gradient_status
+  end function check_gradient
 
 
   !> Green's strain, (F^T F - 1)/2, formed so that nothing cancels.
@@ -120,10 +121,10 @@ contains
 
 
   !> Strain, stress and energy of either law.
-  pure subroutine deform(material, H, principal, tau, strain, energy, status)
+  pure subroutine evaluate_elastic_law(material, H, principal, tau, strain, energy, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)
-    type(principal_type), intent(out) :: principal
+    type(principal_strains_type), intent(out) :: principal
     real(DP), intent(out) :: tau(6), strain(6), energy
     integer, intent(out) :: status
     real(DP) :: lambda, G, S(6), F(3, 3)
@@ -131,24 +132,24 @@ contains
     tau = 0
     strain = 0
     energy = 0
-    status = gradient_status(H)
+    status = check_gradient(H)
     if (status /= STRESS_OK) return
     call lame_constants(material, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
       strain = green_strain(H)
-      S = hooke(lambda, G, strain)
+      S = hooke_stress(lambda, G, strain)
       energy = 0.5_DP * double_dot(S, strain)
       F = IDENTITY + H
       tau = pack_voigt(matmul(F, matmul(unpack_voigt(S), transpose(F))))
     else
-      call find_principal(left_cauchy_green(H), principal, is_positive)
+      call find_principal_strains(left_cauchy_green(H), principal, is_positive)
       status = merge(STRESS_OK, STRESS_INVERTED, is_positive)
       if (.not. is_positive) return
-      strain = principal_stress(principal, principal%e)
-      tau = hooke(lambda, G, strain)
+      strain = tensor_from_principal(principal, principal%e)
+      tau = hooke_stress(lambda, G, strain)
       energy = 0.5_DP * double_dot(tau, strain)
     end if
-  end subroutine deform
+  end subroutine evaluate_elastic_law
 
 
   !> The tangent of Hencky's law in its principal axes, turned to the axes of space:
@@ -157,7 +158,7 @@ contains
   !! Seth-Hill's family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.
   pure function hencky_tangent(lambda, G, principal) result(c)
     real(DP), intent(in) :: lambda, G              !< [stress]
-    type(principal_type), intent(in) :: principal
+    type(principal_strains_type), intent(in) :: principal
     real(DP) :: c(6, 6)                            !< [stress]
     real(DP) :: tau(3), normal(3), shear(3)
     integer :: A, B, j
@@ -165,7 +166,7 @@ contains
     do A = 1, 3
       B = NEXT_AXIS(A)
       normal(A) = 2 * G - 2 * tau(A)
-      shear(A) = G * divided_coth(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
+      shear(A) = G * coth_divided_difference(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
     end do
     associate (m => principal%m, s => principal%s)
       do j = 1, 6
@@ -198,13 +199,13 @@ contains
 
 
   !> lambda tr(e) 1 + 2 G e.
-  pure function hooke(lambda, G, strain) result(stress)
+  pure function hooke_stress(lambda, G, strain) result(stress)
     real(DP), intent(in) :: lambda, G              !< [stress]
     real(DP), intent(in) :: strain(6)              !< tensor components [-]
     real(DP) :: stress(6)
     stress = 2 * G * strain
     stress(:3) = stress(:3) + lambda * (strain(1) + strain(2) + strain(3))
-  end function hooke
+  end function hooke_stress
 
 
   !> Hooke's matrix for engineering shears.

@@ -2,14 +2,14 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_integration_points
   use amontons_kinds, only: DP
-  use amontons_material_point, only: point_type
+  use amontons_material_point, only: material_point_type
   use amontons_materials, only: spring_type, material_type, MAX_HISTORY
   use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_topology, only: MAX_NODES, MAX_POINTS
-  use amontons_user_material, only: user_point_type
+  use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_user_material, only: umat_point_type
   implicit none
   private
-  public :: points_type, begin_point, end_point, keep_history, split_tangent
+  public :: integration_points_type, set_point_input, store_point_output, store_point_history, split_unsymmetric_tangent
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
 
   integer, parameter :: ELEMENT_OK = 0             !< all is well
@@ -17,93 +17,93 @@ module amontons_integration_points
   integer, parameter :: ELEMENT_NOT_FINITE = 2     !< a displacement is NaN, infinite or beyond all bounds
   integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed volume of a point is not positive
 
-  real(DP), parameter :: SYMMETRIC = 1.0e-10_DP    !< a skew part this small over the largest entry is rounding [-]
+  real(DP), parameter :: TOL_SYMMETRIC = 1.0e-10_DP    !< a skew part this small over the largest entry is rounding [-]
 
   !> What is known at the integration points of one element; entries past its points are undefined. The past, the
   !! temperatures and the times are read only where the material is not plain; a plain one leaves the history alone.
-  type :: points_type
+  type :: integration_points_type
     ! comes in: the section; the past, committed, and the temperature
-    real(DP) :: section                            !< thickness [length], cross-section [length^2], spring constant
+    real(DP) :: section_value                            !< thickness [length], cross-section [length^2], spring constant
     integer :: directions(2)                       !< of SPRING1, SPRING2
     type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant
     logical :: has_frame                           !< frame is set; else the axes are the global ones
-    real(DP) :: frame(3, 3, MAX_POINTS)            !< local axes of the material in columns
-    real(DP) :: past(MAX_HISTORY, MAX_POINTS)      !< committed history
-    real(DP) :: temperature(MAX_NODES)             !< of the nodes, at the end of the increment [temperature]
-    real(DP) :: initial_temperature(MAX_NODES)     !< of the nodes [temperature]
+    real(DP) :: frame(3, 3, MAX_ELEMENT_POINTS)            !< local axes of the material in columns
+    real(DP) :: history_old(MAX_HISTORY, MAX_ELEMENT_POINTS)      !< committed history
+    real(DP) :: temperature(MAX_ELEMENT_NODES)             !< of the nodes, at the end of the increment [temperature]
+    real(DP) :: initial_temperature(MAX_ELEMENT_NODES)     !< of the nodes [temperature]
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< [time]
-    type(user_point_type), allocatable :: user(:)  !< (points) of a user's material
+    type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
     ! goes out
-    real(DP) :: history(MAX_HISTORY, MAX_POINTS)   !< at the end of the increment
-    real(DP) :: stress(6, MAX_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
-    real(DP) :: strain(6, MAX_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]
-    real(DP) :: energy(MAX_POINTS)                 !< strain energy per reference volume [stress]
-    real(DP) :: volume(MAX_POINTS)                 !< reference volume of the point: weight times determinant [length^3]
-    real(DP), allocatable :: skew(:, :, :)         !< (6, 6, MAX_POINTS) (c - c')/2 of an unsymmetric law [stress]
-  end type points_type
+    real(DP) :: history(MAX_HISTORY, MAX_ELEMENT_POINTS)   !< at the end of the increment
+    real(DP) :: stress(6, MAX_ELEMENT_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
+    real(DP) :: strain(6, MAX_ELEMENT_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]
+    real(DP) :: energy(MAX_ELEMENT_POINTS)                 !< strain energy per reference volume [stress]
+    real(DP) :: volume(MAX_ELEMENT_POINTS)                 !< reference volume of the point: weight times determinant [length^3]
+    real(DP), allocatable :: skew(:, :, :)         !< (6, 6, MAX_ELEMENT_POINTS) (c - c')/2 of an unsymmetric law [stress]
+  end type integration_points_type
 
 contains
 
   !> What a point brings along when its law is asked, all but its strain.
-  pure subroutine begin_point(material, points, p, weight, point)
+  pure subroutine set_point_input(material, points, p, weight, point)
     type(material_type), intent(in) :: material
-    type(points_type), intent(in) :: points
+    type(integration_points_type), intent(in) :: points
     integer, intent(in) :: p                       !< point
     real(DP), intent(in) :: weight(:)              !< of the nodal temperatures [-]
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     point%frame = IDENTITY
-    if (material%is_plain) return
+    if (material%is_linear_isotropic) return
     if (points%has_frame) point%frame = points%frame(:, :, p)
     point%time = points%time
     point%time_increment = points%time_increment
     point%temperature = dot_product(weight, points%temperature(:size(weight)))
     point%initial_temperature = dot_product(weight, points%initial_temperature(:size(weight)))
-    point%past = points%past(:, p)
+    point%history_old = points%history_old(:, p)
     if (.not. allocated(points%user)) return
     if (p <= size(points%user)) point%user = points%user(p)
-  end subroutine begin_point
+  end subroutine set_point_input
 
 
   !> What a point gives back: Cauchy stress, strain, energy, history.
-  pure subroutine end_point(material, is_nlgeom, point, points, p)
+  pure subroutine store_point_output(material, is_nlgeom, point, points, p)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(in) :: point
-    type(points_type), intent(inout) :: points
+    type(material_point_type), intent(in) :: point
+    type(integration_points_type), intent(inout) :: points
     integer, intent(in) :: p                       !< point
     points%stress(:, p) = point%stress
     if (is_nlgeom) points%stress(:, p) = point%stress / (1 + determinant_minus_one(point%H))
     points%strain(:, p) = point%strain
     points%energy(p) = point%energy
-    if (.not. material%is_plain) call keep_history(point, points, p)
-  end subroutine end_point
+    if (.not. material%is_linear_isotropic) call store_point_history(point, points, p)
+  end subroutine store_point_output
 
 
   !> Leaves the symmetric part of the tangent of a point, which the kernels take; what a user's law has beside it is kept.
-  pure subroutine split_tangent(material, point, points, p)
+  pure subroutine split_unsymmetric_tangent(material, point, points, p)
     type(material_type), intent(in) :: material
-    type(point_type), intent(inout) :: point       !< in: tangent; out: its symmetric part
-    type(points_type), intent(inout) :: points     !< out: skew
+    type(material_point_type), intent(inout) :: point       !< in: tangent; out: its symmetric part
+    type(integration_points_type), intent(inout) :: points     !< out: skew
     integer, intent(in) :: p                       !< point
     real(DP) :: skew(6, 6)
     if (.not. material%is_user) return
     skew = 0.5_DP * (point%tangent - transpose(point%tangent))
     point%tangent = 0.5_DP * (point%tangent + transpose(point%tangent))
-    if (all(abs(skew) <= SYMMETRIC * maxval(abs(point%tangent)))) skew = 0
+    if (all(abs(skew) <= TOL_SYMMETRIC * maxval(abs(point%tangent)))) skew = 0
     if (all(skew == 0.0_DP) .and. .not. allocated(points%skew)) return
-    if (.not. allocated(points%skew)) allocate (points%skew(6, 6, MAX_POINTS), source=0.0_DP)
+    if (.not. allocated(points%skew)) allocate (points%skew(6, 6, MAX_ELEMENT_POINTS), source=0.0_DP)
     points%skew(:, :, p) = skew
-  end subroutine split_tangent
+  end subroutine split_unsymmetric_tangent
 
 
   !> The history of a point into those of its element.
-  pure subroutine keep_history(point, points, p)
-    type(point_type), intent(in) :: point
-    type(points_type), intent(inout) :: points
+  pure subroutine store_point_history(point, points, p)
+    type(material_point_type), intent(in) :: point
+    type(integration_points_type), intent(inout) :: points
     integer, intent(in) :: p                       !< point
     points%history(:, p) = point%history
     if (allocated(point%user)) points%user(p)%history = point%user%history
-  end subroutine keep_history
+  end subroutine store_point_history
 
 end module amontons_integration_points

@@ -15,45 +15,46 @@ module amontons_logarithmic_strain
   use amontons_tensor, only: IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN, pack_voigt, symmetric_eigen
   implicit none
   private
-  public :: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp
-  public :: principal_type, find_principal, left_cauchy_green, principal_stress, principal_tangent, divided_coth
-  public :: logarithm_1p, exponential_m1, NEXT_AXIS
+  public :: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, tensor_log, tensor_exp
+  public :: principal_strains_type, find_principal_strains, left_cauchy_green, tensor_from_principal, principal_tangent, &
+    coth_divided_difference
+  public :: log1p, expm1, NEXT_AXIS
 
   !> The axes of C and what hangs on them.
-  type :: log_axes_type
+  type :: log_strain_axes_type
     real(DP) :: x(3)                               !< eigenvalues of C - 1 [-]
     real(DP) :: e(3)                               !< logarithmic strains [-]
     real(DP) :: reference(3, 3)                    !< axes N_A in the reference placement, in columns
-    real(DP) :: space(3, 3)                        !< axes n_A = F N_A/lambda_A, in columns
-  end type log_axes_type
+    real(DP) :: spatial_axes(3, 3)                        !< axes n_A = F N_A/lambda_A, in columns
+  end type log_strain_axes_type
 
   integer, parameter :: NEXT_AXIS(3) = [2, 3, 1]   !< the second axis of each pair
 
   !> The principal logarithmic strains and their directions.
-  type :: principal_type
+  type :: principal_strains_type
     real(DP) :: x(3)                               !< eigenvalues of b - 1 [-]
     real(DP) :: e(3)                               !< logarithmic strains 1/2 ln(1 + x) [-]
     real(DP) :: m(6, 3)                            !< n_A n_A as Voigt vectors
     real(DP) :: s(6, 3)                            !< n_A n_B + n_B n_A of the pairs
-  end type principal_type
+  end type principal_strains_type
 
 contains
 
   !> Axes and logarithmic strains of F = 1 + H.
-  pure subroutine find_log_axes(H, axes, is_positive)
+  pure subroutine find_log_strain_axes(H, axes, is_positive)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
-    type(log_axes_type), intent(out) :: axes
+    type(log_strain_axes_type), intent(out) :: axes
     logical, intent(out) :: is_positive            !< .false.: C is not positive definite, the rest is not set
     integer :: A
     call symmetric_eigen(pack_voigt(H + transpose(H) + matmul(transpose(H), H)), axes%x, axes%reference)
     is_positive = minval(axes%x) > -1
     if (.not. is_positive) return
-    axes%e = 0.5_DP * logarithm_1p(axes%x)
-    axes%space = matmul(IDENTITY + H, axes%reference)
+    axes%e = 0.5_DP * log1p(axes%x)
+    axes%spatial_axes = matmul(IDENTITY + H, axes%reference)
     do A = 1, 3
-      axes%space(:, A) = axes%space(:, A) / sqrt(1 + axes%x(A))
+      axes%spatial_axes(:, A) = axes%spatial_axes(:, A) / sqrt(1 + axes%x(A))
     end do
-  end subroutine find_log_axes
+  end subroutine find_log_strain_axes
 
 
   !> Kirchhoff stress and spatial tangent from T and dT/dE.
@@ -62,13 +63,13 @@ contains
   !! c_ABCD = g_AB D_ABCD g_CD + the curvature of the logarithm, as a form of two strains h and k
   !! 2 T_AB l_A l_B x_C ln[x_A, x_C, x_B] (h_AC k_CB + k_AC h_CB), with the second divided difference of ln and the
   !! stretches l, x = l^2.
-  pure subroutine push_log_law(axes, stress, tangent)
-    type(log_axes_type), intent(in) :: axes
+  pure subroutine push_forward_log_law(axes, stress, tangent)
+    type(log_strain_axes_type), intent(in) :: axes
     real(DP), intent(inout) :: stress(6)           !< in: T, reference axes; out: tau [stress]
     real(DP), intent(inout) :: tangent(6, 6)       !< in: dT/dE; out: spatial; engineering shears [stress]
     real(DP) :: Q(6, 6), T(6), c(6, 6), g(6), d, xi
     integer :: k, A, B, i, j
-    Q = transform_matrix(transpose(axes%reference))
+    Q = voigt_transformation(transpose(axes%reference))
     T = matmul(Q, stress)
     c = matmul(Q, matmul(tangent, transpose(Q)))
     do k = 1, 6
@@ -83,7 +84,7 @@ contains
       do B = 1, 3
         do k = 1, 3
           xi = 2 * T(VOIGT_INDEX(A, B)) * sqrt((1 + axes%x(A)) * (1 + axes%x(B))) * (1 + axes%x(k)) &
-            * second_difference(1 + axes%x(A), 1 + axes%x(k), 1 + axes%x(B))
+            * second_divided_difference(1 + axes%x(A), 1 + axes%x(k), 1 + axes%x(B))
           i = VOIGT_INDEX(A, k)
           j = VOIGT_INDEX(k, B)
           if (A /= k) xi = 0.5_DP * xi
@@ -93,28 +94,28 @@ contains
         end do
       end do
     end do
-    Q = transform_matrix(axes%space)
+    Q = voigt_transformation(axes%spatial_axes)
     stress = matmul(Q, g * T)
     tangent = matmul(Q, matmul(c, transpose(Q)))
-  end subroutine push_log_law
+  end subroutine push_forward_log_law
 
 
   !> The second divided difference of ln at three positive numbers: where they are close, from the series of
   !! ln(1 + d) = sum (-1)^(k+1) d^k/k, whose divided differences are the complete symmetric polynomials of the d.
-  pure function second_difference(x1, x2, x3) result(f)
+  pure function second_divided_difference(x1, x2, x3) result(f)
     real(DP), intent(in) :: x1, x2, x3
     real(DP) :: f
-    real(DP), parameter :: NEAR = 0.03_DP
+    real(DP), parameter :: TOL_CLOSE_EIGENVALUES = 0.03_DP
     real(DP) :: mean, y(3), h1, h2, h3, low, high, middle, factor
     integer :: k
     mean = (x1 + x2 + x3) / 3
     y = [x1, x2, x3] / mean - 1
-    if (maxval(abs(y)) > NEAR) then
+    if (maxval(abs(y)) > TOL_CLOSE_EIGENVALUES) then
       low = min(x1, x2, x3)
       high = max(x1, x2, x3)
       middle = x1 + x2 + x3 - low - high
       middle = min(max(middle, low), high)
-      f = (first_difference(high, middle) - first_difference(middle, low)) / (high - low)
+      f = (first_divided_difference(high, middle) - first_divided_difference(middle, low)) / (high - low)
       return
     end if
     f = -0.5_DP
@@ -130,20 +131,20 @@ contains
       f = f + factor * h3 / real(k + 2, DP)
     end do
     f = f / mean**2
-  end function second_difference
+  end function second_divided_difference
 
 
   !> The first divided difference of ln.
-  pure function first_difference(a, b) result(f)
+  pure function first_divided_difference(a, b) result(f)
     real(DP), intent(in) :: a, b
     real(DP) :: f
     f = 1 / b
-    if (abs(a - b) > 0) f = logarithm_1p((a - b) / b) / (a - b)
-  end function first_difference
+    if (abs(a - b) > 0) f = log1p((a - b) / b) / (a - b)
+  end function first_divided_difference
 
 
   !> The matrix Q with tau = Q S and c = Q C Q^T for tau_ij = A_iI S_IJ A_jJ, c_ijkl = A_iI A_jJ C_IJKL A_kK A_lL.
-  pure function transform_matrix(A) result(Q)
+  pure function voigt_transformation(A) result(Q)
     real(DP), intent(in) :: A(3, 3)                !< F, or a rotation [-]
     real(DP) :: Q(6, 6)
     integer :: k, n, i, j, r, s
@@ -157,7 +158,7 @@ contains
         if (n > 3) Q(k, n) = Q(k, n) + A(i, s) * A(j, r)
       end do
     end do
-  end function transform_matrix
+  end function voigt_transformation
 
 
   !> exp(a S) - 1 of a symmetric tensor.
@@ -167,7 +168,7 @@ contains
     real(DP) :: y(6)
     real(DP) :: values(3), n(3, 3)
     call symmetric_eigen(S, values, n)
-    y = from_axes(exponential_m1(a * values), n)
+    y = tensor_from_axes(expm1(a * values), n)
   end function tensor_exp
 
 
@@ -178,19 +179,19 @@ contains
     real(DP) :: y(6)
     real(DP) :: values(3), n(3, 3)
     call symmetric_eigen(S, values, n)
-    y = from_axes(a * logarithm_1p(values), n)
+    y = tensor_from_axes(a * log1p(values), n)
   end function tensor_log
 
 
   !> The tensor with given eigenvalues and axes.
-  pure function from_axes(values, n) result(y)
+  pure function tensor_from_axes(values, n) result(y)
     real(DP), intent(in) :: values(3), n(3, 3)
     real(DP) :: y(6)
     integer :: k
     do k = 1, 6
       y(k) = sum(values * n(VOIGT_ROW(k), :) * n(VOIGT_COLUMN(k), :))
     end do
-  end function from_axes
+  end function tensor_from_axes
 
 
   !> b - 1 = H + H^T + H H^T, formed so that nothing cancels.
@@ -207,16 +208,16 @@ contains
 
 
   !> Principal logarithmic strains and axes of b = 1 + x.
-  pure subroutine find_principal(x, principal, is_positive)
+  pure subroutine find_principal_strains(x, principal, is_positive)
     real(DP), intent(in) :: x(6)                   !< b - 1 as a Voigt vector [-]
-    type(principal_type), intent(out) :: principal
+    type(principal_strains_type), intent(out) :: principal
     logical, intent(out) :: is_positive            !< .false.: b is not positive definite, the rest is not set
     real(DP) :: n(3, 3)
     integer :: k, i, j
     call symmetric_eigen(x, principal%x, n)
     is_positive = minval(principal%x) > -1
     if (.not. is_positive) return
-    principal%e = 0.5_DP * logarithm_1p(principal%x)
+    principal%e = 0.5_DP * log1p(principal%x)
     do k = 1, 6
       i = VOIGT_ROW(k)
       j = VOIGT_COLUMN(k)
@@ -225,16 +226,16 @@ contains
       principal%s(k, 2) = n(i, 2) * n(j, 3) + n(i, 3) * n(j, 2)
       principal%s(k, 3) = n(i, 3) * n(j, 1) + n(i, 1) * n(j, 3)
     end do
-  end subroutine find_principal
+  end subroutine find_principal_strains
 
 
   !> The tensor with given principal values.
-  pure function principal_stress(principal, values) result(tensor)
-    type(principal_type), intent(in) :: principal
+  pure function tensor_from_principal(principal, values) result(tensor)
+    type(principal_strains_type), intent(in) :: principal
     real(DP), intent(in) :: values(3)              !< [stress]
     real(DP) :: tensor(6)                          !< Voigt vector
     tensor = values(1) * principal%m(:, 1) + values(2) * principal%m(:, 2) + values(3) * principal%m(:, 3)
-  end function principal_stress
+  end function tensor_from_principal
 
 
   !> The spatial tangent (L_v tau = c : d) of tau = sum tau_A(e) n_A n_A:
@@ -243,7 +244,7 @@ contains
   !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of
   !! Seth-Hill's family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.
   pure function principal_tangent(principal, tau, slope, secant) result(c)
-    type(principal_type), intent(in) :: principal
+    type(principal_strains_type), intent(in) :: principal
     real(DP), intent(in) :: tau(3)                 !< [stress]
     real(DP), intent(in) :: slope(3, 3)            !< d tau_A/d e_B [stress]
     real(DP), intent(in) :: secant(3)              !< S_AB of the pairs [stress]
@@ -254,7 +255,7 @@ contains
     do A = 1, 3
       B = NEXT_AXIS(A)
       g(A, A) = g(A, A) - 2 * tau(A)
-      shear(A) = 0.5_DP * secant(A) * divided_coth(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
+      shear(A) = 0.5_DP * secant(A) * coth_divided_difference(principal, A, B) - 0.5_DP * (tau(A) + tau(B))
     end do
     do A = 1, 3
       along(:, A) = g(1, A) * principal%m(:, 1) + g(2, A) * principal%m(:, 2) + g(3, A) * principal%m(:, 3)
@@ -270,49 +271,49 @@ contains
 
 
   !> d coth(d) of a pair of axes.
-  pure function divided_coth(principal, A, B) result(y)
-    type(principal_type), intent(in) :: principal
+  pure function coth_divided_difference(principal, A, B) result(y)
+    type(principal_strains_type), intent(in) :: principal
     integer, intent(in) :: A, B                    !< axes
     real(DP) :: y
-    y = d_coth_d(principal%e(A) - principal%e(B), (principal%x(A) - principal%x(B)) &
+    y = x_coth_x(principal%e(A) - principal%e(B), (principal%x(A) - principal%x(B)) &
       / (2 + principal%x(A) + principal%x(B)))
-  end function divided_coth
+  end function coth_divided_difference
 
 
   !> d coth(d) with t = tanh(d) given: d / t, and for small t the series of artanh(t) / t.
-  pure function d_coth_d(d, t) result(y)
+  pure function x_coth_x(d, t) result(y)
     real(DP), intent(in) :: d                      !< e_A - e_B [-]
     real(DP), intent(in) :: t                      !< (b_A - b_B)/(b_A + b_B) [-]
     real(DP) :: y
-    real(DP), parameter :: SERIES_LIMIT = 0.1_DP
+    real(DP), parameter :: MAX_SERIES_ARGUMENT = 0.1_DP
     real(DP) :: q
-    if (abs(t) > SERIES_LIMIT) then
+    if (abs(t) > MAX_SERIES_ARGUMENT) then
       y = d / t
     else
       q = t * t
       y = 1 + q * (1 / 3.0_DP + q * (1 / 5.0_DP + q * (1 / 7.0_DP + q * (1 / 9.0_DP + q * (1 / 11.0_DP &
         + q * (1 / 13.0_DP + q / 15))))))
     end if
-  end function d_coth_d
+  end function x_coth_x
 
 
   !> ln(1 + x) for small and large x. Reference: W. Kahan; in D. Goldberg, What every computer scientist should know
   !! about floating-point arithmetic, ACM Computing Surveys 23 (1991), theorem 4.
-  pure elemental function logarithm_1p(x) result(y)
+  pure elemental function log1p(x) result(y)
     real(DP), intent(in) :: x                      !< more than -1 [-]
     real(DP) :: y
     real(DP) :: u
     u = 1 + x
     y = x
     if (abs(u - 1) > 0) y = log(u) * (x / (u - 1))
-  end function logarithm_1p
+  end function log1p
 
 
   !> exp(x) - 1 for small and large x: 2 sinh(x/2) exp(x/2).
-  pure elemental function exponential_m1(x) result(y)
+  pure elemental function expm1(x) result(y)
     real(DP), intent(in) :: x                      !< [-]
     real(DP) :: y
     y = 2 * sinh(0.5_DP * x) * exp(0.5_DP * x)
-  end function exponential_m1
+  end function expm1
 
 end module amontons_logarithmic_strain

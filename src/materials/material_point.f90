@@ -16,26 +16,28 @@
 !! doc/theory/materials.md.
 module amontons_material_point
   use amontons_kinds, only: DP
-  use amontons_hyperelasticity, only: hyper_type, respond_rubber, respond_foam
-  use amontons_logarithmic_strain, only: log_axes_type, find_log_axes, push_log_law, transform_matrix, tensor_log, tensor_exp, &
-    principal_type, find_principal, left_cauchy_green, principal_stress, principal_tangent, exponential_m1, logarithm_1p, &
-    divided_coth, NEXT_AXIS
+  use amontons_hyperelasticity, only: principal_response_type, evaluate_rubber, evaluate_foam
+  use amontons_logarithmic_strain, only: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, &
+    tensor_log, tensor_exp, &
+    principal_strains_type, find_principal_strains, left_cauchy_green, tensor_from_principal, principal_tangent, expm1, log1p, &
+    coth_divided_difference, NEXT_AXIS
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
     HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
-  use amontons_plasticity, only: return_type, flow_type, return_radially, return_anisotropic, is_inelastic, &
-    deform_ramberg_osgood, RETURN_OK
-  use amontons_elasticity, only: hooke, isotropic_tangent, green_strain, gradient_status, STRESS_OK, STRESS_INVERTED, &
+  use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
+    is_inelastic, &
+    evaluate_ramberg_osgood, RETURN_OK
+  use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, check_gradient, STRESS_OK, STRESS_INVERTED, &
     STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
     pack_voigt, unpack_voigt, von_mises
-  use amontons_user_material, only: user_point_type, update_user
+  use amontons_user_material, only: umat_point_type, evaluate_umat
   implicit none
   private
-  public :: point_type, update_point, elastic_strain_of, thermal_strain_of, axes_at
+  public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, evaluate_orientation
 
   !> What goes into a material point and what comes out. The past is committed: it is read, never written.
-  type :: point_type
+  type :: material_point_type
     ! comes in
     real(DP) :: H(3, 3)                            !< finite strain: displacement gradient, F = 1 + H [-]
     real(DP) :: strain(6)                          !< small strain: comes in; finite: goes out, ln(b)/2 or Green's [-]
@@ -44,14 +46,14 @@ module amontons_material_point
     real(DP) :: initial_temperature                !< [temperature]
     real(DP) :: time                               !< at the end of the increment, for laws that know it [time]
     real(DP) :: time_increment                     !< [time]
-    real(DP) :: past(MAX_HISTORY)                  !< committed history
-    type(user_point_type), allocatable :: user     !< more of a user's material; not there: at rest
+    real(DP) :: history_old(MAX_HISTORY)                  !< committed history
+    type(umat_point_type), allocatable :: user     !< more of a user's material; not there: at rest
     ! goes out
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
     real(DP) :: energy                             !< elastic, per reference volume [stress]
     real(DP) :: history(MAX_HISTORY)               !< at the end of the increment
-  end type point_type
+  end type material_point_type
 
   !> What a material is at the temperature of a point.
   type :: moduli_type
@@ -60,7 +62,7 @@ module amontons_material_point
     logical :: is_isotropic = .true.               !< lambda and G say all; else C
     real(DP) :: C(6, 6) = 0                        !< elasticity in the global axes, engineering shears [stress]
     real(DP) :: thermal(6) = 0                     !< thermal strain, tensor components in the global axes [-]
-    logical :: is_swelling = .true.                !< the thermal strain is the same in all directions
+    logical :: is_thermal_isotropic = .true.                !< the thermal strain is the same in all directions
     real(DP) :: constants(MAX_CONSTANTS) = 0       !< as the material has them
   end type moduli_type
 
@@ -69,55 +71,55 @@ module amontons_material_point
 contains
 
   !> Updates a point: stress, tangent, energy and history from strain, temperature and the committed history.
-  pure subroutine update_point(material, is_nlgeom, point, status)
+  pure subroutine update_material_point(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(inout) :: point       !< in and out as its type says
+    type(material_point_type), intent(inout) :: point       !< in and out as its type says
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK nothing that goes out is to be used
     type(moduli_type) :: moduli
-    real(DP) :: growth
-    point%history = point%past
+    real(DP) :: thermal_stretch
+    point%history = point%history_old
     if (material%is_user) then
-      call update_by_user(material, is_nlgeom, point, status)
+      call evaluate_user_law(material, is_nlgeom, point, status)
       return
     end if
-    call find_moduli(material, point, moduli)
+    call evaluate_moduli(material, point, moduli)
     if (.not. is_nlgeom) then
-      call strain_law(material, moduli, point%strain, point, status)
+      call evaluate_strain_law(material, moduli, point%strain, point, status)
       return
     end if
-    status = gradient_status(point%H)
+    status = check_gradient(point%H)
     if (status /= STRESS_OK) return
     if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
-      call update_principal(material, moduli, point, status)
+      call evaluate_principal_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. material%has_deformation_plasticity) then
-      call update_almansi(material, moduli, point, status)
+      call evaluate_almansi_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. .not. is_inelastic(material)) then
-      call update_green(material, moduli, point, status)
+      call evaluate_green_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic) then
-      call update_simo(material, moduli, point, status)
-      growth = (1 + moduli%thermal(1))**3           ! the law is that of a volume which has swollen
-      point%stress = growth * point%stress
-      point%tangent = growth * point%tangent
-      point%energy = growth * point%energy
-    else if (allocated(material%kinematic) .or. material%has_deformation_plasticity .or. &
-      .not. (moduli%is_isotropic .and. moduli%is_swelling)) then
-      call update_log(material, moduli, point, status)
+      call evaluate_simo_law(material, moduli, point, status)
+      thermal_stretch = (1 + moduli%thermal(1))**3           ! the law is that of a volume which has swollen
+      point%stress = thermal_stretch * point%stress
+      point%tangent = thermal_stretch * point%tangent
+      point%energy = thermal_stretch * point%energy
+    else if (allocated(material%kinematic_hardening) .or. material%has_deformation_plasticity .or. &
+      .not. (moduli%is_isotropic .and. moduli%is_thermal_isotropic)) then
+      call evaluate_log_law(material, moduli, point, status)
     else
-      call update_principal(material, moduli, point, status)
+      call evaluate_principal_law(material, moduli, point, status)
     end if
-  end subroutine update_point
+  end subroutine update_material_point
 
 
   !> The law of a user. A point that brings nothing along is at rest: its tangent was found before the start.
-  pure subroutine update_by_user(material, is_nlgeom, point, status)
+  pure subroutine evaluate_user_law(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     type(moduli_type) :: moduli
-    type(point_type) :: start
-    logical :: is_taken
+    type(material_point_type) :: start
+    logical :: is_accepted
     status = STRESS_OK
     if (.not. allocated(point%user)) then
       point%stress = 0
@@ -125,77 +127,77 @@ contains
       point%energy = 0
       return
     end if
-    if (is_nlgeom) status = gradient_status(point%H)
+    if (is_nlgeom) status = check_gradient(point%H)
     if (status /= STRESS_OK) return
     if (allocated(material%expansion%value)) then
-      call find_thermal_strain(material, point, moduli)
+      call set_thermal_strain(material, point, moduli)
       point%user%thermal(:, 2) = moduli%thermal
       start = point
       start%temperature = point%user%values%temp
-      call find_thermal_strain(material, start, moduli)
+      call set_thermal_strain(material, start, moduli)
       point%user%thermal(:, 1) = moduli%thermal
     end if
     point%user%values%dtemp = point%temperature - point%user%values%temp
-    call update_user(material, is_nlgeom, point%H, point%strain, point%frame, point%user, point%stress, point%tangent, &
-      is_taken)
-    if (.not. is_taken) status = STRESS_NOT_FINITE
+    call evaluate_umat(material, is_nlgeom, point%H, point%strain, point%frame, point%user, point%stress, point%tangent, &
+      is_accepted)
+    if (.not. is_accepted) status = STRESS_NOT_FINITE
     point%energy = point%user%values%energies(1)
-    if (is_nlgeom) point%strain = shown_strain(material, point%H)
-  end subroutine update_by_user
+    if (is_nlgeom) point%strain = evaluate_output_strain(material, point%H)
+  end subroutine evaluate_user_law
 
 
   !> The constants at the temperature of a point, in the global axes.
-  pure subroutine find_moduli(material, point, moduli)
+  pure subroutine evaluate_moduli(material, point, moduli)
     type(material_type), intent(in) :: material
-    type(point_type), intent(in) :: point
+    type(material_point_type), intent(in) :: point
     type(moduli_type), intent(out) :: moduli
-    type(hyper_type) :: rest
+    type(principal_response_type) :: rest
     real(DP) :: Q(6, 6)
     associate (constants => moduli%constants)
       constants(:2) = [material%youngs_modulus, material%poissons_ratio]
       if (allocated(material%elastic%value)) call evaluate_table(material%elastic, point%temperature, &
         constants(:size(material%elastic%value, 1)))
-      if (material%has_deformation_plasticity) call evaluate_table(material%deformation, point%temperature, &
+      if (material%has_deformation_plasticity) call evaluate_table(material%deformation_plasticity, point%temperature, &
         constants(:5))
       select case (material%elastic_kind)
       case (ELASTIC_ISOTROPIC)
         moduli%G = constants(1) / (2 * (1 + constants(2)))
         moduli%lambda = constants(1) * constants(2) / ((1 + constants(2)) * (1 - 2 * constants(2)))
       case (ELASTIC_HYPER, ELASTIC_FOAM)
-        call respond(material, constants, [0.0_DP, 0.0_DP, 0.0_DP], rest)
+        call evaluate_hyperelastic(material, constants, [0.0_DP, 0.0_DP, 0.0_DP], rest)
         moduli%G = 0.5_DP * rest%secant(1)
         moduli%lambda = rest%slope(1, 2)
       case default
         moduli%is_isotropic = .false.
-        Q = transform_matrix(point%frame)
+        Q = voigt_transformation(point%frame)
         moduli%C = matmul(Q, matmul(elasticity_matrix(material%elastic_kind, constants), transpose(Q)))
       end select
     end associate
-    if (allocated(material%expansion%value)) call find_thermal_strain(material, point, moduli)
-  end subroutine find_moduli
+    if (allocated(material%expansion%value)) call set_thermal_strain(material, point, moduli)
+  end subroutine evaluate_moduli
 
 
   !> Green's strain of the stretch 1 + e.
-  pure function stretched(e) result(strain)
+  pure function green_strain_of_stretch(e) result(strain)
     real(DP), intent(in) :: e(6)                   !< tensor components [-]
     real(DP) :: strain(6)
     strain = 0
     if (any(abs(e) > 0)) strain = green_strain(unpack_voigt(e))
-  end function stretched
+  end function green_strain_of_stretch
 
 
   !> Principal stresses of rubber or foam.
-  pure subroutine respond(material, constants, e, answer)
+  pure subroutine evaluate_hyperelastic(material, constants, e, response)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: constants(:)
     real(DP), intent(in) :: e(3)                   !< principal logarithmic strains [-]
-    type(hyper_type), intent(out) :: answer
+    type(principal_response_type), intent(out) :: response
     if (material%elastic_kind == ELASTIC_FOAM) then
-      call respond_foam(material%hyper_order, constants, e, answer)
+      call evaluate_foam(material%hyper_order, constants, e, response)
     else
-      call respond_rubber(material%hyper_kind, material%hyper_order, constants, e, answer)
+      call evaluate_rubber(material%hyper_kind, material%hyper_order, constants, e, response)
     end if
-  end subroutine respond
+  end subroutine evaluate_hyperelastic
 
 
   !> The elasticity matrix in the local axes from the constants in the order of the decks.
@@ -203,7 +205,7 @@ contains
     integer, intent(in) :: kind                    !< ELASTIC_ORTHOTROPIC or ELASTIC_ANISOTROPIC
     real(DP), intent(in) :: constants(:)           !< [stress]
     real(DP) :: C(6, 6)
-    integer, parameter :: PLACE(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
+    integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
     integer :: i, j, k
     C = 0
     k = 0
@@ -211,37 +213,37 @@ contains
       do i = 1, j
         if (kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
         k = k + 1
-        C(PLACE(i), PLACE(j)) = constants(k)
-        C(PLACE(j), PLACE(i)) = constants(k)
+        C(ABAQUS_ORDER(i), ABAQUS_ORDER(j)) = constants(k)
+        C(ABAQUS_ORDER(j), ABAQUS_ORDER(i)) = constants(k)
       end do
     end do
   end function elasticity_matrix
 
 
   !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
-  pure function thermal_strain_of(material, temperature, initial_temperature, frame, is_nlgeom) result(strain)
+  pure function evaluate_thermal_strain(material, temperature, initial_temperature, frame, is_nlgeom) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: temperature, initial_temperature   !< [temperature]
     real(DP), intent(in) :: frame(3, 3)            !< local axes of the material in its columns
     logical, intent(in) :: is_nlgeom               !< Green's strain of it, if that is the strain of the law
     real(DP) :: strain(6)                          !< tensor components in the global axes, xx yy zz xy yz xz [-]
-    type(point_type) :: point
+    type(material_point_type) :: point
     type(moduli_type) :: moduli
     strain = 0
     if (.not. allocated(material%expansion%value)) return
     point%temperature = temperature
     point%initial_temperature = initial_temperature
     point%frame = frame
-    call find_thermal_strain(material, point, moduli)
+    call set_thermal_strain(material, point, moduli)
     strain = moduli%thermal
-    if (is_nlgeom .and. material%law == LAW_SAINT_VENANT) strain = stretched(moduli%thermal)
-  end function thermal_strain_of
+    if (is_nlgeom .and. material%law == LAW_SAINT_VENANT) strain = green_strain_of_stretch(moduli%thermal)
+  end function evaluate_thermal_strain
 
 
   !> The thermal strain at the temperature of a point.
-  pure subroutine find_thermal_strain(material, point, moduli)
+  pure subroutine set_thermal_strain(material, point, moduli)
     type(material_type), intent(in) :: material
-    type(point_type), intent(in) :: point
+    type(material_point_type), intent(in) :: point
     type(moduli_type), intent(inout) :: moduli
     real(DP) :: now(6), start(6)
     integer :: n
@@ -250,34 +252,34 @@ contains
     n = size(material%expansion%value, 1)
     call evaluate_table(material%expansion, point%temperature, now(:n))
     call evaluate_table(material%expansion, point%initial_temperature, start(:n))
-    now = now * (point%temperature - material%expansion_zero) &
-      - start * (point%initial_temperature - material%expansion_zero)
-    moduli%is_swelling = n == 1
+    now = now * (point%temperature - material%expansion_reference) &
+      - start * (point%initial_temperature - material%expansion_reference)
+    moduli%is_thermal_isotropic = n == 1
     if (n == 1) then
       moduli%thermal = now(1) * VOIGT_IDENTITY
     else                                           ! the decks order the shears 12 13 23
       now(5:6) = now([6, 5])
-      moduli%thermal = matmul(transform_matrix(point%frame), now)
+      moduli%thermal = matmul(voigt_transformation(point%frame), now)
     end if
-  end subroutine find_thermal_strain
+  end subroutine set_thermal_strain
 
 
   !> The law between six strains and six stresses, of any strain measure.
-  pure subroutine strain_law(material, moduli, strain, point, status)
+  pure subroutine evaluate_strain_law(material, moduli, strain, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     real(DP), intent(in) :: strain(6)              !< tensor components [-]
-    type(point_type), intent(inout) :: point       !< out: stress, tangent, energy, history
+    type(material_point_type), intent(inout) :: point       !< out: stress, tangent, energy, history
     integer, intent(out) :: status                 !< STRESS_...
     real(DP) :: elastic(6), doubled(6)
     status = STRESS_OK
-    elastic = strain - moduli%thermal - point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
+    elastic = strain - moduli%thermal - point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
     if (material%has_deformation_plasticity) then
-      call deform_strains(moduli, elastic, point, status)
+      call evaluate_deformation_plasticity(moduli, elastic, point, status)
     else if (moduli%is_isotropic) then
-      point%stress = hooke(moduli%lambda, moduli%G, elastic)
+      point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
-      if (is_inelastic(material)) call return_strains(material, moduli, point, status)
+      if (is_inelastic(material)) call return_to_yield_surface(material, moduli, point, status)
       elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
       point%energy = 0.5_DP * double_dot(point%stress, elastic)
     else
@@ -285,81 +287,82 @@ contains
       doubled(4:) = 2 * elastic(4:)
       point%stress = matmul(moduli%C, doubled)
       point%tangent = moduli%C
-      if (is_inelastic(material)) call flow_strains(material, moduli, doubled, point, status)
+      if (is_inelastic(material)) call return_with_anisotropy(material, moduli, doubled, point, status)
       elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
       point%energy = 0.5_DP * double_dot(point%stress, elastic)
     end if
-  end subroutine strain_law
+  end subroutine evaluate_strain_law
 
 
   !> Turns a trial stress into the stress on the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
   !! tangent = K 1 1 + 2 G theta (I - 1 1/3) + 2 G (kappa - theta) N N, N the unit tensor along the trial deviator.
-  pure subroutine return_strains(material, moduli, point, status)
+  pure subroutine return_to_yield_surface(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    type(point_type), intent(inout) :: point       !< in: trial stress, elastic tangent
+    type(material_point_type), intent(inout) :: point       !< in: trial stress, elastic tangent
     integer, intent(out) :: status                 !< STRESS_...
-    type(return_type) :: answer
+    type(return_mapping_type) :: response
     real(DP) :: N(6), q
-    integer :: i, trouble
-    N = point%stress - (sum(point%stress(:3)) / 3) * VOIGT_IDENTITY - point%past(HISTORY_BACK:HISTORY_BACK + 5)
+    integer :: i, return_status
+    N = point%stress - (sum(point%stress(:3)) / 3) * VOIGT_IDENTITY - point%history_old(HISTORY_BACK:HISTORY_BACK + 5)
     q = von_mises(N)
-    call return_radially(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%past, &
-      answer, trouble)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
-    if (status /= STRESS_OK .or. .not. answer%plastic + answer%creep > 0) return
+    call map_radial_return(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%history_old, &
+      response, return_status)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+    if (status /= STRESS_OK .or. .not. response%plastic + response%creep > 0) return
     N = N / (SQRT_2_3 * q)
-    point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * (answer%plastic + answer%creep)) * N
-    point%tangent = answer%ratio * isotropic_tangent(0.0_DP, moduli%G)
-    point%tangent(:3, :3) = point%tangent(:3, :3) + moduli%lambda + 2 * moduli%G * (1 - answer%ratio) / 3
+    point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * (response%plastic + response%creep)) * N
+    point%tangent = response%ratio * isotropic_tangent(0.0_DP, moduli%G)
+    point%tangent(:3, :3) = point%tangent(:3, :3) + moduli%lambda + 2 * moduli%G * (1 - response%ratio) / 3
     do i = 1, 6
-      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (answer%slope - answer%ratio) * N(i)) * N
+      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (response%slope - response%ratio) * N(i)) * N
     end do
     associate (history => point%history)
-      history(HISTORY_PEEQ) = history(HISTORY_PEEQ) + answer%plastic
-      history(HISTORY_CEEQ) = history(HISTORY_CEEQ) + answer%creep
+      history(HISTORY_PEEQ) = history(HISTORY_PEEQ) + response%plastic
+      history(HISTORY_CEEQ) = history(HISTORY_CEEQ) + response%creep
       history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) &
-        + (SQRT_3_2 * (answer%plastic + answer%creep)) * N
-      history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * answer%back) * N
+        + (SQRT_3_2 * (response%plastic + response%creep)) * N
+      history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * response%back_increment) * N
     end associate
-  end subroutine return_strains
+  end subroutine return_to_yield_surface
 
 
   !> Plastic flow where the elasticity has axes; the reader lets only isotropic hardening come here.
-  pure subroutine flow_strains(material, moduli, elastic, point, status)
+  pure subroutine return_with_anisotropy(material, moduli, elastic, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     real(DP), intent(in) :: elastic(6)             !< trial strain, engineering shears [-]
-    type(point_type), intent(inout) :: point       !< out: stress, tangent, history
+    type(material_point_type), intent(inout) :: point       !< out: stress, tangent, history
     integer, intent(out) :: status                 !< STRESS_...
-    type(flow_type) :: answer
-    integer :: trouble
-    call return_anisotropic(material, moduli%C, elastic, point%temperature, point%past(HISTORY_PEEQ), answer, trouble)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
-    point%stress = answer%stress
-    point%tangent = answer%tangent
-    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + answer%plastic
+    type(anisotropic_return_type) :: response
+    integer :: return_status
+    call map_anisotropic_return(material, moduli%C, elastic, point%temperature, point%history_old(HISTORY_PEEQ), response, &
+      return_status)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+    point%stress = response%stress
+    point%tangent = response%tangent
+    point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + response%plastic
     associate (inelastic => point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
-      inelastic(:3) = inelastic(:3) + answer%plastic * answer%flow(:3)
-      inelastic(4:) = inelastic(4:) + 0.5_DP * answer%plastic * answer%flow(4:)
+      inelastic(:3) = inelastic(:3) + response%plastic * response%flow(:3)
+      inelastic(4:) = inelastic(4:) + 0.5_DP * response%plastic * response%flow(4:)
     end associate
-  end subroutine flow_strains
+  end subroutine return_with_anisotropy
 
 
   !> Deformation plasticity: the deviator of the stress follows the strain by Ramberg and Osgood's law, the pressure is
   !! elastic. Its energy is that of the elastic part.
-  pure subroutine deform_strains(moduli, strain, point, status)
+  pure subroutine evaluate_deformation_plasticity(moduli, strain, point, status)
     type(moduli_type), intent(in) :: moduli
     real(DP), intent(in) :: strain(6)              !< [-]
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     real(DP) :: N(6), e, ratio, slope, mean, bulk
-    integer :: i, trouble
+    integer :: i, return_status
     mean = sum(strain(:3)) / 3
     N = strain - mean * VOIGT_IDENTITY
     e = SQRT_2_3 * sqrt(double_dot(N, N))
-    call deform_ramberg_osgood(moduli%constants(:5), moduli%G, e, ratio, slope, trouble)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    call evaluate_ramberg_osgood(moduli%constants(:5), moduli%G, e, ratio, slope, return_status)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     bulk = moduli%lambda + 2 * moduli%G / 3
     point%stress = 2 * moduli%G * ratio * N + 3 * bulk * mean * VOIGT_IDENTITY
     point%energy = double_dot(point%stress, point%stress) / (4 * moduli%G) &
@@ -370,11 +373,11 @@ contains
     do i = 1, 6
       point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (slope - ratio) * N(i)) * N
     end do
-  end subroutine deform_strains
+  end subroutine evaluate_deformation_plasticity
 
 
   !> The strain that is shown: ln(b)/2, or Green's under LAW_SAINT_VENANT.
-  pure function shown_strain(material, H) result(strain)
+  pure function evaluate_output_strain(material, H) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     real(DP) :: strain(6)                          !< tensor components [-]
@@ -383,30 +386,30 @@ contains
     else
       strain = tensor_log(left_cauchy_green(H), 0.5_DP)
     end if
-  end function shown_strain
+  end function evaluate_output_strain
 
 
   !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward. A thermal strain e
   !! is a stretch 1 + e: what is left of Green's strain E is (E - e - e e/2)/(1 + e), with the mean of e below the line.
-  pure subroutine update_green(material, moduli, point, status)
+  pure subroutine evaluate_green_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    type(moduli_type) :: warm
-    real(DP) :: push(6, 6), growth
-    point%strain = shown_strain(material, point%H)
-    warm = moduli
-    warm%thermal = stretched(moduli%thermal)
-    growth = 1 + sum(moduli%thermal(:3)) / 3
-    call strain_law(material, warm, point%strain, point, status)
-    point%stress = point%stress / growth
-    point%tangent = point%tangent / growth
-    point%energy = point%energy / growth
-    push = transform_matrix(IDENTITY + point%H)
+    type(moduli_type) :: thermal_moduli
+    real(DP) :: push(6, 6), thermal_stretch
+    point%strain = evaluate_output_strain(material, point%H)
+    thermal_moduli = moduli
+    thermal_moduli%thermal = green_strain_of_stretch(moduli%thermal)
+    thermal_stretch = 1 + sum(moduli%thermal(:3)) / 3
+    call evaluate_strain_law(material, thermal_moduli, point%strain, point, status)
+    point%stress = point%stress / thermal_stretch
+    point%tangent = point%tangent / thermal_stretch
+    point%energy = point%energy / thermal_stretch
+    push = voigt_transformation(IDENTITY + point%H)
     point%stress = matmul(push, point%stress)
     point%tangent = matmul(push, matmul(point%tangent, transpose(push)))
-  end subroutine update_green
+  end subroutine evaluate_green_law
 
 
   !> Deformation plasticity as CalculiX has it: the law of six strains between Almansi's strain e = (1 - inv(b))/2 and Cauchy's
@@ -415,15 +418,15 @@ contains
   !!     J (C : (d - d e - e d) + s tr d - d s - s d),
   !!
   !! of which the symmetric part is taken: there is no potential.
-  pure subroutine update_almansi(material, moduli, point, status)
+  pure subroutine evaluate_almansi_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     real(DP) :: inverse(3, 3), rest(3, 3), e(3, 3), s(3, 3), d(3, 3), J, tangent(6, 6)
     integer :: k
     point%strain = almansi_strain(point%H)
-    call strain_law(material, moduli, point%strain, point, status)
+    call evaluate_strain_law(material, moduli, point%strain, point, status)
     call invert(IDENTITY + point%H, inverse, J)
     e = unpack_voigt(point%strain)
     s = unpack_voigt(point%stress)
@@ -440,7 +443,7 @@ contains
     point%tangent = 0.5_DP * J * (tangent + transpose(tangent))
     point%stress = J * point%stress
     point%energy = J * point%energy
-  end subroutine update_almansi
+  end subroutine evaluate_almansi_law
 
 
   !> (1 - inv(b))/2 = -(h + h' + h'h)/2 with h = inv(F) - 1 = -inv(F) H, without loss of digits at small strain.
@@ -454,135 +457,135 @@ contains
 
 
   !> The law of six strains between ln(C)/2 and its conjugate stress, turned to space.
-  pure subroutine update_log(material, moduli, point, status)
+  pure subroutine evaluate_log_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    type(log_axes_type) :: axes
+    type(log_strain_axes_type) :: axes
     logical :: is_positive
-    call find_log_axes(point%H, axes, is_positive)
+    call find_log_strain_axes(point%H, axes, is_positive)
     status = STRESS_INVERTED
     if (.not. is_positive) return
-    point%strain = shown_strain(material, point%H)
-    call strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
-    if (status == STRESS_OK) call push_log_law(axes, point%stress, point%tangent)
-  end subroutine update_log
+    point%strain = evaluate_output_strain(material, point%H)
+    call evaluate_strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
+    if (status == STRESS_OK) call push_forward_log_law(axes, point%stress, point%tangent)
+  end subroutine evaluate_log_law
 
 
   !> The isotropic laws in the principal logarithms of the elastic trial b = F exp(-2 E_inelastic) F^T, less swelling.
-  pure subroutine update_principal(material, moduli, point, status)
+  pure subroutine evaluate_principal_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    type(principal_type) :: principal
-    type(hyper_type) :: answer
+    type(principal_strains_type) :: principal
+    type(principal_response_type) :: response
     real(DP) :: e(3), flow(3), F(3, 3), x(6)
     logical :: is_positive, has_past
     status = STRESS_INVERTED
     F = IDENTITY + point%H
     x = left_cauchy_green(point%H)
-    associate (inelastic => point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+    associate (inelastic => point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
       has_past = any(abs(inelastic) > 0)
       if (has_past) then
-        call find_principal(x + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
+        call find_principal_strains(x + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
           transpose(F)))), principal, is_positive)
       else
-        call find_principal(x, principal, is_positive)
+        call find_principal_strains(x, principal, is_positive)
       end if
     end associate
     if (.not. is_positive) return
     status = STRESS_OK
     if (has_past .or. material%law == LAW_SAINT_VENANT) then
-      point%strain = shown_strain(material, point%H)
+      point%strain = evaluate_output_strain(material, point%H)
     else
-      point%strain = principal_stress(principal, principal%e)
+      point%strain = tensor_from_principal(principal, principal%e)
     end if
     if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
-      call respond(material, moduli%constants, principal%e - logarithm_1p(moduli%thermal(1)), answer)
+      call evaluate_hyperelastic(material, moduli%constants, principal%e - log1p(moduli%thermal(1)), response)
     else
       e = principal%e - moduli%thermal(1)
-      call respond_elastic(moduli, e, answer)
+      call evaluate_hencky(moduli, e, response)
       if (is_inelastic(material)) then
-        call return_principal(material, moduli, e, point, answer, flow, status)
+        call return_principal_stresses(material, moduli, e, point, response, flow, status)
         if (status /= STRESS_OK) return
-        if (any(abs(flow) > 0)) call keep_flow(principal, flow, point)
+        if (any(abs(flow) > 0)) call store_inelastic_strain(principal, flow, point)
       end if
     end if
-    point%stress = principal_stress(principal, answer%tau)
-    point%tangent = principal_tangent(principal, answer%tau, answer%slope, answer%secant)
-    point%energy = answer%energy
-  end subroutine update_principal
+    point%stress = tensor_from_principal(principal, response%tau)
+    point%tangent = principal_tangent(principal, response%tau, response%slope, response%secant)
+    point%energy = response%energy
+  end subroutine evaluate_principal_law
 
 
   !> Hencky's law in principal values.
-  pure subroutine respond_elastic(moduli, e, answer)
+  pure subroutine evaluate_hencky(moduli, e, response)
     type(moduli_type), intent(in) :: moduli
     real(DP), intent(in) :: e(3)                   !< elastic logarithmic strains [-]
-    type(hyper_type), intent(out) :: answer
+    type(principal_response_type), intent(out) :: response
     integer :: A
-    answer%tau = 2 * moduli%G * e + moduli%lambda * (e(1) + e(2) + e(3))
-    answer%slope = moduli%lambda
+    response%tau = 2 * moduli%G * e + moduli%lambda * (e(1) + e(2) + e(3))
+    response%slope = moduli%lambda
     do A = 1, 3
-      answer%slope(A, A) = moduli%lambda + 2 * moduli%G
+      response%slope(A, A) = moduli%lambda + 2 * moduli%G
     end do
-    answer%secant = 2 * moduli%G
-    answer%energy = 0.5_DP * dot_product(answer%tau, e)
-  end subroutine respond_elastic
+    response%secant = 2 * moduli%G
+    response%energy = 0.5_DP * dot_product(response%tau, e)
+  end subroutine evaluate_hencky
 
 
-  !> The return to the yield surface in principal values, as return_strains.
-  pure subroutine return_principal(material, moduli, e, point, answer, flow, status)
+  !> The return to the yield surface in principal values, as return_to_yield_surface.
+  pure subroutine return_principal_stresses(material, moduli, e, point, response, flow, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     real(DP), intent(in) :: e(3)                   !< elastic trial strains [-]
-    type(point_type), intent(inout) :: point       !< out: equivalent strains
-    type(hyper_type), intent(inout) :: answer      !< in: of the trial strains
+    type(material_point_type), intent(inout) :: point       !< out: equivalent strains
+    type(principal_response_type), intent(inout) :: response      !< in: of the trial strains
     real(DP), intent(out) :: flow(3)               !< inelastic strains of the increment [-]
     integer, intent(out) :: status                 !< STRESS_...
-    type(return_type) :: back
+    type(return_mapping_type) :: back
     real(DP) :: N(3), q
-    integer :: A, trouble
+    integer :: A, return_status
     flow = 0
-    N = answer%tau - sum(answer%tau) / 3
+    N = response%tau - sum(response%tau) / 3
     q = SQRT_3_2 * norm2(N)
-    call return_radially(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%past, &
-      back, trouble)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    call map_radial_return(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%history_old, &
+      back, return_status)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
     N = N / (SQRT_2_3 * q)
     flow = (SQRT_3_2 * (back%plastic + back%creep)) * N
-    answer%tau = answer%tau - 2 * moduli%G * flow
-    answer%slope = moduli%lambda + 2 * moduli%G * (1 - back%ratio) / 3
+    response%tau = response%tau - 2 * moduli%G * flow
+    response%slope = moduli%lambda + 2 * moduli%G * (1 - back%ratio) / 3
     do A = 1, 3
-      answer%slope(A, A) = answer%slope(A, A) + 2 * moduli%G * back%ratio
-      answer%slope(:, A) = answer%slope(:, A) + (2 * moduli%G * (back%slope - back%ratio) * N(A)) * N
+      response%slope(A, A) = response%slope(A, A) + 2 * moduli%G * back%ratio
+      response%slope(:, A) = response%slope(:, A) + (2 * moduli%G * (back%slope - back%ratio) * N(A)) * N
     end do
-    answer%secant = 2 * moduli%G * back%ratio
-    answer%energy = 0.5_DP * dot_product(answer%tau, e - flow)
-    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
-    point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
-  end subroutine return_principal
+    response%secant = 2 * moduli%G * back%ratio
+    response%energy = 0.5_DP * dot_product(response%tau, e - flow)
+    point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
+    point%history(HISTORY_CEEQ) = point%history_old(HISTORY_CEEQ) + back%creep
+  end subroutine return_principal_stresses
 
 
   !> The inelastic strain after the flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
-  pure subroutine keep_flow(principal, flow, point)
-    type(principal_type), intent(in) :: principal  !< of the trial b
+  pure subroutine store_inelastic_strain(principal, flow, point)
+    type(principal_strains_type), intent(in) :: principal  !< of the trial b
     real(DP), intent(in) :: flow(3)                !< inelastic strains of the increment [-]
-    type(point_type), intent(inout) :: point       !< out: history
+    type(material_point_type), intent(inout) :: point       !< out: history
     real(DP) :: inverse(3, 3), rest(3, 3), b(6), det
     call invert(IDENTITY + point%H, inverse, det)
     rest = -matmul(inverse, point%H)               ! F^-1 - 1
-    b = principal_stress(principal, exponential_m1(2 * (principal%e - flow)))
+    b = tensor_from_principal(principal, expm1(2 * (principal%e - flow)))
     b = pack_voigt(matmul(inverse, matmul(unpack_voigt(b), transpose(inverse)))) + left_cauchy_green(rest)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = tensor_log(b, -0.5_DP)
-  end subroutine keep_flow
+  end subroutine store_inelastic_strain
 
 
   !> The local axes of an orientation at a place. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
   !! radial (global x or y where the place is on the axis).
-  pure function axes_at(orientation, place) result(frame)
+  pure function evaluate_orientation(orientation, place) result(frame)
     type(orientation_type), intent(in) :: orientation
     real(DP), intent(in) :: place(3)               !< [length]
     real(DP) :: frame(3, 3)                        !< axes in columns
@@ -605,104 +608,106 @@ contains
     frame(:, 1) = x
     frame(:, 2) = cross_product(z, x)
     frame(:, 3) = z
-    if (orientation%turn_axis == 0) return
-    i = modulo(orientation%turn_axis, 3) + 1
-    j = modulo(orientation%turn_axis + 1, 3) + 1
-    c = cos(orientation%turn_angle)
-    s = sin(orientation%turn_angle)
+    if (orientation%rotation_axis == 0) return
+    i = modulo(orientation%rotation_axis, 3) + 1
+    j = modulo(orientation%rotation_axis + 1, 3) + 1
+    c = cos(orientation%rotation_angle)
+    s = sin(orientation%rotation_angle)
     a = frame(:, i)
     b = frame(:, j)
     frame(:, i) = c * a + s * b
     frame(:, j) = c * b - s * a
-  end function axes_at
+  end function evaluate_orientation
 
 
   !> Plasticity as CalculiX has it, Simo's: b is the isochoric elastic b and k the back stress, both carried by F,
   !! x = b - k/G, tau = K/2 (J^2 - 1) 1 + G dev b - 2 G' sqrt(3/2) (dp + dc) n, n along dev x, G' = G tr b/3; the yield
   !! stress is one of Cauchy's. The tangent leaves out terms of the order of the elastic strains: symmetric, not exact.
   !! Reference: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1.
-  pure subroutine update_simo(material, moduli, point, status)
+  pure subroutine evaluate_simo_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    type(principal_type) :: b, x
-    type(return_type) :: back
+    type(principal_strains_type) :: b, x
+    type(return_mapping_type) :: back
     real(DP) :: F(3, 3), J, k(6), N(3), q, modulus, flow, correction(6)
     logical :: is_positive
-    integer :: trouble
+    integer :: return_status
     status = STRESS_INVERTED
     F = (IDENTITY + point%H) / (1 + moduli%thermal(1))
     J = 1 + determinant_minus_one(F - IDENTITY)
-    k = carried(F, point%past(HISTORY_BACK:HISTORY_BACK + 5)) * J**(-2 / 3.0_DP)
-    call find_principal(left_cauchy_green(F - IDENTITY) + carried(F, tensor_exp( &
-      point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), -2.0_DP)), b, is_positive)
+    k = push_forward(F, point%history_old(HISTORY_BACK:HISTORY_BACK + 5)) * J**(-2 / 3.0_DP)
+    call find_principal_strains(left_cauchy_green(F - IDENTITY) + push_forward(F, tensor_exp( &
+      point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), -2.0_DP)), b, is_positive)
     if (.not. is_positive) return
     x = b
-    if (any(abs(k) > 0)) call find_principal(principal_stress(b, b%x) - (J**(2 / 3.0_DP) / moduli%G) * k, x, is_positive)
+    if (any(abs(k) > 0)) call find_principal_strains(tensor_from_principal(b, b%x) - (J**(2 / 3.0_DP) / moduli%G) * k, x, &
+      is_positive)
     if (.not. is_positive) return
-    point%strain = shown_strain(material, point%H)
+    point%strain = evaluate_output_strain(material, point%H)
     N = J**(-2 / 3.0_DP) * (x%x - sum(x%x) / 3)
     q = SQRT_3_2 * moduli%G * norm2(N)
     modulus = moduli%G * J**(-2 / 3.0_DP) * (3 + sum(b%x)) / 3
-    call return_radially(material, modulus / J, q / J, point%temperature, [point%time, point%time_increment], &
-      point%past, back, trouble)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, trouble == RETURN_OK)
+    call map_radial_return(material, modulus / J, q / J, point%temperature, [point%time, point%time_increment], &
+      point%history_old, back, return_status)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK) return
-    call add_isochoric(b, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
+    call set_isochoric_response(b, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
     flow = back%plastic + back%creep
-    if (flow > 0) call subtract_flow(x, moduli%G, J, back, point)
-    if (flow > 0 .or. any(abs(point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)) > 0)) &
-      point%energy = stored_energy(moduli%lambda + 2 * moduli%G / 3, modulus, J, point%stress)
+    if (flow > 0) call subtract_plastic_stress(x, moduli%G, J, back, point)
+    if (flow > 0 .or. any(abs(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)) > 0)) &
+      point%energy = evaluate_elastic_energy(moduli%lambda + 2 * moduli%G / 3, modulus, J, point%stress)
     if (.not. flow > 0) return
-    correction = (2 * SQRT_3_2 * modulus / moduli%G * flow / norm2(N)) * principal_stress(x, N)
-    call keep_simo(F, J, principal_stress(b, b%x) - J**(2 / 3.0_DP) * correction, k + (SQRT_2_3 * J * back%back / &
-      norm2(N)) * principal_stress(x, N), point)
-    point%history(HISTORY_PEEQ) = point%past(HISTORY_PEEQ) + back%plastic
-    point%history(HISTORY_CEEQ) = point%past(HISTORY_CEEQ) + back%creep
-  end subroutine update_simo
+    correction = (2 * SQRT_3_2 * modulus / moduli%G * flow / norm2(N)) * tensor_from_principal(x, N)
+    call store_simo_history(F, J, tensor_from_principal(b, b%x) - J**(2 / 3.0_DP) * correction, &
+      k + (SQRT_2_3 * J * back%back_increment / &
+      norm2(N)) * tensor_from_principal(x, N), point)
+    point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
+    point%history(HISTORY_CEEQ) = point%history_old(HISTORY_CEEQ) + back%creep
+  end subroutine evaluate_simo_law
 
 
   !> The elastic energy of a point that has flowed. Its b keeps the trace, which is no measure of it any more: the deviator
   !! of the stress is.
-  pure real(DP) function stored_energy(bulk, modulus, J, tau) result(energy)
+  pure real(DP) function evaluate_elastic_energy(bulk, modulus, J, tau) result(energy)
     real(DP), intent(in) :: bulk, modulus          !< K and G' [stress]
     real(DP), intent(in) :: J                      !< det F [-]
     real(DP), intent(in) :: tau(6)                 !< Kirchhoff stress [stress]
     energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + von_mises(tau)**2 / (6 * modulus)
-  end function stored_energy
+  end function evaluate_elastic_energy
 
 
   !> A symmetric tensor carried forward: F T F^T.
-  pure function carried(F, T) result(y)
+  pure function push_forward(F, T) result(y)
     real(DP), intent(in) :: F(3, 3)
     real(DP), intent(in) :: T(6)
     real(DP) :: y(6)
     y = 0
     if (any(abs(T) > 0)) y = pack_voigt(matmul(F, matmul(unpack_voigt(T), transpose(F))))
-  end function carried
+  end function push_forward
 
 
   !> K/2 (J^2 - 1) 1 + G dev b, b isochoric, with its tangent and energy.
-  pure subroutine add_isochoric(b, G, bulk, J, point)
-    type(principal_type), intent(in) :: b          !< of J^(2/3) b
+  pure subroutine set_isochoric_response(b, G, bulk, J, point)
+    type(principal_strains_type), intent(in) :: b          !< of J^(2/3) b
     real(DP), intent(in) :: G, bulk                !< [stress]
     real(DP), intent(in) :: J                      !< det F [-]
-    type(point_type), intent(inout) :: point       !< out: stress, tangent, energy
+    type(material_point_type), intent(inout) :: point       !< out: stress, tangent, energy
     real(DP) :: tau(3), slope(3, 3), secant(3)
-    call isochoric(b, G, J, tau, slope, secant)
+    call evaluate_isochoric(b, G, J, tau, slope, secant)
     tau = tau + 0.5_DP * bulk * (J - 1) * (J + 1)
     slope = slope + bulk * J * J
-    point%stress = principal_stress(b, tau)
+    point%stress = tensor_from_principal(b, tau)
     point%tangent = principal_tangent(b, tau, slope, secant)
     point%energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) &
       + 0.5_DP * G * (J**(-2 / 3.0_DP) * (3 + sum(b%x)) - 3)
-  end subroutine add_isochoric
+  end subroutine set_isochoric_response
 
 
   !> G dev b, b isochoric, and its derivatives by the principal logarithms of J^(2/3) b.
-  pure subroutine isochoric(b, G, J, tau, slope, secant)
-    type(principal_type), intent(in) :: b          !< of J^(2/3) b
+  pure subroutine evaluate_isochoric(b, G, J, tau, slope, secant)
+    type(principal_strains_type), intent(in) :: b          !< of J^(2/3) b
     real(DP), intent(in) :: G, J
     real(DP), intent(out) :: tau(3), slope(3, 3), secant(3)   !< [stress]
     real(DP) :: stretch(3)
@@ -713,20 +718,20 @@ contains
       C = NEXT_AXIS(A)
       slope(:, A) = -2 * tau(A) / 3 - 2 * tau / 3 - 2 * sum(stretch) / 9
       slope(A, A) = slope(A, A) + 2 * stretch(A)
-      secant(A) = (stretch(A) + stretch(C)) / divided_coth(b, A, C)
+      secant(A) = (stretch(A) + stretch(C)) / coth_divided_difference(b, A, C)
     end do
-  end subroutine isochoric
+  end subroutine evaluate_isochoric
 
 
   !> Takes the flow out of the stress: tau = ... - (1 - theta) G dev x, with its tangent.
-  pure subroutine subtract_flow(x, G, J, back, point)
-    type(principal_type), intent(in) :: x          !< of J^(2/3) x
+  pure subroutine subtract_plastic_stress(x, G, J, back, point)
+    type(principal_strains_type), intent(in) :: x          !< of J^(2/3) x
     real(DP), intent(in) :: G, J
-    type(return_type), intent(in) :: back
-    type(point_type), intent(inout) :: point       !< stress and tangent change
+    type(return_mapping_type), intent(in) :: back
+    type(material_point_type), intent(inout) :: point       !< stress and tangent change
     real(DP) :: tau(3), slope(3, 3), secant(3), N(3), along(3)
     integer :: A
-    call isochoric(x, G, J, tau, slope, secant)
+    call evaluate_isochoric(x, G, J, tau, slope, secant)
     N = tau / norm2(tau)
     along = matmul(N, slope)
     slope = -(1 - back%ratio) * slope
@@ -734,41 +739,41 @@ contains
       slope(:, A) = slope(:, A) + 0.5_DP * (back%slope - back%ratio) * (N * along(A) + along * N(A))
     end do
     tau = -(1 - back%ratio) * tau
-    point%stress = point%stress + principal_stress(x, tau)
+    point%stress = point%stress + tensor_from_principal(x, tau)
     point%tangent = point%tangent + principal_tangent(x, tau, slope, -(1 - back%ratio) * secant)
-  end subroutine subtract_flow
+  end subroutine subtract_plastic_stress
 
 
   !> Carries b and the back stress back to the reference placement: the history.
-  pure subroutine keep_simo(F, J, b, k, point)
+  pure subroutine store_simo_history(F, J, b, k, point)
     real(DP), intent(in) :: F(3, 3)
     real(DP), intent(in) :: J
     real(DP), intent(in) :: b(6)                   !< J^(2/3) b - 1 [-]
     real(DP), intent(in) :: k(6)                   !< back stress [stress]
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     real(DP) :: inverse(3, 3), det
     call invert(F, inverse, det)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = &
-      tensor_log(carried(inverse, b) + left_cauchy_green(-matmul(inverse, F - IDENTITY)), -0.5_DP)
-    point%history(HISTORY_BACK:HISTORY_BACK + 5) = J**(2 / 3.0_DP) * carried(inverse, k)
-  end subroutine keep_simo
+      tensor_log(push_forward(inverse, b) + left_cauchy_green(-matmul(inverse, F - IDENTITY)), -0.5_DP)
+    point%history(HISTORY_BACK:HISTORY_BACK + 5) = J**(2 / 3.0_DP) * push_forward(inverse, k)
+  end subroutine store_simo_history
 
 
   !> The elastic strain of a stress: what initial stresses are taken as, with the sign turned, in the inelastic strain.
-  pure function elastic_strain_of(material, temperature, frame, stress) result(strain)
+  pure function elastic_strain_from_stress(material, temperature, frame, stress) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: temperature            !< [temperature]
     real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
     real(DP), intent(in) :: stress(6)              !< [stress]
     real(DP) :: strain(6)                          !< tensor components [-]
-    type(point_type) :: point
+    type(material_point_type) :: point
     type(moduli_type) :: moduli
     real(DP) :: rest(6), C(6, 6), factor
     integer :: i, k
     point%frame = frame
     point%temperature = temperature
     point%initial_temperature = temperature
-    call find_moduli(material, point, moduli)
+    call evaluate_moduli(material, point, moduli)
     C = moduli%C
     if (moduli%is_isotropic) C = isotropic_tangent(moduli%lambda, moduli%G)
     rest = stress
@@ -784,6 +789,6 @@ contains
     end do
     strain = rest
     strain(4:) = 0.5_DP * rest(4:)
-  end function elastic_strain_of
+  end function elastic_strain_from_stress
 
 end module amontons_material_point

@@ -11,53 +11,54 @@ module amontons_plasticity
     LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
-  public :: return_type, flow_type, return_radially, is_inelastic, RETURN_OK, deform_ramberg_osgood, &
-    return_anisotropic
+  public :: return_mapping_type, anisotropic_return_type, map_radial_return, is_inelastic, RETURN_OK, evaluate_ramberg_osgood, &
+    map_anisotropic_return
 
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
-  integer, parameter :: MOST_ITERATIONS = 100
-  real(DP), parameter :: EXCESS = 1.0e-9_DP        !< above the yield stress that is taken for rounding [-]
-  real(DP), parameter :: TOLERANCE = 1.0e-13_DP    !< of a strain increment over its bracket [-]
+  integer, parameter :: MAX_RETURN_ITERATIONS = 100
+  real(DP), parameter :: TOL_YIELD = 1.0e-9_DP        !< above the yield stress that is taken for rounding [-]
+  real(DP), parameter :: TOL_STRAIN_INCREMENT = 1.0e-13_DP    !< of a strain increment over its bracket [-]
 
   !> What happens in an increment.
-  type :: return_type
+  type :: return_mapping_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
     real(DP) :: creep = 0                          !< dc, equivalent creep strain of the increment [-]
-    real(DP) :: back = 0                           !< dk, growth of the back stress in tension [stress]
+    real(DP) :: back_increment = 0                           !< dk, growth of the back stress in tension [stress]
     real(DP) :: ratio = 1                          !< theta = 1 - 3 G (dp + dc)/q_trial [-]
     real(DP) :: slope = 1                          !< kappa = 1 - 3 G d(dp + dc)/dq_trial [-]
-  end type return_type
+  end type return_mapping_type
 
   !> What flows where the elasticity is not isotropic.
-  type :: flow_type
+  type :: anisotropic_return_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
     real(DP) :: stress(6) = 0                      !< [stress]
     real(DP) :: tangent(6, 6) = 0                  !< engineering shears [stress]
     real(DP) :: flow(6) = 0                        !< dq/dstress: plastic strain over dp, engineering shears [-]
     real(DP) :: q = 0                              !< von Mises stress [stress]
-  end type flow_type
+  end type anisotropic_return_type
 
   !> The increment's fixed data, for the scalar equations.
-  type :: problem_type
+  type :: return_problem_type
     real(DP) :: G, q_trial, temperature, time, dt, p_old, c_old, back_old
     real(DP) :: creep(3)                           !< A, n, m
-  end type problem_type
+  end type return_problem_type
 
   !> What stands against a plastic increment.
-  type :: resistance_type
+  type :: yield_residual_type
     real(DP) :: f = 0, df = 0                      !< residual of the yield condition and its slope [stress]
-    real(DP) :: back = 0                           !< growth of the back stress in tension [stress]
+    real(DP) :: back_increment = 0                           !< growth of the back stress in tension [stress]
     real(DP) :: c = 0, dc = 0                      !< creep increment and its slope [-]
-  end type resistance_type
+  end type yield_residual_type
 
 contains
 
   !> Whether a material yields or creeps.
-  pure function is_inelastic(material) result(is_so)
+  pure function is_inelastic(material) result(is_true)
     type(material_type), intent(in) :: material
-    logical :: is_so
-    is_so = allocated(material%isotropic) .or. allocated(material%kinematic) .or. material%creep_law /= CREEP_NONE
+    logical :: is_true
+    is_true = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening) &
+      .or. material%creep_law /= CREEP_NONE
   end function is_inelastic
 
 
@@ -68,37 +69,38 @@ contains
   !! | isotropic | curve at p | 0 |
   !! | kinematic | first value of the curve | grows by the curve's growth |
   !! | combined | curve of CYCLIC HARDENING at p | grows by the growth of the PLASTIC curve |
-  pure subroutine return_radially(material, G, q_trial, temperature, times, past, answer, status)
+  pure subroutine map_radial_return(material, G, q_trial, temperature, times, history_old, solution, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: G                      !< shear modulus [stress]
     real(DP), intent(in) :: q_trial                !< von Mises stress of trial deviator less back stress [stress]
     real(DP), intent(in) :: temperature            !< [temperature]
     real(DP), intent(in) :: times(2)               !< end and length of the increment [time]
-    real(DP), intent(in) :: past(MAX_HISTORY)      !< committed
-    type(return_type), intent(out) :: answer
+    real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
+    type(return_mapping_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
-    type(problem_type) :: problem
+    type(return_problem_type) :: problem
     real(DP) :: yield, slope
     status = RETURN_OK
-    problem = problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), &
-      p_old=past(HISTORY_PEEQ), c_old=past(HISTORY_CEEQ), back_old=0, creep=0)
+    problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), &
+      p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
     if (material%creep_law /= CREEP_NONE) call evaluate_table(material%creep, temperature, problem%creep)
-    if (allocated(material%kinematic)) call evaluate_curves(material%kinematic, temperature, problem%p_old, &
+    if (allocated(material%kinematic_hardening)) call evaluate_curves(material%kinematic_hardening, temperature, problem%p_old, &
       problem%back_old, slope)
     if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. q_trial > 0) &
-      call creep_alone(material, problem, answer, status)
-    if (status /= RETURN_OK .or. .not. (allocated(material%isotropic) .or. allocated(material%kinematic))) return
-    call yield_stress(material, problem, 0.0_DP, yield, slope)
-    if (q_trial - 3 * G * answer%creep <= yield * (1 + EXCESS)) return
-    call yield_with_creep(material, problem, answer, status)
-  end subroutine return_radially
+      call solve_creep(material, problem, solution, status)
+    if (status /= RETURN_OK .or. .not. (allocated(material%isotropic_hardening) &
+      .or. allocated(material%kinematic_hardening))) return
+    call evaluate_yield_stress(material, problem, 0.0_DP, yield, slope)
+    if (q_trial - 3 * G * solution%creep <= yield * (1 + TOL_YIELD)) return
+    call solve_plasticity_and_creep(material, problem, solution, status)
+  end subroutine map_radial_return
 
 
   !> Creep without yielding: f(c) = c - dt rate(q_trial - 3 G c) = 0, f ascending, bracketed by 0 and q_trial/(3 G).
-  pure subroutine creep_alone(material, problem, answer, status)
+  pure subroutine solve_creep(material, problem, solution, status)
     type(material_type), intent(in) :: material
-    type(problem_type), intent(in) :: problem
-    type(return_type), intent(inout) :: answer
+    type(return_problem_type), intent(in) :: problem
+    type(return_mapping_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     real(DP) :: c, low, high, f, df, rate, rate_q, rate_c, step
     integer :: i
@@ -106,8 +108,8 @@ contains
     high = problem%q_trial / (3 * problem%G)
     c = 0
     status = RETURN_FAILED
-    do i = 1, MOST_ITERATIONS
-      call creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
+    do i = 1, MAX_RETURN_ITERATIONS
+      call evaluate_creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
       f = c - problem%dt * rate
       df = 1 + problem%dt * (3 * problem%G * rate_q - rate_c)
       if (f > 0) high = c
@@ -115,27 +117,27 @@ contains
       step = -f / df
       if (.not. (c + step > low .and. c + step < high)) step = 0.5_DP * (low + high) - c
       c = c + step
-      if (abs(step) <= TOLERANCE * max(c, tiny(c)) .or. high - low <= tiny(c)) then
+      if (abs(step) <= TOL_STRAIN_INCREMENT * max(c, tiny(c)) .or. high - low <= tiny(c)) then
         status = RETURN_OK
         exit
       end if
     end do
-    call creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
-    answer%creep = c
-    answer%ratio = 1 - c / (problem%q_trial / (3 * problem%G))
-    answer%slope = 1 - 3 * problem%G * problem%dt * rate_q &
+    call evaluate_creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
+    solution%creep = c
+    solution%ratio = 1 - c / (problem%q_trial / (3 * problem%G))
+    solution%slope = 1 - 3 * problem%G * problem%dt * rate_q &
       / (1 + problem%dt * (3 * problem%G * rate_q - rate_c))
-  end subroutine creep_alone
+  end subroutine solve_creep
 
 
   !> Yielding, with creep at the stress on the yield surface:
   !! f(p) = q_trial - 3 G (p + c(p)) - y(p) - k(p) = 0, f descending, bracketed by 0 and q_trial/(3 G).
-  pure subroutine yield_with_creep(material, problem, answer, status)
+  pure subroutine solve_plasticity_and_creep(material, problem, solution, status)
     type(material_type), intent(in) :: material
-    type(problem_type), intent(in) :: problem
-    type(return_type), intent(inout) :: answer
+    type(return_problem_type), intent(in) :: problem
+    type(return_mapping_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
-    type(resistance_type) :: r
+    type(yield_residual_type) :: r
     real(DP) :: p, low, high, step, q_strain
     integer :: i
     q_strain = problem%q_trial / (3 * problem%G)   ! what rounding of the stresses is measured by
@@ -143,66 +145,66 @@ contains
     high = q_strain
     p = 0
     status = RETURN_FAILED
-    do i = 1, MOST_ITERATIONS
-      r = resist(material, problem, p)
+    do i = 1, MAX_RETURN_ITERATIONS
+      r = evaluate_yield_residual(material, problem, p)
       if (r%f > 0) low = p
       if (r%f <= 0) high = p
       if (.not. r%df < 0) return
       step = -r%f / r%df
       if (.not. (p + step >= low .and. p + step <= high)) step = 0.5_DP * (low + high) - p
       p = p + step
-      if (abs(step) <= TOLERANCE * max(p, q_strain) .or. high - low <= TOLERANCE * q_strain) then
+      if (abs(step) <= TOL_STRAIN_INCREMENT * max(p, q_strain) .or. high - low <= TOL_STRAIN_INCREMENT * q_strain) then
         status = RETURN_OK
         exit
       end if
     end do
-    r = resist(material, problem, p)
-    answer%plastic = p
-    answer%creep = r%c
-    answer%back = r%back
-    answer%ratio = 1 - (p + r%c) / (problem%q_trial / (3 * problem%G))
-    answer%slope = 1 + 3 * problem%G * (1 + r%dc) / r%df
-  end subroutine yield_with_creep
+    r = evaluate_yield_residual(material, problem, p)
+    solution%plastic = p
+    solution%creep = r%c
+    solution%back_increment = r%back_increment
+    solution%ratio = 1 - (p + r%c) / (problem%q_trial / (3 * problem%G))
+    solution%slope = 1 + 3 * problem%G * (1 + r%dc) / r%df
+  end subroutine solve_plasticity_and_creep
 
 
   !> Residual of the yield condition and its slope at a plastic increment, and the creep that goes with it.
-  pure function resist(material, problem, p) result(r)
+  pure function evaluate_yield_residual(material, problem, p) result(r)
     type(material_type), intent(in) :: material
-    type(problem_type), intent(in) :: problem
+    type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: p                      !< plastic increment [-]
-    type(resistance_type) :: r
+    type(yield_residual_type) :: r
     real(DP) :: yield, yield_slope, back_slope
-    call yield_stress(material, problem, p, yield, yield_slope)
+    call evaluate_yield_stress(material, problem, p, yield, yield_slope)
     back_slope = 0
-    if (allocated(material%kinematic)) then
-      call evaluate_curves(material%kinematic, problem%temperature, problem%p_old + p, r%back, back_slope)
-      r%back = r%back - problem%back_old
+    if (allocated(material%kinematic_hardening)) then
+      call evaluate_curves(material%kinematic_hardening, problem%temperature, problem%p_old + p, r%back_increment, back_slope)
+      r%back_increment = r%back_increment - problem%back_old
     end if
-    call creep_at_stress(material, problem, yield, yield_slope, r%c, r%dc)
-    r%f = problem%q_trial - 3 * problem%G * (p + r%c) - yield - r%back
+    call evaluate_creep_increment(material, problem, yield, yield_slope, r%c, r%dc)
+    r%f = problem%q_trial - 3 * problem%G * (p + r%c) - yield - r%back_increment
     r%df = -3 * problem%G * (1 + r%dc) - yield_slope - back_slope
-  end function resist
+  end function evaluate_yield_residual
 
 
   !> The size of the yield surface after a plastic increment.
-  pure subroutine yield_stress(material, problem, p, yield, slope)
+  pure subroutine evaluate_yield_stress(material, problem, p, yield, slope)
     type(material_type), intent(in) :: material
-    type(problem_type), intent(in) :: problem
+    type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: p                      !< plastic increment [-]
     real(DP), intent(out) :: yield, slope          !< [stress]
-    if (allocated(material%isotropic)) then
-      call evaluate_curves(material%isotropic, problem%temperature, problem%p_old + p, yield, slope)
+    if (allocated(material%isotropic_hardening)) then
+      call evaluate_curves(material%isotropic_hardening, problem%temperature, problem%p_old + p, yield, slope)
     else
-      call evaluate_curves(material%kinematic, problem%temperature, 0.0_DP, yield, slope)
+      call evaluate_curves(material%kinematic_hardening, problem%temperature, 0.0_DP, yield, slope)
       slope = 0
     end if
-  end subroutine yield_stress
+  end subroutine evaluate_yield_stress
 
 
   !> The creep increment at a given stress, and its derivative by the plastic increment.
-  pure subroutine creep_at_stress(material, problem, q, q_slope, c, dc)
+  pure subroutine evaluate_creep_increment(material, problem, q, q_slope, c, dc)
     type(material_type), intent(in) :: material
-    type(problem_type), intent(in) :: problem
+    type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: q, q_slope             !< stress and its derivative [stress]
     real(DP), intent(out) :: c, dc                 !< [-]
     real(DP) :: rate, rate_q, rate_c
@@ -210,22 +212,22 @@ contains
     c = 0
     dc = 0
     if (material%creep_law == CREEP_NONE .or. .not. problem%dt > 0) return
-    do i = 1, MOST_ITERATIONS                      ! a fixed point for strain hardening, at once for time hardening
-      call creep_rate(material, problem, q, c, rate, rate_q, rate_c)
-      if (abs(c - problem%dt * rate) <= TOLERANCE * problem%dt * rate) exit
+    do i = 1, MAX_RETURN_ITERATIONS                      ! a fixed point for strain hardening, at once for time hardening
+      call evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
+      if (abs(c - problem%dt * rate) <= TOL_STRAIN_INCREMENT * problem%dt * rate) exit
       c = problem%dt * rate
     end do
     dc = problem%dt * rate_q * q_slope / (1 - problem%dt * rate_c)
-  end subroutine creep_at_stress
+  end subroutine evaluate_creep_increment
 
 
   !> The rate of creep and its derivatives by stress and by the creep strain of the increment.
   !! Time hardening A q^n t^m, integrated over the increment, under the calculix dialect with t at its end; strain hardening
   !! (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
   !! dc/dt = (C(t_s + dt) - C(t_s))/dt with C(t) = A q^n t^(m+1)/(m + 1) and t_s such that C(t_s) = c_old.
-  pure subroutine creep_rate(material, problem, q, c, rate, rate_q, rate_c)
+  pure subroutine evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
     type(material_type), intent(in) :: material
-    type(problem_type), intent(in) :: problem
+    type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: q                      !< von Mises stress [stress]
     real(DP), intent(in) :: c                      !< creep strain of the increment [-]
     real(DP), intent(out) :: rate                  !< [1/time]
@@ -254,12 +256,12 @@ contains
         rate_q = (n * s / (k * q) * (virtual + dt)**k - s * (virtual + dt)**m * n * virtual / (k * q)) / dt
       end if
     end associate
-  end subroutine creep_rate
+  end subroutine evaluate_creep_rate
 
 
   !> Ramberg and Osgood's law, in tension E e = q + alpha q (q/s)^(n-1), for deviators: the stress q of the equivalent
   !! strain q/(3 G) + alpha q (q/s)^(n-1)/E.
-  pure subroutine deform_ramberg_osgood(constants, G, strain, ratio, slope, status)
+  pure subroutine evaluate_ramberg_osgood(constants, G, strain, ratio, slope, status)
     real(DP), intent(in) :: constants(5)           !< E, nu, yield stress s, n, alpha
     real(DP), intent(in) :: G                      !< shear modulus [stress]
     real(DP), intent(in) :: strain                 !< sqrt(2/3 e:e) of the deviator of the strain [-]
@@ -277,7 +279,7 @@ contains
       high = 3 * G * strain
       q = min(high, s * (strain * E / (alpha * s))**(1 / n))
       status = RETURN_FAILED
-      do i = 1, MOST_ITERATIONS
+      do i = 1, MAX_RETURN_ITERATIONS
         power = alpha * (q / s)**(n - 1) / E
         f = q / (3 * G) + power * q - strain
         df = 1 / (3 * G) + n * power
@@ -286,7 +288,7 @@ contains
         step = -f / df
         if (.not. (q + step > low .and. q + step < high)) step = 0.5_DP * (low + high) - q
         q = q + step
-        if (abs(step) > TOLERANCE * q) cycle
+        if (abs(step) > TOL_STRAIN_INCREMENT * q) cycle
         status = RETURN_OK
         exit
       end do
@@ -294,7 +296,7 @@ contains
       ratio = q / (3 * G * strain)
       slope = 1 / (1 + 3 * G * n * power)
     end associate
-  end subroutine deform_ramberg_osgood
+  end subroutine evaluate_ramberg_osgood
 
 
   !> Von Mises's flow with isotropic hardening and any elasticity C: with the deviatoric projection P and g = 3 dp/(2 y),
@@ -302,21 +304,21 @@ contains
   !!     stress = B e,   B = (1 + g C P)^-1 C,   e the elastic trial strain,   q(stress) = y(p + dp)
   !!
   !! one equation for dp, f = q - y descending. Its tangent is B less a product of B P stress with itself, symmetric.
-  pure subroutine return_anisotropic(material, C, e, temperature, p_old, answer, status)
+  pure subroutine map_anisotropic_return(material, C, e, temperature, p_old, solution, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: C(6, 6)                !< elasticity, engineering shears [stress]
     real(DP), intent(in) :: e(6)                   !< elastic trial strain, engineering shears [-]
     real(DP), intent(in) :: temperature            !< [temperature]
     real(DP), intent(in) :: p_old                  !< committed equivalent plastic strain [-]
-    type(flow_type), intent(out) :: answer
+    type(anisotropic_return_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     real(DP) :: low, high, step, f, df, scale
     logical :: is_bracketed
     integer :: i
     status = RETURN_OK
-    call flow_at(material, C, e, temperature, p_old, 0.0_DP, answer, f, df)
-    if (f <= EXCESS * (answer%q - f)) then
-      answer%tangent = C
+    call evaluate_anisotropic_flow(material, C, e, temperature, p_old, 0.0_DP, solution, f, df)
+    if (f <= TOL_YIELD * (solution%q - f)) then
+      solution%tangent = C
       return
     end if
     scale = norm2(e)                               ! what rounding is measured by
@@ -324,32 +326,32 @@ contains
     high = scale
     is_bracketed = .false.
     status = RETURN_FAILED
-    do i = 1, MOST_ITERATIONS
+    do i = 1, MAX_RETURN_ITERATIONS
       if (.not. df < 0) return
-      if (f > 0) low = answer%plastic
-      if (f <= 0) high = answer%plastic
+      if (f > 0) low = solution%plastic
+      if (f <= 0) high = solution%plastic
       is_bracketed = is_bracketed .or. f <= 0
       step = -f / df
-      if (is_bracketed .and. .not. (answer%plastic + step >= low .and. answer%plastic + step <= high)) &
-        step = 0.5_DP * (low + high) - answer%plastic
-      call flow_at(material, C, e, temperature, p_old, answer%plastic + step, answer, f, df)
-      if (abs(step) > TOLERANCE * scale) cycle
+      if (is_bracketed .and. .not. (solution%plastic + step >= low .and. solution%plastic + step <= high)) &
+        step = 0.5_DP * (low + high) - solution%plastic
+      call evaluate_anisotropic_flow(material, C, e, temperature, p_old, solution%plastic + step, solution, f, df)
+      if (abs(step) > TOL_STRAIN_INCREMENT * scale) cycle
       status = RETURN_OK
       return
     end do
-  end subroutine return_anisotropic
+  end subroutine map_anisotropic_return
 
 
   !> Stress and tangent after a plastic increment, and by how much it misses the yield surface.
-  pure subroutine flow_at(material, C, e, temperature, p_old, p, answer, f, df)
+  pure subroutine evaluate_anisotropic_flow(material, C, e, temperature, p_old, p, solution, f, df)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: C(6, 6), e(6), temperature, p_old
     real(DP), intent(in) :: p                      !< plastic increment [-]
-    type(flow_type), intent(inout) :: answer
+    type(anisotropic_return_type), intent(inout) :: solution
     real(DP), intent(out) :: f, df                 !< q - y and its slope [stress]
     real(DP) :: yield, slope, g, g_slope, B(6, 6), M(6, 6), Bn(6)
     integer :: k
-    call evaluate_curves(material%isotropic, temperature, p_old + p, yield, slope)
+    call evaluate_curves(material%isotropic_hardening, temperature, p_old + p, yield, slope)
     g = 1.5_DP * p / yield
     g_slope = 1.5_DP * (1 - p * slope / yield) / yield
     do k = 1, 6
@@ -357,20 +359,20 @@ contains
       M(k, k) = M(k, k) + 1
     end do
     B = C
-    call eliminate(M, B)
-    answer%plastic = p
-    answer%stress = matmul(B, e)
-    answer%q = sqrt(1.5_DP * dot_product(answer%stress, deviatoric(answer%stress)))
-    answer%flow = 0
+    call solve_voigt_system(M, B)
+    solution%plastic = p
+    solution%stress = matmul(B, e)
+    solution%q = sqrt(1.5_DP * dot_product(solution%stress, deviatoric(solution%stress)))
+    solution%flow = 0
     Bn = 0
-    if (answer%q > 0) answer%flow = 1.5_DP / answer%q * deviatoric(answer%stress)
-    Bn = matmul(B, answer%flow)
-    f = answer%q - yield
-    df = -g_slope * answer%q / 1.5_DP * dot_product(answer%flow, Bn) - slope
+    if (solution%q > 0) solution%flow = 1.5_DP / solution%q * deviatoric(solution%stress)
+    Bn = matmul(B, solution%flow)
+    f = solution%q - yield
+    df = -g_slope * solution%q / 1.5_DP * dot_product(solution%flow, Bn) - slope
     do k = 1, 6
-      answer%tangent(:, k) = B(:, k) + (g_slope * answer%q / (1.5_DP * df) * Bn(k)) * Bn
+      solution%tangent(:, k) = B(:, k) + (g_slope * solution%q / (1.5_DP * df) * Bn(k)) * Bn
     end do
-  end subroutine flow_at
+  end subroutine evaluate_anisotropic_flow
 
 
   !> P: the deviator of a stress with its shears doubled, so that its product with a stress is one of tensors.
@@ -383,7 +385,7 @@ contains
 
 
   !> B becomes M^-1 B, by Gauss's elimination with row exchange; M is lost.
-  pure subroutine eliminate(M, B)
+  pure subroutine solve_voigt_system(M, B)
     real(DP), intent(inout) :: M(6, 6), B(6, 6)
     real(DP) :: row(6), factor
     integer :: i, k, pivot
@@ -405,6 +407,6 @@ contains
     do k = 1, 6
       B(k, :) = B(k, :) / M(k, k)
     end do
-  end subroutine eliminate
+  end subroutine solve_voigt_system
 
 end module amontons_plasticity

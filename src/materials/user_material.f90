@@ -15,85 +15,86 @@
 module amontons_user_material
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_logarithmic_strain, only: transform_matrix
+  use amontons_logarithmic_strain, only: voigt_transformation
   use amontons_materials, only: material_type, USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, &
-    USER_TURN, USER_STATE
+    USER_ROTATION, USER_STATE
   use amontons_tensor, only: IDENTITY, determinant_minus_one, invert, pack_voigt, unpack_voigt
-  use amontons_user_routines, only: umat_type, call_umat, CALL_NAME
+  use amontons_user_routines, only: umat_type, call_umat, USER_NAME_LENGTH
   implicit none
   private
-  public :: user_point_type, update_user, find_rest_tangent
+  public :: umat_point_type, evaluate_umat, find_initial_tangent
 
   !> What a point of a user's material brings along and takes away beside strain and stress.
-  type :: user_point_type
+  type :: umat_point_type
     type(umat_type) :: values                      !< in: times, place, numbers; the rest is set here
-    logical :: has_axes = .false.                  !< local axes of an orientation, which turn with the material
+    logical :: has_orientation = .false.                  !< local axes of an orientation, which turn with the material
     real(DP) :: thermal(6, 2) = 0                  !< thermal strain at start and end, tensor components [-]
-    real(DP), allocatable :: past(:)               !< committed, from USER_STRESS on, first is 1
+    real(DP), allocatable :: history_old(:)               !< committed, from USER_STRESS on, first is 1
     real(DP), allocatable :: history(:)            !< at the end of the increment
-  end type user_point_type
+  end type umat_point_type
 
-  integer, parameter :: PLACE(6) = [1, 2, 3, 4, 6, 5]   !< components here are xx yy zz xy yz xz, there 11 22 33 12 13 23
-  integer, parameter :: BASE = USER_STRESS - 1     !< what stands before the rows of user_point_type
+  integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< components here are xx yy zz xy yz xz, there 11 22 33 12 13 23
+  integer, parameter :: HISTORY_OFFSET = USER_STRESS - 1     !< what stands before the rows of umat_point_type
 
 contains
 
   !> Stress, tangent and history of a point.
-  pure subroutine update_user(material, is_nlgeom, H, strain, frame, user, stress, tangent, is_taken)
+  pure subroutine evaluate_umat(material, is_nlgeom, H, strain, frame, user, stress, tangent, is_accepted)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     real(DP), intent(in) :: strain(6)              !< small strain, tensor components; not used under NLGEOM [-]
     real(DP), intent(in) :: frame(3, 3)            !< local axes in columns, at the start of the job
-    type(user_point_type), intent(inout) :: user
+    type(umat_point_type), intent(inout) :: user
     real(DP), intent(out) :: stress(6)             !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP), intent(out) :: tangent(6, 6)         !< its derivative, spatial at finite strain [stress]
-    logical, intent(out) :: is_taken               !< .false.: UMAT wants a smaller increment, or gave no finite number
+    logical, intent(out) :: is_accepted               !< .false.: UMAT wants a smaller increment, or gave no finite number
     real(DP) :: volume, axes(3, 3)
-    character(CALL_NAME) :: name
+    character(USER_NAME_LENGTH) :: name
     name = material%name
-    user%history = user%past
+    user%history = user%history_old
     associate (values => user%values, history => user%history)
-      values%energies = history(USER_ENERGY - BASE:USER_ENERGY - BASE + 2)
+      values%energies = history(USER_ENERGY - HISTORY_OFFSET:USER_ENERGY - HISTORY_OFFSET + 2)
       if (is_nlgeom) then
         call set_finite_increment(H, frame, user, axes)
       else
         axes = frame
         call set_small_increment(strain, frame, user)
       end if
-      call call_umat(material%routines, name, material%props, history(USER_STATE - BASE:), values)
-      is_taken = values%is_taken == 1 .and. all(abs(values%stress) <= huge(1.0_DP)) .and. &
-        all(abs(values%ddsdde) <= huge(1.0_DP)) .and. all(abs(history(USER_STATE - BASE:)) <= huge(1.0_DP))
-      if (.not. is_taken) return
-      history(USER_STRESS - BASE:USER_STRESS - BASE + 5) = values%stress
-      history(USER_STRAIN - BASE:USER_STRAIN - BASE + 5) = values%stran + values%dstran
-      history(USER_GRADIENT - BASE:USER_GRADIENT - BASE + 8) = reshape(H, [9])
-      history(USER_ENERGY - BASE:USER_ENERGY - BASE + 2) = values%energies
-      stress = values%stress(PLACE)
-      tangent = values%ddsdde(PLACE, PLACE)
+      call call_umat(material%routines, name, material%props, history(USER_STATE - HISTORY_OFFSET:), values)
+      is_accepted = values%is_accepted == 1 .and. all(abs(values%stress) <= huge(1.0_DP)) .and. &
+        all(abs(values%ddsdde) <= huge(1.0_DP)) .and. all(abs(history(USER_STATE - HISTORY_OFFSET:)) <= huge(1.0_DP))
+      if (.not. is_accepted) return
+      history(USER_STRESS - HISTORY_OFFSET:USER_STRESS - HISTORY_OFFSET + 5) = values%stress
+      history(USER_STRAIN - HISTORY_OFFSET:USER_STRAIN - HISTORY_OFFSET + 5) = values%stran + values%dstran
+      history(USER_GRADIENT - HISTORY_OFFSET:USER_GRADIENT - HISTORY_OFFSET + 8) = reshape(H, [9])
+      history(USER_ENERGY - HISTORY_OFFSET:USER_ENERGY - HISTORY_OFFSET + 2) = values%energies
+      stress = values%stress(ABAQUS_ORDER)
+      tangent = values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER)
     end associate
-    if (user%has_axes .or. .not. is_nlgeom) then
-      stress = pack_voigt(turned(axes, unpack_voigt(stress)))
-      tangent = matmul(transform_matrix(axes), matmul(tangent, transpose(transform_matrix(axes))))
+    if (user%has_orientation .or. .not. is_nlgeom) then
+      stress = pack_voigt(rotate_tensor(axes, unpack_voigt(stress)))
+      tangent = matmul(voigt_transformation(axes), matmul(tangent, transpose(voigt_transformation(axes))))
     end if
     if (is_nlgeom) then
       volume = 1 + determinant_minus_one(H)
       stress = volume * stress
       tangent = volume * tangent
-      call subtract_turning(stress, tangent)
+      call convert_jaumann_to_lie(stress, tangent)
     end if
-  end subroutine update_user
+  end subroutine evaluate_umat
 
 
   !> The increment at small strain, in the local axes.
   pure subroutine set_small_increment(strain, frame, user)
     real(DP), intent(in) :: strain(6)
     real(DP), intent(in) :: frame(3, 3)
-    type(user_point_type), intent(inout) :: user
-    associate (values => user%values, past => user%past)
-      values%stress = past(USER_STRESS - BASE:USER_STRESS - BASE + 5)
-      values%stran = past(USER_STRAIN - BASE:USER_STRAIN - BASE + 5)
-      values%dstran = engineering(matmul(transpose(frame), matmul(unpack_voigt(strain - user%thermal(:, 2)), frame))) &
+    type(umat_point_type), intent(inout) :: user
+    associate (values => user%values, past => user%history_old)
+      values%stress = past(USER_STRESS - HISTORY_OFFSET:USER_STRESS - HISTORY_OFFSET + 5)
+      values%stran = past(USER_STRAIN - HISTORY_OFFSET:USER_STRAIN - HISTORY_OFFSET + 5)
+      values%dstran = abaqus_engineering_components(matmul(transpose(frame), matmul(unpack_voigt(strain - user%thermal(:, 2)), &
+        frame))) &
         - values%stran
       values%drot = IDENTITY
       values%dfgrd0 = IDENTITY
@@ -106,11 +107,11 @@ contains
   pure subroutine set_finite_increment(H, frame, user, axes)
     real(DP), intent(in) :: H(3, 3)
     real(DP), intent(in) :: frame(3, 3)            !< local axes in columns, at the start of the job
-    type(user_point_type), intent(inout) :: user
+    type(umat_point_type), intent(inout) :: user
     real(DP), intent(out) :: axes(3, 3)            !< local axes at the end of the increment
     real(DP) :: inverse(3, 3), change(3, 3), G(3, 3), W(3, 3), Q(3, 3), det
-    associate (values => user%values, past => user%past)
-      values%dfgrd0 = IDENTITY + reshape(past(USER_GRADIENT - BASE:USER_GRADIENT - BASE + 8), [3, 3])
+    associate (values => user%values, past => user%history_old)
+      values%dfgrd0 = IDENTITY + reshape(past(USER_GRADIENT - HISTORY_OFFSET:USER_GRADIENT - HISTORY_OFFSET + 8), [3, 3])
       values%dfgrd1 = IDENTITY + H
       call invert(values%dfgrd0, inverse, det)
       change = matmul(values%dfgrd1 - values%dfgrd0, inverse)    ! F1 F0^-1 - 1
@@ -120,80 +121,82 @@ contains
       call invert(IDENTITY - 0.5_DP * W, inverse, det)
       Q = matmul(inverse, IDENTITY + 0.5_DP * W)
       G = 0.5_DP * (G + transpose(G))
-      if (user%has_axes) then
-        call turn_axes(Q, frame, user, axes)
-        values%dstran = engineering(turned(transpose(axes), G) - &
-          turned(transpose(frame), unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1))))
+      if (user%has_orientation) then
+        call rotate_axes(Q, frame, user, axes)
+        values%dstran = abaqus_engineering_components(rotate_tensor(transpose(axes), G) - &
+          rotate_tensor(transpose(frame), unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1))))
         return
       end if
       axes = IDENTITY
       values%drot = Q
-      values%stress = tensorial(turned(Q, from_abaqus(past(USER_STRESS - BASE:USER_STRESS - BASE + 5), 1.0_DP)))
-      values%stran = engineering(turned(Q, from_abaqus(past(USER_STRAIN - BASE:USER_STRAIN - BASE + 5), 0.5_DP)))
-      values%dstran = engineering(G - unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1)))
+      values%stress = abaqus_tensor_components(rotate_tensor(Q, tensor_from_abaqus(past(USER_STRESS - HISTORY_OFFSET:USER_STRESS &
+        - HISTORY_OFFSET + 5), 1.0_DP)))
+      values%stran = abaqus_engineering_components(rotate_tensor(Q, &
+        tensor_from_abaqus(past(USER_STRAIN - HISTORY_OFFSET:USER_STRAIN - HISTORY_OFFSET + 5), 0.5_DP)))
+      values%dstran = abaqus_engineering_components(G - unpack_voigt(user%thermal(:, 2) - user%thermal(:, 1)))
     end associate
   end subroutine set_finite_increment
 
 
   !> The local axes go on with the material; stress, strain and deformation in them.
-  pure subroutine turn_axes(Q, frame, user, axes)
+  pure subroutine rotate_axes(Q, frame, user, axes)
     real(DP), intent(in) :: Q(3, 3)                !< rotation of the increment
     real(DP), intent(in) :: frame(3, 3)            !< axes at the start of the job
-    type(user_point_type), intent(inout) :: user
+    type(umat_point_type), intent(inout) :: user
     real(DP), intent(out) :: axes(3, 3)            !< at the end of the increment
-    real(DP) :: turn(3, 3), before(3, 3)
-    associate (values => user%values, past => user%past)
-      turn = IDENTITY + reshape(past(USER_TURN - BASE:USER_TURN - BASE + 8), [3, 3])
-      before = matmul(turn, frame)
-      turn = matmul(Q, turn)
-      axes = matmul(turn, frame)
-      user%history(USER_TURN - BASE:USER_TURN - BASE + 8) = reshape(turn - IDENTITY, [9])
+    real(DP) :: rotation(3, 3), before(3, 3)
+    associate (values => user%values, past => user%history_old)
+      rotation = IDENTITY + reshape(past(USER_ROTATION - HISTORY_OFFSET:USER_ROTATION - HISTORY_OFFSET + 8), [3, 3])
+      before = matmul(rotation, frame)
+      rotation = matmul(Q, rotation)
+      axes = matmul(rotation, frame)
+      user%history(USER_ROTATION - HISTORY_OFFSET:USER_ROTATION - HISTORY_OFFSET + 8) = reshape(rotation - IDENTITY, [9])
       values%drot = IDENTITY
-      values%stress = past(USER_STRESS - BASE:USER_STRESS - BASE + 5)
-      values%stran = past(USER_STRAIN - BASE:USER_STRAIN - BASE + 5)
-      values%dfgrd0 = turned(transpose(before), values%dfgrd0)
-      values%dfgrd1 = turned(transpose(axes), values%dfgrd1)
+      values%stress = past(USER_STRESS - HISTORY_OFFSET:USER_STRESS - HISTORY_OFFSET + 5)
+      values%stran = past(USER_STRAIN - HISTORY_OFFSET:USER_STRAIN - HISTORY_OFFSET + 5)
+      values%dfgrd0 = rotate_tensor(transpose(before), values%dfgrd0)
+      values%dfgrd1 = rotate_tensor(transpose(axes), values%dfgrd1)
     end associate
-  end subroutine turn_axes
+  end subroutine rotate_axes
 
 
   !> Q T Q^T.
-  pure function turned(Q, T) result(y)
+  pure function rotate_tensor(Q, T) result(y)
     real(DP), intent(in) :: Q(3, 3), T(3, 3)
     real(DP) :: y(3, 3)
     y = matmul(Q, matmul(T, transpose(Q)))
-  end function turned
+  end function rotate_tensor
 
 
   !> A symmetric tensor from the components 11 22 33 12 13 23.
-  pure function from_abaqus(x, shear) result(T)
+  pure function tensor_from_abaqus(x, shear) result(T)
     real(DP), intent(in) :: x(6)
     real(DP), intent(in) :: shear                  !< factor of the last three: 0.5 for engineering strains [-]
     real(DP) :: T(3, 3)
     T = reshape([x(1), shear * x(4), shear * x(5), shear * x(4), x(2), shear * x(6), shear * x(5), shear * x(6), x(3)], &
       [3, 3])
-  end function from_abaqus
+  end function tensor_from_abaqus
 
 
   !> The components 11 22 33 12 13 23 of a symmetric tensor.
-  pure function tensorial(T) result(x)
+  pure function abaqus_tensor_components(T) result(x)
     real(DP), intent(in) :: T(3, 3)
     real(DP) :: x(6)
     x = [T(1, 1), T(2, 2), T(3, 3), T(1, 2), T(1, 3), T(2, 3)]
-  end function tensorial
+  end function abaqus_tensor_components
 
 
   !> The same with engineering shears.
-  pure function engineering(T) result(x)
+  pure function abaqus_engineering_components(T) result(x)
     real(DP), intent(in) :: T(3, 3)
     real(DP) :: x(6)
-    x = tensorial(T)
+    x = abaqus_tensor_components(T)
     x(4:) = 2 * x(4:)
-  end function engineering
+  end function abaqus_engineering_components
 
 
   !> c : D = c_J : D - D tau - tau D.
-  pure subroutine subtract_turning(tau, c)
+  pure subroutine convert_jaumann_to_lie(tau, c)
     real(DP), intent(in) :: tau(6)                 !< [stress]
     real(DP), intent(inout) :: c(6, 6)             !< in: of Jaumann's rate; out: of Lie's derivative [stress]
     real(DP) :: unit(6), D(3, 3), T(3, 3)
@@ -205,19 +208,19 @@ contains
       D = unpack_voigt(unit)
       c(:, k) = c(:, k) - pack_voigt(matmul(D, T) + matmul(T, D))
     end do
-  end subroutine subtract_turning
+  end subroutine convert_jaumann_to_lie
 
 
   !> DDSDDE of a material that nothing has happened to: what stabilises elements with one point. Called before the start, for
   !! the largest number of components that its elements have.
-  subroutine find_rest_tangent(material, components, dt, error)
+  subroutine find_initial_tangent(material, components, dt, error)
     type(material_type), intent(inout) :: material !< out: at_rest, youngs_modulus
     integer, intent(in) :: components(2)           !< NDI, NSHR
     real(DP), intent(in) :: dt                     !< first increment of the job [time]
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
     real(DP) :: statev(material%n_statev)
-    character(CALL_NAME) :: name
+    character(USER_NAME_LENGTH) :: name
     name = material%name
     statev = 0
     values%ndi = components(1)
@@ -232,22 +235,22 @@ contains
     values%dfgrd0 = IDENTITY
     values%dfgrd1 = IDENTITY
     call call_umat(material%routines, name, material%props, statev, values)
-    if (values%is_taken == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
+    if (values%is_accepted == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
       call set_error(error, EXIT_SETUP, 'UMAT gives no DDSDDE for the material ''' // material%name // &
         ''' at rest (no strain, STATEV = 0): it calls XIT, or gives what is not finite.')
       return
     end if
-    call fill_in_space(components, values%ddsdde)
-    material%at_rest = 0.5_DP * (values%ddsdde(PLACE, PLACE) + transpose(values%ddsdde(PLACE, PLACE)))
+    call complete_3d_tangent(components, values%ddsdde)
+    material%at_rest = 0.5_DP * (values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER) + transpose(values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER)))
     associate (G => material%at_rest(4, 4), lambda => material%at_rest(1, 2))
       if (G + lambda > 0) material%youngs_modulus = G * (3 * lambda + 2 * G) / (lambda + G)
       if (G + lambda > 0) material%poissons_ratio = lambda / (2 * (lambda + G))
     end associate
-  end subroutine find_rest_tangent
+  end subroutine find_initial_tangent
 
 
   !> What a plane or a bar does not know of a tangent in space, as if it were isotropic (a bar: with nu = 0.3).
-  pure subroutine fill_in_space(components, c)
+  pure subroutine complete_3d_tangent(components, c)
     integer, intent(in) :: components(2)           !< NDI, NSHR
     real(DP), intent(inout) :: c(6, 6)             !< 11 22 33 12 13 23 [stress]
     real(DP) :: E, nu, lambda, G
@@ -272,6 +275,6 @@ contains
       c(i, i) = lambda + 2 * G
       c(i + 3, i + 3) = G
     end do
-  end subroutine fill_in_space
+  end subroutine complete_3d_tangent
 
 end module amontons_user_material

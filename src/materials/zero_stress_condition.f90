@@ -9,85 +9,85 @@
 !! Reference: E. A. de Souza Neto, D. Peric, D. R. J. Owen, Computational methods for plasticity, Wiley 2008, chapter 9.
 module amontons_zero_stress_condition
   use amontons_kinds, only: DP
-  use amontons_material_point, only: point_type, update_point
+  use amontons_material_point, only: material_point_type, update_material_point
   use amontons_materials, only: material_type
-  use amontons_integration_points, only: points_type, begin_point
-  use amontons_elasticity, only: stress_small, stress_finite, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+  use amontons_integration_points, only: integration_points_type, set_point_input
+  use amontons_elasticity, only: small_strain_stress, finite_strain_stress, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: pack_voigt
   implicit none
   private
-  public :: stress_under, tangent_at_rest
+  public :: solve_zero_stress, evaluate_initial_tangent
   public :: CONDITION_NONE, CONDITION_PLANE_STRESS, CONDITION_UNIAXIAL
 
   integer, parameter :: CONDITION_NONE = 0            !< all strains are given
   integer, parameter :: CONDITION_PLANE_STRESS = 1    !< the normal strain 33 is free
   integer, parameter :: CONDITION_UNIAXIAL = 2        !< 22 and 33 are free
 
-  integer, parameter :: MOST_CORRECTIONS = 80
-  real(DP), parameter :: EXACT = 1.0e-13_DP           !< of the largest stress: converged [-]
-  real(DP), parameter :: ACCEPTABLE = 1.0e-9_DP       !< of the largest stress: where the corrections end [-]
-  real(DP), parameter :: ROUNDING = 1.0e-14_DP        !< a correction this small over the strains is rounding [-]
-  real(DP), parameter :: LARGEST_CORRECTION = 0.5_DP  !< of a logarithmic strain [-]
+  integer, parameter :: MAX_STRAIN_CORRECTIONS = 80
+  real(DP), parameter :: TOL_STRESS = 1.0e-13_DP           !< of the largest stress: converged [-]
+  real(DP), parameter :: TOL_STRESS_ACCEPTABLE = 1.0e-9_DP       !< of the largest stress: where the corrections end [-]
+  real(DP), parameter :: TOL_STRAIN_ROUNDING = 1.0e-14_DP        !< a correction this small over the strains is rounding [-]
+  real(DP), parameter :: MAX_CORRECTION_SIZE = 0.5_DP  !< of a logarithmic strain [-]
 
 contains
 
   !> Stress and tangent of a point under a condition; at small strain too the strains come from point%H.
-  pure subroutine stress_under(condition, material, is_nlgeom, point, status)
+  pure subroutine solve_zero_stress(condition, material, is_nlgeom, point, status)
     integer, intent(in) :: condition               !< CONDITION_...
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom               !< .true.: finite strain, Kirchhoff stress
-    type(point_type), intent(inout) :: point       !< in: H, past, ...; out: stress, tangent with the free strains
+    type(material_point_type), intent(inout) :: point       !< in: H, past, ...; out: stress, tangent with the free strains
                                                    !< condensed, strain, energy, history; the free (2, 2), (3, 3) of H
     integer, intent(out) :: status                 !< STRESS_...
-    real(DP) :: e(3), correction(3), largest, left, before
+    real(DP) :: e(3), correction(3), largest, stress_residual, previous_residual
     integer :: first, i, step
-    logical :: is_settled
+    logical :: is_converged
     first = 4 - condition
     if (condition /= CONDITION_NONE .and. allocated(point%user)) then
       if (point%user%values%ndi < 3) then
-        call respond_within(condition, material, is_nlgeom, point, status)
+        call evaluate_reduced_law(condition, material, is_nlgeom, point, status)
         return
       end if
     end if
-    is_settled = .false.
+    is_converged = .false.
     e = 0
     correction = 0
-    before = huge(before)
-    do step = 0, MOST_CORRECTIONS
+    previous_residual = huge(previous_residual)
+    do step = 0, MAX_STRAIN_CORRECTIONS
       do i = first, 3
         point%H(i, i) = e(i)
-        if (is_nlgeom) point%H(i, i) = exp_minus_one(e(i))
+        if (is_nlgeom) point%H(i, i) = expm1(e(i))
       end do
-      call respond(material, is_nlgeom, point, status)
+      call evaluate_law(material, is_nlgeom, point, status)
       if (status /= STRESS_OK .or. condition == CONDITION_NONE) return
       largest = maxval(abs(point%stress))
-      left = maxval(abs(point%stress(first:3)))
-      if (left <= EXACT * largest) exit
-      if (left < before) then
-        before = left
-        call correct(first, is_nlgeom, point%stress, point%tangent, correction)
-        correction(first:) = sign(min(abs(correction(first:)), LARGEST_CORRECTION), correction(first:))
+      stress_residual = maxval(abs(point%stress(first:3)))
+      if (stress_residual <= TOL_STRESS * largest) exit
+      if (stress_residual < previous_residual) then
+        previous_residual = stress_residual
+        call find_newton_correction(first, is_nlgeom, point%stress, point%tangent, correction)
+        correction(first:) = sign(min(abs(correction(first:)), MAX_CORRECTION_SIZE), correction(first:))
       else                                           ! back by half
         correction = correction / 2
         e(first:) = e(first:) - 2 * correction(first:)
       end if
-      is_settled = maxval(abs(correction(first:))) <= ROUNDING * maxval(abs(point%H))
-      if (is_settled) exit
+      is_converged = maxval(abs(correction(first:))) <= TOL_STRAIN_ROUNDING * maxval(abs(point%H))
+      if (is_converged) exit
       e(first:) = e(first:) + correction(first:)
     end do
-    if (.not. (is_settled .or. maxval(abs(point%stress(first:3))) <= ACCEPTABLE * largest)) status = STRESS_NOT_FINITE
-    call condense(first, point%tangent)
+    if (.not. (is_converged .or. maxval(abs(point%stress(first:3))) <= TOL_STRESS_ACCEPTABLE * largest)) status = STRESS_NOT_FINITE
+    call condense_tangent(first, point%tangent)
     point%stress(first:3) = 0
-  end subroutine stress_under
+  end subroutine solve_zero_stress
 
 
   !> A user's law that knows only the stresses that are not zero. At finite strain the volume stays the same, as Abaqus has it for
   !! such elements; at small strain the strains across are not known and stay zero.
-  pure subroutine respond_within(condition, material, is_nlgeom, point, status)
+  pure subroutine evaluate_reduced_law(condition, material, is_nlgeom, point, status)
     integer, intent(in) :: condition               !< CONDITION_PLANE_STRESS or CONDITION_UNIAXIAL
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(inout) :: point       !< in: H, past, ...; out: stress, tangent, strain, energy, history
+    type(material_point_type), intent(inout) :: point       !< in: H, past, ...; out: stress, tangent, strain, energy, history
     integer, intent(out) :: status                 !< STRESS_...
     real(DP) :: area
     point%H(3, 3) = 0
@@ -100,35 +100,35 @@ contains
       if (condition == CONDITION_UNIAXIAL) point%H(3, 3) = 1 / sqrt(area) - 1
       if (condition == CONDITION_UNIAXIAL) point%H(2, 2) = point%H(3, 3)
     end if
-    call respond(material, is_nlgeom, point, status)
-  end subroutine respond_within
+    call evaluate_law(material, is_nlgeom, point, status)
+  end subroutine evaluate_reduced_law
 
 
   !> The tangent of a point that has no strain and no past: the elastic constants.
-  pure subroutine tangent_at_rest(condition, material, is_nlgeom, n, points, c)
+  pure subroutine evaluate_initial_tangent(condition, material, is_nlgeom, n, points, c)
     integer, intent(in) :: condition               !< CONDITION_...
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
     integer, intent(in) :: n                       !< nodes of the element: their mean temperature counts
-    type(points_type), intent(in) :: points
+    type(integration_points_type), intent(in) :: points
     real(DP), intent(out) :: c(6, 6)               !< engineering shears [stress]
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: status
-    call begin_point(material, points, 1, [real(DP) ::], point)
+    call set_point_input(material, points, 1, [real(DP) ::], point)
     if (allocated(point%user)) deallocate (point%user)
-    if (.not. material%is_plain) then
-      point%past = 0
+    if (.not. material%is_linear_isotropic) then
+      point%history_old = 0
       point%temperature = sum(points%temperature(:n)) / real(n, DP)
       point%initial_temperature = point%temperature     ! no thermal strain
     end if
     point%H = 0
-    call stress_under(condition, material, is_nlgeom, point, status)
+    call solve_zero_stress(condition, material, is_nlgeom, point, status)
     c = point%tangent
-  end subroutine tangent_at_rest
+  end subroutine evaluate_initial_tangent
 
 
   !> Newton's correction of the free logarithmic strains: d tau_i = (c_ij + 2 tau_i delta_ij) d e_j.
-  pure subroutine correct(first, is_nlgeom, tau, c, correction)
+  pure subroutine find_newton_correction(first, is_nlgeom, tau, c, correction)
     integer, intent(in) :: first                   !< free are first to 3
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: tau(6), c(6, 6)
@@ -149,11 +149,11 @@ contains
       correction(2) = (slope(2, 3) * tau(3) - slope(3, 3) * tau(2)) / det
       correction(3) = (slope(3, 2) * tau(2) - slope(2, 2) * tau(3)) / det
     end if
-  end subroutine correct
+  end subroutine find_newton_correction
 
 
   !> Takes the free strains and all shears across out of the tangent, one after the other.
-  pure subroutine condense(first, c)
+  pure subroutine condense_tangent(first, c)
     integer, intent(in) :: first                   !< free are first to 3
     real(DP), intent(inout) :: c(6, 6)
     real(DP) :: row(6), column(6)
@@ -167,31 +167,31 @@ contains
       c(f, :) = 0
       c(:, f) = 0
     end do
-  end subroutine condense
+  end subroutine condense_tangent
 
 
   !> The law itself.
-  pure subroutine respond(material, is_nlgeom, point, status)
+  pure subroutine evaluate_law(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(point_type), intent(inout) :: point
+    type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     if (.not. is_nlgeom) point%strain = pack_voigt(point%H)
-    if (.not. material%is_plain) then
-      call update_point(material, is_nlgeom, point, status)
+    if (.not. material%is_linear_isotropic) then
+      call update_material_point(material, is_nlgeom, point, status)
     else if (is_nlgeom) then
-      call stress_finite(material, point%H, point%stress, point%tangent, point%strain, point%energy, status)
+      call finite_strain_stress(material, point%H, point%stress, point%tangent, point%strain, point%energy, status)
     else
       status = STRESS_OK
-      call stress_small(material, point%strain, point%stress, point%tangent, point%energy)
+      call small_strain_stress(material, point%strain, point%stress, point%tangent, point%energy)
     end if
-  end subroutine respond
+  end subroutine evaluate_law
 
 
   !> exp(x) - 1 without cancellation: 2 sinh(x/2) exp(x/2).
-  pure elemental real(DP) function exp_minus_one(x)
+  pure elemental real(DP) function expm1(x)
     real(DP), intent(in) :: x                      !< [-]
-    exp_minus_one = 2 * sinh(0.5_DP * x) * exp(0.5_DP * x)
-  end function exp_minus_one
+    expm1 = 2 * sinh(0.5_DP * x) * exp(0.5_DP * x)
+  end function expm1
 
 end module amontons_zero_stress_condition

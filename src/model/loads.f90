@@ -8,29 +8,31 @@ module amontons_loads
   private
   public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
     equation_type
-  public :: COURSE_TABLE, COURSE_SMOOTH, COURSE_PERIODIC, COURSE_MODULATED, COURSE_DECAY
-  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, DISTRIBUTED_BODY, DISTRIBUTED_TRACTION, &
+  public :: AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
+  public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION, &
     amplitude_value, load_value
 
   integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
   integer, parameter :: DISTRIBUTED_GRAVITY = 2    !< acceleration on an element, times its density
-  integer, parameter :: DISTRIBUTED_SPIN = 3       !< square of the angular velocity of an element about an axis
-  integer, parameter :: DISTRIBUTED_BODY = 4       !< force per reference volume of an element
+  integer, parameter :: DISTRIBUTED_CENTRIFUGAL = 3       !< square of the angular velocity of an element about an axis
+  integer, parameter :: DISTRIBUTED_BODY_FORCE = 4       !< force per reference volume of an element
   integer, parameter :: DISTRIBUTED_TRACTION = 5   !< force per reference area of an element face, in a direction that stays
 
-  integer, parameter :: COURSE_TABLE = 0           !< linear between the times, constant outside
-  integer, parameter :: COURSE_SMOOTH = 1          !< the same with a polynomial whose slope and curvature are 0 at the times
-  integer, parameter :: COURSE_PERIODIC = 2        !< Fourier series from a time on
-  integer, parameter :: COURSE_MODULATED = 3       !< product of two sines from a time on
-  integer, parameter :: COURSE_DECAY = 4           !< exponential decay from a time on
+  integer, parameter :: AMPLITUDE_TABLE = 0           !< linear between the times, constant outside
+  integer, parameter :: AMPLITUDE_SMOOTH_STEP = 1          !< the same with a polynomial whose slope and curvature are 0 at the
+                                                           !! times
+  integer, parameter :: AMPLITUDE_PERIODIC = 2        !< Fourier series from a time on
+  integer, parameter :: AMPLITUDE_MODULATED = 3       !< product of two sines from a time on
+  integer, parameter :: AMPLITUDE_DECAY = 4           !< exponential decay from a time on
 
   !> Factors over time.
   type :: amplitude_type
     character(:), allocatable :: name
     logical :: is_total_time = .false.           !< TIME=TOTAL TIME
     logical :: is_absolute = .false.             !< VALUE=ABSOLUTE: the factors are magnitudes, whatever the load says
-    integer :: course = COURSE_TABLE
-    real(DP), allocatable :: numbers(:)          !< PERIODIC: omega, t0, A0, A1, B1, ...; MODULATED: A0, A, t0, omega 1, omega 2;
+    integer :: course = AMPLITUDE_TABLE
+    real(DP), allocatable :: formula_constants(:)          !< PERIODIC: omega, t0, A0, A1, B1, ...; MODULATED: A0, A, t0, omega 1,
+                                                           !! omega 2;
     !< DECAY: A0, A, t0, td
     real(DP), allocatable :: time(:)             !< ascending [time]
     real(DP), allocatable :: factor(:)           !< [-]
@@ -68,7 +70,7 @@ module amontons_loads
     integer :: element = 0
     integer :: face = 0                          !< face number, of pressure and traction only
     real(DP) :: direction(3) = 0                 !< unit vector: of gravity, body forces and traction, or the axis of spin
-    logical :: is_following = .false.            !< a traction that is meant to turn with its face, which matters under NLGEOM
+    logical :: is_follower = .false.            !< a traction that is meant to turn with its face, which matters under NLGEOM
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
   end type distributed_type
 
@@ -82,10 +84,10 @@ module amontons_loads
     integer, allocatable :: node(:)
     integer, allocatable :: dof(:)
     real(DP), allocatable :: coefficient(:)
-    integer :: n_candidates = 1                  !< that many first terms may be eliminated
+    integer :: n_eliminable = 1                  !< that many first terms may be eliminated
     character(24) :: card = 'EQUATION'           !< keyword of the card that made it, for messages
     integer :: line = 0                          !< line of the card in the deck, for messages
-    integer :: first_dof = 0                     !< degree of freedom of the first term as the deck has it
+    integer :: deck_dof = 0                     !< degree of freedom of the first term as the deck has it
     integer :: last_step = huge(1)               !< EQUATION, REMOVE: it holds up to this step
     logical :: is_removed = .false.              !< it does not hold in the present step
   end type equation_type
@@ -98,8 +100,8 @@ contains
     real(DP), intent(in) :: time                 !< step time, or total time if it is_total_time [time]
     real(DP) :: factor, s
     integer :: i, n
-    if (amplitude%course >= COURSE_PERIODIC) then
-      factor = course_value(amplitude, time)
+    if (amplitude%course >= AMPLITUDE_PERIODIC) then
+      factor = formula_value(amplitude, time)
       return
     end if
     n = size(amplitude%time)
@@ -113,21 +115,21 @@ contains
         i = i + 1
       end do
       s = (time - amplitude%time(i)) / (amplitude%time(i + 1) - amplitude%time(i))
-      if (amplitude%course == COURSE_SMOOTH) s = s**3 * (10 + s * (6 * s - 15))
+      if (amplitude%course == AMPLITUDE_SMOOTH_STEP) s = s**3 * (10 + s * (6 * s - 15))
       factor = amplitude%factor(i) + s * (amplitude%factor(i + 1) - amplitude%factor(i))
     end if
   end function amplitude_value
 
 
   !> The factor of an amplitude that is a formula.
-  pure real(DP) function course_value(amplitude, time) result(factor)
+  pure real(DP) function formula_value(amplitude, time) result(factor)
     type(amplitude_type), intent(in) :: amplitude
     real(DP), intent(in) :: time                 !< [time]
     real(DP) :: since, angle
     integer :: k
-    associate (a => amplitude%numbers)
+    associate (a => amplitude%formula_constants)
       select case (amplitude%course)
-      case (COURSE_PERIODIC)
+      case (AMPLITUDE_PERIODIC)
         since = time - a(2)
         factor = a(3)
         if (since < 0) return
@@ -135,7 +137,7 @@ contains
           angle = real(k, DP) * a(1) * since
           factor = factor + a(2 * k + 2) * cos(angle) + a(2 * k + 3) * sin(angle)
         end do
-      case (COURSE_MODULATED)
+      case (AMPLITUDE_MODULATED)
         since = max(0.0_DP, time - a(3))
         factor = a(1) + a(2) * sin(a(4) * since) * sin(a(5) * since)
       case default
@@ -143,7 +145,7 @@ contains
         if (time >= a(3)) factor = a(1) + a(2) * exp(-(time - a(3)) / a(4))
       end select
     end associate
-  end function course_value
+  end function formula_value
 
 
   !> The magnitude of a load within its step.

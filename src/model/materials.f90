@@ -2,20 +2,21 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_materials
   use amontons_kinds, only: DP
-  use amontons_user_routines, only: routines_type
+  use amontons_user_routines, only: user_library_type
   implicit none
   private
-  public :: material_type, spring_type, table_type, curve_type, orientation_type, evaluate_table, evaluate_curves, &
+  public :: material_type, spring_type, property_table_type, hardening_curve_type, orientation_type, evaluate_table, &
+    evaluate_curves, &
     evaluate_curve, find_interval
-  public :: law_of, LAW_HENCKY, LAW_SAINT_VENANT, LONGEST_LAW
+  public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
-  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_TURN, USER_STATE
+  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
-  integer, parameter :: LONGEST_LAW = 64               !< longest name of a law
+  integer, parameter :: MAX_LAW_NAME_LENGTH = 64               !< longest name of a law
   integer, parameter :: LAW_HENCKY = 1          !< Kirchhoff stress linear in the logarithmic strain (abaqus dialect)
   integer, parameter :: LAW_SAINT_VENANT = 2    !< 2nd Piola-Kirchhoff stress linear in Green's strain (calculix dialect)
 
@@ -46,34 +47,34 @@ module amontons_materials
   integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
   integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
   integer, parameter :: USER_ENERGY = 36        !< 36 to 38: SSE, SPD, SCD [stress]
-  integer, parameter :: USER_TURN = 39          !< 39 to 47: rotation of the local axes since the start, less 1 [-]
+  integer, parameter :: USER_ROTATION = 39          !< 39 to 47: rotation of the local axes since the start, less 1 [-]
   integer, parameter :: USER_STATE = 48         !< from here on: STATEV
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 
   !> Values over the temperature, linear in between and constant outside.
-  type :: table_type
+  type :: property_table_type
     real(DP), allocatable :: temperature(:)     !< (n) ascending [temperature]
     real(DP), allocatable :: value(:, :)        !< (n_values, n)
-  end type table_type
+  end type property_table_type
 
   !> Stress over the equivalent plastic strain at one temperature, linear in between and constant outside.
-  type :: curve_type
+  type :: hardening_curve_type
     real(DP) :: temperature = 0                 !< [temperature]
     real(DP), allocatable :: strain(:)          !< (n) ascending, the first 0 [-]
     real(DP), allocatable :: stress(:)          !< (n) yield stress [stress]
-  end type curve_type
+  end type hardening_curve_type
 
   !> The law of the springs of one card.
   type :: spring_type
-    type(table_type) :: constant                 !< over the temperature; not there: force, or the gap [force/length]
-    type(curve_type), allocatable :: force(:)    !< (temperatures) force (stress) over the elongation (strain)
+    type(property_table_type) :: constant                 !< over the temperature; not there: force, or the gap [force/length]
+    type(hardening_curve_type), allocatable :: force(:)    !< (temperatures) force (stress) over the elongation (strain)
     logical :: is_gap = .false.
-    logical :: is_rope = .false.
+    logical :: is_distance_limit = .false.
     integer :: length_node = 0                   !< of a rope: the node that tells its length; it moves nothing
     real(DP) :: clearance = 0                    !< of a gap at the start, or of a rope: by how much it is slack [length]
     real(DP) :: stiffness = 0                    !< of a closed gap, of a taut rope [force/length]
-    real(DP) :: pull = 0                         !< of a gap that is wide open [force]
+    real(DP) :: open_force = 0                         !< of a gap that is wide open [force]
     real(DP) :: axes(3, 2) = 0                   !< directions at its nodes, in place of 1 to 3; zero: not given
   end type spring_type
 
@@ -83,48 +84,48 @@ module amontons_materials
     integer :: system = SYSTEM_RECTANGULAR
     real(DP) :: a(3) = [1.0_DP, 0.0_DP, 0.0_DP]   !< rectangular: on local x; cylindrical: on the axis [length]
     real(DP) :: b(3) = [0.0_DP, 1.0_DP, 0.0_DP]   !< rectangular: in local xy; cylindrical: on the axis too [length]
-    integer :: turn_axis = 0                    !< further rotation about this local axis; 0: none
-    real(DP) :: turn_angle = 0                  !< [rad]
+    integer :: rotation_axis = 0                    !< further rotation about this local axis; 0: none
+    real(DP) :: rotation_angle = 0                  !< [rad]
   end type orientation_type
 
   !> One material. Under small displacements every linear elastic law is Hooke's.
   type :: material_type
     character(:), allocatable :: name
     integer :: law = LAW_HENCKY                 !< law at finite strain, chosen by the dialect
-    logical :: is_plain = .true.                !< E and nu are all there is: no table, temperature, axes or history
+    logical :: is_linear_isotropic = .true.                !< E and nu are all there is: no table, temperature, axes or history
     logical :: has_elastic = .false.
     integer :: elastic_kind = ELASTIC_ISOTROPIC
     real(DP) :: youngs_modulus = 0              !< E, isotropic, at the first temperature [stress]
     real(DP) :: poissons_ratio = 0              !< nu, isotropic, at the first temperature [-]
-    type(table_type) :: elastic                 !< constants as ELASTIC_... says; may be missing for a plain material
+    type(property_table_type) :: elastic                 !< constants as ELASTIC_... says; may be missing for a plain material
     integer :: hyper_kind = 0                   !< HYPER_...
     integer :: hyper_order = 0                  !< N
     integer :: n_history = 0                    !< history variables used
     logical :: has_density = .false.
     real(DP) :: density = 0                     !< rho, at the first temperature [mass/volume]
-    type(table_type) :: densities               !< rho over the temperature; not there: the same at all [mass/volume]
-    type(table_type) :: expansion               !< 1, 3 or 6 coefficients, secant from expansion_zero [1/temperature]
-    real(DP) :: expansion_zero = 0              !< ZERO [temperature]
-    type(curve_type), allocatable :: isotropic(:)   !< size of the yield surface, ascending temperatures
-    type(curve_type), allocatable :: kinematic(:)   !< yield stress of monotonic tension of kinematic hardening
+    type(property_table_type) :: density_table               !< rho over the temperature; not there: the same at all [mass/volume]
+    type(property_table_type) :: expansion               !< 1, 3 or 6 coefficients, secant from expansion_zero [1/temperature]
+    real(DP) :: expansion_reference = 0              !< ZERO [temperature]
+    type(hardening_curve_type), allocatable :: isotropic_hardening(:)   !< size of the yield surface, ascending temperatures
+    type(hardening_curve_type), allocatable :: kinematic_hardening(:)   !< yield stress of monotonic tension of kinematic hardening
     logical :: has_deformation_plasticity = .false.
-    type(table_type) :: deformation             !< E, nu, yield stress, n, alpha of Ramberg and Osgood's law
+    type(property_table_type) :: deformation_plasticity             !< E, nu, yield stress, n, alpha of Ramberg and Osgood's law
     integer :: creep_law = CREEP_NONE
-    type(table_type) :: creep                   !< A, n, m
+    type(property_table_type) :: creep                   !< A, n, m
     logical :: is_user = .false.                !< UMAT gives the stress
-    logical :: is_spatial = .false.             !< UMAT is called as in space for all elements
+    logical :: is_called_in_3d = .false.             !< UMAT is called as in space for all elements
     character(:), allocatable :: library        !< file that holds it; not there: that of the job
     real(DP), allocatable :: props(:)           !< its PROPS
     integer :: n_statev = 0                     !< number of its STATEV
     real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE at rest, set before the start [stress]
-    type(routines_type) :: routines             !< where it is; opened before the start
+    type(user_library_type) :: routines             !< where it is; opened before the start
   end type material_type
 
 contains
 
   !> The values of a table at a temperature.
   pure subroutine evaluate_table(table, temperature, values)
-    type(table_type), intent(in) :: table
+    type(property_table_type), intent(in) :: table
     real(DP), intent(in) :: temperature         !< [temperature]
     real(DP), intent(out) :: values(:)          !< (n_values)
     integer :: i
@@ -137,7 +138,7 @@ contains
 
   !> Stress and slope of a family of curves at a temperature and an equivalent plastic strain.
   pure subroutine evaluate_curves(curves, temperature, strain, stress, slope)
-    type(curve_type), intent(in) :: curves(:)   !< ascending temperatures
+    type(hardening_curve_type), intent(in) :: curves(:)   !< ascending temperatures
     real(DP), intent(in) :: temperature         !< [temperature]
     real(DP), intent(in) :: strain              !< [-]
     real(DP), intent(out) :: stress             !< [stress]
@@ -155,7 +156,7 @@ contains
 
   !> Stress and slope of one curve.
   pure subroutine evaluate_curve(curve, strain, stress, slope)
-    type(curve_type), intent(in) :: curve
+    type(hardening_curve_type), intent(in) :: curve
     real(DP), intent(in) :: strain                 !< [-]
     real(DP), intent(out) :: stress, slope         !< [stress]
     integer :: i
@@ -194,9 +195,9 @@ contains
 
 
   !> The law of a material in words.
-  pure function law_of(material) result(words)
+  pure function law_name(material) result(words)
     type(material_type), intent(in) :: material
-    character(LONGEST_LAW) :: words
+    character(MAX_LAW_NAME_LENGTH) :: words
     if (material%is_user) then
       words = 'UMAT'
       return
@@ -217,9 +218,9 @@ contains
       if (material%hyper_kind == HYPER_OGDEN) words = 'hyperelastic, Ogden'
       if (material%hyper_kind == HYPER_ARRUDA_BOYCE) words = 'hyperelastic, Arruda-Boyce'
     end select
-    if (allocated(material%isotropic)) words = trim(words) // ', plastic'
-    if (allocated(material%kinematic)) words = trim(words) // ', kinematic hardening'
+    if (allocated(material%isotropic_hardening)) words = trim(words) // ', plastic'
+    if (allocated(material%kinematic_hardening)) words = trim(words) // ', kinematic hardening'
     if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
-  end function law_of
+  end function law_name
 
 end module amontons_materials

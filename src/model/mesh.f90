@@ -2,11 +2,11 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_mesh
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES, KIND_SPRINGA, FAMILY_SOLID, &
+  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finish_mesh, element_nodes, append_node, append_copies, is_out, mesh_extent
+  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_node_copies, is_inactive_element, mesh_extent
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -27,14 +27,14 @@ module amontons_mesh
     integer, allocatable :: nodes(:)               !< node indices of all elements, one after the other
     integer, allocatable :: point_first(:)         !< (n_elements + 1) start of an element's integration points
     integer, allocatable :: material(:)            !< (n_elements) index into model%materials; 0: no section
-    real(DP), allocatable :: section(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
+    real(DP), allocatable :: section_value(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: section says all; not there: 0
-    logical, allocatable :: is_abstract(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
+    logical, allocatable :: is_auxiliary(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
-    logical, allocatable :: is_idle(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
-    logical, allocatable :: is_absent(:)           !< (n_elements) taken out by the present step; not there: none is
+    logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
+    logical, allocatable :: is_inactive(:)           !< (n_elements) taken out by the present step; not there: none is
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
@@ -43,9 +43,9 @@ contains
 
   !> Fills what follows from the kinds: first integration point of each element, totals, and displacements that nothing
   !! resists; sections that are not given are 1.
-  subroutine finish_mesh(mesh)
+  subroutine finalize_mesh(mesh)
     type(mesh_type), intent(inout) :: mesh   !< with n_elements, kind(:), first(:) and nodes(:) set
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: e
     if (allocated(mesh%point_first)) deallocate (mesh%point_first)
     allocate (mesh%point_first(mesh%n_elements + 1))
@@ -55,33 +55,33 @@ contains
       mesh%point_first(e + 1) = mesh%point_first(e) + entry%n_points
     end do
     mesh%n_points = mesh%point_first(mesh%n_elements + 1) - 1
-    if (.not. allocated(mesh%section)) allocate (mesh%section(mesh%n_elements), source=1.0_DP)
+    if (.not. allocated(mesh%section_value)) allocate (mesh%section_value(mesh%n_elements), source=1.0_DP)
     if (.not. allocated(mesh%directions)) allocate (mesh%directions(2, mesh%n_elements), source=0)
-    if (allocated(mesh%is_idle)) deallocate (mesh%is_idle)
+    if (allocated(mesh%is_unstiffened)) deallocate (mesh%is_unstiffened)
     if (allocated(mesh%has_elements)) deallocate (mesh%has_elements)
-    allocate (mesh%has_elements(mesh%n_nodes), mesh%is_idle(3, mesh%n_nodes), source=.false.)
-    if (.not. allocated(mesh%is_abstract)) allocate (mesh%is_abstract(mesh%n_nodes), source=.false.)
-    if (allocated(mesh%nodes)) call find_idle(mesh)
-  end subroutine finish_mesh
+    allocate (mesh%has_elements(mesh%n_nodes), mesh%is_unstiffened(3, mesh%n_nodes), source=.false.)
+    if (.not. allocated(mesh%is_auxiliary)) allocate (mesh%is_auxiliary(mesh%n_nodes), source=.false.)
+    if (allocated(mesh%nodes)) call find_unstiffened_dofs(mesh)
+  end subroutine finalize_mesh
 
 
   !> The displacements that no element at their node resists: the third of a node of plane elements (whatever spring or truss is
   !! there too), those across a spring of one direction, those of a lone mass. A node without elements has none.
-  subroutine find_idle(mesh)
+  subroutine find_unstiffened_dofs(mesh)
     type(mesh_type), intent(inout) :: mesh
     logical, allocatable :: is_used(:)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: e, i
     allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is on its way
     is_used(mesh%nodes) = .true.
     mesh%has_elements = is_used(1:)
-    mesh%is_idle = spread(mesh%has_elements, 1, 3)
+    mesh%is_unstiffened = spread(mesh%has_elements, 1, 3)
     do e = 1, mesh%n_elements
       entry = element_kind(mesh%kind(e))
       do i = mesh%first(e), mesh%first(e + 1) - 1
         if (mesh%nodes(i) == 0) cycle
-        associate (is_idle => mesh%is_idle(:, mesh%nodes(i)))
-          is_idle = is_idle .and. .not. resisted(mesh, e, i - mesh%first(e) + 1, entry%family)
+        associate (is_idle => mesh%is_unstiffened(:, mesh%nodes(i)))
+          is_idle = is_idle .and. .not. stiffened_directions(mesh, e, i - mesh%first(e) + 1, entry%family)
         end associate
       end do
     end do
@@ -89,14 +89,14 @@ contains
       entry = element_kind(mesh%kind(e))
       if (all(entry%family /= [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC])) cycle
       do i = mesh%first(e), mesh%first(e + 1) - 1
-        if (mesh%nodes(i) > 0) mesh%is_idle(3, mesh%nodes(i)) = .true.
+        if (mesh%nodes(i) > 0) mesh%is_unstiffened(3, mesh%nodes(i)) = .true.
       end do
     end do
-  end subroutine find_idle
+  end subroutine find_unstiffened_dofs
 
 
   !> The displacements that an element resists at one of its nodes.
-  pure function resisted(mesh, e, a, family) result(resists)
+  pure function stiffened_directions(mesh, e, a, family) result(resists)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, a                    !< element, its local node
     integer, intent(in) :: family                  !< FAMILY_...
@@ -114,7 +114,7 @@ contains
     case default
       resists = [.true., .true., .false.]
     end select
-  end function resisted
+  end function stiffened_directions
 
 
   !> One more node, without elements, at a place; its label is one above the largest.
@@ -128,11 +128,11 @@ contains
     allocate (coordinates(3, node), is_idle(3, node))
     coordinates(:, :mesh%n_nodes) = mesh%coordinates
     coordinates(:, node) = x
-    is_idle(:, :mesh%n_nodes) = mesh%is_idle
+    is_idle(:, :mesh%n_nodes) = mesh%is_unstiffened
     is_idle(:, node) = .false.
     call move_alloc(coordinates, mesh%coordinates)
-    call move_alloc(is_idle, mesh%is_idle)
-    mesh%is_abstract = [mesh%is_abstract, .false.]
+    call move_alloc(is_idle, mesh%is_unstiffened)
+    mesh%is_auxiliary = [mesh%is_auxiliary, .false.]
     mesh%has_elements = [mesh%has_elements, .false.]
     mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + 1]
     mesh%n_nodes = node
@@ -147,27 +147,27 @@ contains
 
 
   !> Appends nodes at the places of others. Cost: linear.
-  subroutine append_copies(mesh, nodes)
+  subroutine append_node_copies(mesh, nodes)
     type(mesh_type), intent(inout) :: mesh         !< finished
     integer, intent(in) :: nodes(:)                !< their copies become n_nodes + 1, ... in this order
     integer :: i, n
     n = size(nodes)
     mesh%coordinates = reshape([mesh%coordinates, mesh%coordinates(:, nodes)], [3, mesh%n_nodes + n])
-    mesh%is_idle = reshape([mesh%is_idle, mesh%is_idle(:, nodes)], [3, mesh%n_nodes + n])
-    mesh%is_abstract = [mesh%is_abstract, spread(.false., 1, n)]
+    mesh%is_unstiffened = reshape([mesh%is_unstiffened, mesh%is_unstiffened(:, nodes)], [3, mesh%n_nodes + n])
+    mesh%is_auxiliary = [mesh%is_auxiliary, spread(.false., 1, n)]
     mesh%has_elements = [mesh%has_elements, spread(.false., 1, n)]
     mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + [(i, i=1, n)]]
     mesh%n_nodes = mesh%n_nodes + n
-  end subroutine append_copies
+  end subroutine append_node_copies
 
 
   !> Whether an element is taken out in the present step.
-  pure logical function is_out(mesh, e)
+  pure logical function is_inactive_element(mesh, e)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element index
-    is_out = .false.
-    if (allocated(mesh%is_absent)) is_out = mesh%is_absent(e)
-  end function is_out
+    is_inactive_element = .false.
+    if (allocated(mesh%is_inactive)) is_inactive_element = mesh%is_inactive(e)
+  end function is_inactive_element
 
 
   !> The node indices of one element; the first n are set.
@@ -175,7 +175,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element index
     integer, intent(out) :: n                      !< number of its nodes
-    integer, intent(out) :: nodes(MAX_NODES)       !< their indices
+    integer, intent(out) :: nodes(MAX_ELEMENT_NODES)       !< their indices
     n = mesh%first(e + 1) - mesh%first(e)
     nodes(:n) = mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)
     nodes(n + 1:) = 0

@@ -2,20 +2,21 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model
   use amontons_kinds, only: DP
-  use amontons_restart_file, only: label_type
+  use amontons_restart_file, only: state_key_type
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: amplitude_type, equation_type
-  use amontons_mpc_data, only: bond_type, tie_type, spread_type
+  use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
-  use amontons_user_routines, only: routines_type
+  use amontons_user_routines, only: user_library_type
   implicit none
   private
-  public :: model_type, origin_type, job_options_type, job_path, direction_of, n_bonds, with_twins, append_equation, &
+  public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, with_pretension_copies, &
+    append_equation, &
     DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
-  real(DP), parameter :: NOTHING = 1.0e-14_DP   !< a coefficient is nothing beside one that is so much larger [-]
+  real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< a coefficient is nothing beside one that is so much larger [-]
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
   integer, parameter :: DIALECT_CALCULIX = 2
@@ -35,16 +36,16 @@ module amontons_model
     logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards ask for
     logical :: is_guarded = .false.             !< a checkpoint after each converged increment
     logical :: is_resumed = .false.             !< go on after the checkpoint
-    logical :: heeds_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
+    logical :: handles_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
   end type job_options_type
 
   !> The state of another job that this one goes on from.
-  type :: origin_type
+  type :: restart_origin_type
     character(:), allocatable :: path           !< its restart file; not there: the job starts from nothing
     integer :: dialect = DIALECT_ABAQUS         !< of the old job
-    type(label_type) :: label                   !< the state
-    logical :: is_cut = .false.                 !< END STEP: its step ends there
-  end type origin_type
+    type(state_key_type) :: label                   !< the state
+    logical :: is_step_ended = .false.                 !< END STEP: its step ends there
+  end type restart_origin_type
 
   !> The model.
   type :: model_type
@@ -64,26 +65,27 @@ module amontons_model
     real(DP), allocatable :: initial_stress(:, :)     !< (6, n_points) of INITIAL CONDITIONS; not there: 0 [stress]
     type(orientation_type), allocatable :: orientations(:)
     integer, allocatable :: element_orientation(:)    !< (n_elements) index into orientations, 0: global; not there: 0
-    type(bond_type), allocatable :: bonds(:)    !< constraints that are not linear
+    type(nonlinear_mpc_type), allocatable :: nonlinear_mpcs(:)    !< constraints that are not linear
     type(tie_type), allocatable :: ties(:)      !< surfaces tied; they become equations before the start
-    type(spread_type), allocatable :: spreads(:)   !< distributing couplings; they become equations before the start
+    type(distributing_coupling_type), allocatable :: distributing_couplings(:)   !< distributing couplings; they become equations
+                                                                                 !! before the start
     integer, allocatable :: rotation_of(:)      !< (n_nodes) rotation node of a reference node, 0
     integer, allocatable :: twins(:, :)         !< (2, n) nodes of pre-tension sections, those across; not there: none
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
     logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
-    type(routines_type) :: routines             !< of the user; opened before the start
+    type(user_library_type) :: routines             !< of the user; opened before the start
     real(DP), allocatable :: initial_statev(:, :)   !< (STATEV, n_points) of INITIAL CONDITIONS, TYPE=SOLUTION; not there: 0
     logical :: has_sdvini = .false.             !< SDVINI gives them
-    type(origin_type) :: origin                 !< of a job that goes on from the restart file of another one
-    logical :: keeps_restart = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
+    type(restart_origin_type) :: origin                 !< of a job that goes on from the restart file of another one
+    logical :: keeps_checkpoint = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
   end type model_type
 
 contains
 
   !> The direction of a degree of freedom: a global axis, or an axis of the node's own frame.
-  pure function direction_of(model, node, dof) result(direction)
+  pure function dof_direction(model, node, dof) result(direction)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node, dof
     real(DP) :: direction(3)
@@ -91,19 +93,19 @@ contains
     direction(dof) = 1.0_DP
     if (.not. allocated(model%frame_of)) return
     if (model%frame_of(node) > 0) direction = model%frames(:, dof, model%frame_of(node))
-  end function direction_of
+  end function dof_direction
 
 
   !> The number of bonds; a model made by hand may have no list.
-  pure integer function n_bonds(model) result(n)
+  pure integer function n_nonlinear_mpcs(model) result(n)
     type(model_type), intent(in) :: model
     n = 0
-    if (allocated(model%bonds)) n = size(model%bonds)
-  end function n_bonds
+    if (allocated(model%nonlinear_mpcs)) n = size(model%nonlinear_mpcs)
+  end function n_nonlinear_mpcs
 
 
   !> Nodes, and those that were made of them: what stands across a pre-tension section is at the same place.
-  pure function with_twins(model, nodes) result(all_nodes)
+  pure function with_pretension_copies(model, nodes) result(all_nodes)
     type(model_type), intent(in) :: model
     integer, intent(in) :: nodes(:)
     integer, allocatable :: all_nodes(:)
@@ -118,7 +120,7 @@ contains
       is_member(model%twins(2, i)) = .true.
       all_nodes = [all_nodes, model%twins(2, i)]
     end do
-  end function with_twins
+  end function with_pretension_copies
 
 
   !> The path of a result file of the job: folder, name, extension.
@@ -141,7 +143,7 @@ contains
     integer, intent(in) :: line                    !< of the deck
     type(equation_type) :: equation
     logical :: is_kept(size(node))
-    is_kept = abs(coefficient) > NOTHING * maxval(abs(coefficient))
+    is_kept = abs(coefficient) > TOL_ZERO_COEFFICIENT * maxval(abs(coefficient))
     equation%node = pack(node, is_kept)
     equation%dof = pack(dof, is_kept)
     equation%coefficient = pack(coefficient, is_kept)

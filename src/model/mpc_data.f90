@@ -7,18 +7,18 @@ module amontons_mpc_data
   use amontons_tensor, only: cross_product
   implicit none
   private
-  public :: bond_type, tie_type, spread_type, frame_rule_type, frame_at
-  public :: BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
+  public :: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at
+  public :: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
 
-  integer, parameter :: BOND_BODY = 1        !< the nodes move with a reference node as a rigid body
-  integer, parameter :: BOND_PLANE = 2       !< the node stays in the plane of three others
-  integer, parameter :: BOND_STRAIGHT = 3    !< the node stays on the line through two others
-  integer, parameter :: BOND_DISTANCE = 4    !< two nodes keep their distance
-  integer, parameter :: BOND_TURN = 5        !< the mean rotation of the nodes about an axis is the displacement of a pilot
+  integer, parameter :: MPC_RIGID_BODY = 1        !< the nodes move with a reference node as a rigid body
+  integer, parameter :: MPC_PLANE = 2       !< the node stays in the plane of three others
+  integer, parameter :: MPC_STRAIGHT = 3    !< the node stays on the line through two others
+  integer, parameter :: MPC_DISTANCE = 4    !< two nodes keep their distance
+  integer, parameter :: MPC_MEAN_ROTATION = 5        !< the mean rotation of the nodes about an axis is the displacement of a pilot
 
   !> One bond.
-  type :: bond_type
-    integer :: kind = BOND_BODY
+  type :: nonlinear_mpc_type
+    integer :: kind = MPC_RIGID_BODY
     integer, allocatable :: node(:)          !< the nodes bound; PLANE, STRAIGHT: the node, then those that it follows
     integer :: reference = 0                 !< BODY: the node that they move with; TURN: the pilot, its first displacement
     integer :: rotation = 0                  !< BODY: the node whose displacement is the rotation vector
@@ -27,7 +27,7 @@ module amontons_mpc_data
     real(DP) :: axis(3) = 0                  !< TURN: unit vector
     character(:), allocatable :: card        !< keyword, for messages
     integer :: line = 0                      !< line of the card in the deck, for messages
-  end type bond_type
+  end type nonlinear_mpc_type
 
   !> Two surfaces that are one: the nodes of the slave stay on the master where they are at the start.
   type :: tie_type
@@ -43,28 +43,28 @@ module amontons_mpc_data
   end type tie_type
 
   !> A reference node that moves with the mean rigid motion of a surface (DISTRIBUTING).
-  type :: spread_type
+  type :: distributing_coupling_type
     integer :: reference = 0
     integer :: rotation = 0                  !< node whose displacement is the rotation vector
     integer :: surface = 0                   !< index of the surface
     logical :: is_bound(3) = .true.          !< rotations that are bound
     real(DP) :: axes(3, 3) = 0               !< directions of the reference node's degrees of freedom, columns
     integer :: line = 0                      !< line of the card in the deck, for messages
-  end type spread_type
+  end type distributing_coupling_type
 
   !> A rule that gives three directions at each point (TRANSFORM, ORIENTATION).
-  type :: frame_rule_type
+  type :: coordinate_system_type
     character(:), allocatable :: name
     logical :: is_cylindrical = .false.
     real(DP) :: a(3) = [1.0_DP, 0.0_DP, 0.0_DP]   !< rectangular: on the local x axis; cylindrical: on the axis
     real(DP) :: b(3) = [0.0_DP, 1.0_DP, 0.0_DP]   !< rectangular: in the local xy plane; cylindrical: on the axis too
-  end type frame_rule_type
+  end type coordinate_system_type
 
 contains
 
   !> The directions of a rule at a point: x, y, z of a rectangular one; radial, around, along of a cylindrical one.
-  pure function frame_at(rule, x) result(axes)
-    type(frame_rule_type), intent(in) :: rule
+  pure function axes_at(rule, x) result(axes)
+    type(coordinate_system_type), intent(in) :: rule
     real(DP), intent(in) :: x(3)                  !< [length]
     real(DP) :: axes(3, 3)                        !< columns
     real(DP) :: along(3), out(3)
@@ -86,6 +86,6 @@ contains
       axes(:, 3) = axes(:, 3) / norm2(axes(:, 3))
       axes(:, 2) = cross_product(axes(:, 3), axes(:, 1))
     end if
-  end function frame_at
+  end function axes_at
 
 end module amontons_mpc_data

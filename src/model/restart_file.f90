@@ -7,37 +7,38 @@
 module amontons_restart_file
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: checksum_of_words, cut_file, sync_file
-  use amontons_text, only: text_of
+  use amontons_posix, only: checksum_of_words, truncate_file, sync_file
+  use amontons_text, only: to_text
   implicit none
   private
-  public :: archive_type, label_type, start_archive, reopen_archive, append_state, read_archived_deck, find_state, read_state
+  public :: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state, read_restart_deck, &
+    find_restart_state, read_restart_state
 
-  integer(I64), parameter :: MAGIC = transfer('AMONTRES', 0_I64)   !< as a number it tells the byte order too
-  integer(I64), parameter :: FORMAT_VERSION = 1
-  integer, parameter :: N_HEAD = 9                 !< words of a record before what it keeps
+  integer(I64), parameter :: RESTART_FILE_MAGIC = transfer('AMONTRES', 0_I64)   !< as a number it tells the byte order too
+  integer(I64), parameter :: RESTART_FILE_VERSION = 1
+  integer, parameter :: N_RECORD_HEADER = 9                 !< words of a record before what it keeps
 
   !> Which state a record keeps.
-  type :: label_type
+  type :: state_key_type
     integer :: step = 0, increment = 0             !< 0: the deck
     logical :: is_step_done = .false.
     real(DP) :: step_time = 0, total_time = 0      !< [time]
     integer(I64) :: place = 0                      !< first byte of the record in the file, from 0
-  end type label_type
+  end type state_key_type
 
   !> An archive that is being written.
-  type :: archive_type
+  type :: restart_file_type
     character(:), allocatable :: path              !< not there: nothing is written
     integer(I64) :: last = 0                       !< first byte of the last state, from 0
     integer(I64) :: end = 0                        !< bytes of the file
     integer :: step = 0                            !< of the last state
-  end type archive_type
+  end type restart_file_type
 
 contains
 
   !> Begins a file with the deck. Errors: EXIT_IO.
-  subroutine start_archive(archive, path, deck, dialect, error)
-    type(archive_type), intent(inout) :: archive
+  subroutine create_restart_file(archive, path, deck, dialect, error)
+    type(restart_file_type), intent(inout) :: archive
     character(*), intent(in) :: path
     character(*), intent(in) :: deck               !< whole, includes in place
     integer, intent(in) :: dialect                 !< DIALECT_...
@@ -50,57 +51,58 @@ contains
       call set_error(error, EXIT_IO, 'Cannot write the file ' // path // '.')
       return
     end if
-    archive = archive_type(path=path)
+    archive = restart_file_type(path=path)
     letters = transfer(deck, [0_I64], (len(deck, I64) + 7_I64) / 8_I64)
-    call append_record(archive, label_type(), [int(dialect, I64), len(deck, I64), letters], error)
+    call append_record(archive, state_key_type(), [int(dialect, I64), len(deck, I64), letters], error)
     archive%last = archive%end
-  end subroutine start_archive
+  end subroutine create_restart_file
 
 
   !> Goes on with a file that was so long at a checkpoint. What stands behind is cut off; so is a last state that is not whole.
-  subroutine reopen_archive(archive, path, counts, error)
-    type(archive_type), intent(inout) :: archive
+  subroutine reopen_restart_file(archive, path, counts, error)
+    type(restart_file_type), intent(inout) :: archive
     character(*), intent(in) :: path
     integer(I64), intent(in) :: counts(3)          !< last, end, step at the checkpoint
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: n_bytes
-    archive = archive_type(path=path, last=counts(1), end=counts(2), step=int(counts(3)))
+    archive = restart_file_type(path=path, last=counts(1), end=counts(2), step=int(counts(3)))
     inquire (file=path, size=n_bytes)
     if (n_bytes < archive%end .and. n_bytes >= archive%last) then   ! OVERLAY was at work there
       archive%end = archive%last
       archive%step = 0
     end if
-    call cut_file(path, archive%end, error)
-  end subroutine reopen_archive
+    call truncate_file(path, archive%end, error)
+  end subroutine reopen_restart_file
 
 
   !> Appends a state; with OVERLAY in place of the one before if that is of the same step.
-  subroutine append_state(archive, label, words, is_overlay, error)
-    type(archive_type), intent(inout) :: archive
-    type(label_type), intent(in) :: label
+  subroutine append_restart_state(archive, label, words, is_overlay, error)
+    type(restart_file_type), intent(inout) :: archive
+    type(state_key_type), intent(in) :: label
     integer(I64), intent(in) :: words(:)
     logical, intent(in) :: is_overlay
     type(error_type), allocatable, intent(out) :: error
     if (is_overlay .and. archive%step == label%step) then
-      call cut_file(archive%path, archive%last, error)
+      call truncate_file(archive%path, archive%last, error)
       if (allocated(error)) return
       archive%end = archive%last
     end if
     archive%last = archive%end
     archive%step = label%step
     call append_record(archive, label, words, error)
-  end subroutine append_state
+  end subroutine append_restart_state
 
 
   !> Appends a record and brings it to the medium.
   subroutine append_record(archive, label, words, error)
-    type(archive_type), intent(inout) :: archive
-    type(label_type), intent(in) :: label
+    type(restart_file_type), intent(inout) :: archive
+    type(state_key_type), intent(in) :: label
     integer(I64), intent(in) :: words(:)
     type(error_type), allocatable, intent(out) :: error
     integer(I64), allocatable :: record(:)
     integer :: unit, status, status_of_close
-    record = [MAGIC, FORMAT_VERSION, size(words, kind=I64) + N_HEAD, 0_I64, int(label%step, I64), int(label%increment, I64), &
+    record = [RESTART_FILE_MAGIC, RESTART_FILE_VERSION, size(words, kind=I64) + N_RECORD_HEADER, 0_I64, int(label%step, I64), &
+      int(label%increment, I64), &
       merge(1_I64, 0_I64, label%is_step_done), transfer(label%step_time, 0_I64), transfer(label%total_time, 0_I64), words]
     record(4) = checksum_of_words(record(5:))
     open (newunit=unit, file=archive%path, access='stream', form='unformatted', action='write', status='old', iostat=status)
@@ -119,7 +121,7 @@ contains
 
 
   !> The deck of an archive. Errors (EXIT_IO): it is not there, damaged, or of another version of the program.
-  subroutine read_archived_deck(path, deck, dialect, error)
+  subroutine read_restart_deck(path, deck, dialect, error)
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: deck
     integer, intent(out) :: dialect                !< DIALECT_...
@@ -133,38 +135,38 @@ contains
     n = 0
     if (size(words) >= 2) n = words(2)
     if (n <= 0 .or. (n + 7_I64) / 8_I64 + 2_I64 /= size(words, kind=I64)) then
-      call damaged(path, error)
+      call set_damaged_error(path, error)
       return
     end if
     dialect = int(words(1))
     deallocate (deck)
     allocate (character(n) :: deck)
     do i = 1, (n + 7_I64) / 8_I64
-      deck(8 * i - 7:min(8 * i, n)) = letters_of(words(i + 2), int(min(8_I64, n - 8 * (i - 1))))
+      deck(8 * i - 7:min(8 * i, n)) = word_characters(words(i + 2), int(min(8_I64, n - 8 * (i - 1))))
     end do
-  end subroutine read_archived_deck
+  end subroutine read_restart_deck
 
 
   !> The first n letters of a word.
-  pure function letters_of(word, n) result(letters)
+  pure function word_characters(word, n) result(letters)
     integer(I64), intent(in) :: word
     integer, intent(in) :: n                       !< 8 at most
     character(n) :: letters
     character(8) :: all_letters
     all_letters = transfer(word, all_letters)
     letters = all_letters(:n)
-  end function letters_of
+  end function word_characters
 
 
   !> The state of a step and an increment; of a step without one (0) the last; without both the last of all.
   !!
   !! Errors (EXIT_IO): there is no such state; the message tells what there is.
-  subroutine find_state(path, step, increment, label, error)
+  subroutine find_restart_state(path, step, increment, label, error)
     character(*), intent(in) :: path
     integer, intent(in) :: step, increment         !< 0: the last
-    type(label_type), intent(out) :: label
+    type(state_key_type), intent(out) :: label
     type(error_type), allocatable, intent(out) :: error
-    type(label_type) :: here, last
+    type(state_key_type) :: here, last
     integer(I64) :: place, next, n_bytes
     logical :: is_found, is_sound
     inquire (file=path, size=n_bytes)
@@ -182,24 +184,24 @@ contains
     end do
     if (is_found .and. is_sound) return
     if (.not. is_sound) then
-      call damaged(path, error)
+      call set_damaged_error(path, error)
     else if (last%step == 0) then
       call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state.')
     else if (increment > 0) then
-      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state of increment ' // text_of(increment) // &
-        ' of step ' // text_of(merge(step, last%step, step > 0)) // '. ' // last_state(last))
+      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state of increment ' // to_text(increment) // &
+        ' of step ' // to_text(merge(step, last%step, step > 0)) // '. ' // last_state(last))
     else
-      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state of step ' // text_of(step) // '. ' // &
+      call set_error(error, EXIT_IO, 'The restart file ' // path // ' holds no state of step ' // to_text(step) // '. ' // &
         last_state(last))
     end if
-  end subroutine find_state
+  end subroutine find_restart_state
 
 
   !> A sentence on the last state.
   function last_state(label) result(sentence)
-    type(label_type), intent(in) :: label
+    type(state_key_type), intent(in) :: label
     character(:), allocatable :: sentence
-    sentence = 'Its last one is of step ' // text_of(label%step) // ', increment ' // text_of(label%increment) // '.'
+    sentence = 'Its last one is of step ' // to_text(label%step) // ', increment ' // to_text(label%increment) // '.'
   end function last_state
 
 
@@ -208,19 +210,20 @@ contains
     character(*), intent(in) :: path
     integer(I64), intent(in) :: place              !< [bytes]
     integer(I64), intent(in) :: n_bytes            !< of the file
-    type(label_type), intent(out) :: label
+    type(state_key_type), intent(out) :: label
     integer(I64), intent(out) :: next              !< [bytes]
     logical, intent(out) :: is_sound               !< .false.: what stands there is no record, not even a torn one
-    integer(I64) :: head(N_HEAD)
+    integer(I64) :: head(N_RECORD_HEADER)
     integer :: unit, status
     next = 0
     is_sound = .true.
-    if (n_bytes - place < 8_I64 * N_HEAD) return
+    if (n_bytes - place < 8_I64 * N_RECORD_HEADER) return
     open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
     if (status /= 0) return
     read (unit, pos=place + 1_I64, iostat=status) head
     close (unit)
-    is_sound = status == 0 .and. head(1) == MAGIC .and. head(2) == FORMAT_VERSION .and. head(3) >= N_HEAD
+    is_sound = status == 0 .and. head(1) == RESTART_FILE_MAGIC .and. head(2) == RESTART_FILE_VERSION &
+      .and. head(3) >= N_RECORD_HEADER
     if (.not. is_sound .or. head(3) > (n_bytes - place) / 8_I64) return
     label%step = int(head(5))
     label%increment = int(head(6))
@@ -233,13 +236,13 @@ contains
 
 
   !> What the record of a label keeps. Errors (EXIT_IO): it is damaged.
-  subroutine read_state(path, label, words, error)
+  subroutine read_restart_state(path, label, words, error)
     character(*), intent(in) :: path
-    type(label_type), intent(in) :: label
+    type(state_key_type), intent(in) :: label
     integer(I64), allocatable, intent(out) :: words(:)
     type(error_type), allocatable, intent(out) :: error
     call read_record(path, label%place, words, error)
-  end subroutine read_state
+  end subroutine read_restart_state
 
 
   !> Reads and checks a record.
@@ -249,7 +252,7 @@ contains
     integer(I64), allocatable, intent(out) :: words(:)
     type(error_type), allocatable, intent(out) :: error
     integer(I64), allocatable :: record(:)
-    integer(I64) :: head(N_HEAD), n_bytes
+    integer(I64) :: head(N_RECORD_HEADER), n_bytes
     integer :: unit, status
     inquire (file=path, size=n_bytes)
     if (n_bytes < 0) then
@@ -260,21 +263,21 @@ contains
     head = 0
     open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
     if (status == 0) read (unit, pos=place + 1_I64, iostat=status) head
-    if (status /= 0 .or. head(1) /= MAGIC) then
-      call damaged(path, error)
-    else if (head(2) /= FORMAT_VERSION) then
+    if (status /= 0 .or. head(1) /= RESTART_FILE_MAGIC) then
+      call set_damaged_error(path, error)
+    else if (head(2) /= RESTART_FILE_VERSION) then
       call set_error(error, EXIT_IO, 'The restart file ' // path // ' is of another version of Amontons.')
-    else if (head(3) < N_HEAD .or. head(3) > (n_bytes - place) / 8_I64) then
-      call damaged(path, error)
+    else if (head(3) < N_RECORD_HEADER .or. head(3) > (n_bytes - place) / 8_I64) then
+      call set_damaged_error(path, error)
     else
       allocate (record(head(3)))
       read (unit, pos=place + 1_I64, iostat=status) record
       if (status /= 0) then
-        call damaged(path, error)
+        call set_damaged_error(path, error)
       else if (checksum_of_words(record(5:)) /= record(4)) then
-        call damaged(path, error)
+        call set_damaged_error(path, error)
       else
-        words = record(N_HEAD + 1:)
+        words = record(N_RECORD_HEADER + 1:)
       end if
     end if
     close (unit)
@@ -282,11 +285,11 @@ contains
 
 
   !> The error of a file that cannot be used.
-  subroutine damaged(path, error)
+  subroutine set_damaged_error(path, error)
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
     call set_error(error, EXIT_IO, 'The restart file ' // path // ' is damaged, or was not written by *RESTART, WRITE of ' // &
       'Amontons.')
-  end subroutine damaged
+  end subroutine set_damaged_error
 
 end module amontons_restart_file

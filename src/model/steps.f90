@@ -6,18 +6,19 @@ module amontons_steps
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
-  public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_stop
-  public :: SEARCH_NONE, SEARCH_ALL, SEARCH_GLOBAL, SEARCH_NODAL, SEARCH_AUTO
-  public :: DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
+  public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_time_point
+  public :: LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
+  public :: TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
   public :: SOLVER_AUTO, SOLVER_ITERATIVE
   public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_THSTRAIN, FRD_PE, FRD_ENER, &
     FRD_CONTACT, FRD_CELS, FRD_SDV, FRD_ERROR
 
-  integer, parameter :: SEARCH_NONE = 0, SEARCH_ALL = 1, SEARCH_GLOBAL = 2, SEARCH_NODAL = 3, SEARCH_AUTO = 4
-  integer, parameter :: DIRECTION_EXACT = 0        !< by the whole tangent at the iterate
-  integer, parameter :: DIRECTION_SYMMETRIC = 1    !< without the change of the contact forces: C'K C alone
-  integer, parameter :: DIRECTION_LAGGED = 2       !< K is that of the start of the attempt at the increment
+  integer, parameter :: LINE_SEARCH_NONE = 0, LINE_SEARCH_ALL = 1, LINE_SEARCH_GLOBAL = 2, LINE_SEARCH_NODAL = 3, &
+    LINE_SEARCH_AUTO = 4
+  integer, parameter :: TANGENT_EXACT = 0        !< by the whole tangent at the iterate
+  integer, parameter :: TANGENT_SYMMETRIC = 1    !< without the change of the contact forces: C'K C alone
+  integer, parameter :: TANGENT_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
   ! Fields of the .frd file, in their order there, which is CalculiX's.
@@ -75,33 +76,33 @@ module amontons_steps
     logical :: is_nlgeom = .false.
     integer :: max_increments = 100        !< INC
     logical :: is_direct = .false.         !< DIRECT: fixed increments
-    logical :: is_clock_set = .false.      !< TIME RESET, TOTAL TIME AT START: the total time starts at clock
+    logical :: is_total_time_set = .false.      !< TIME RESET, TOTAL TIME AT START: the total time starts at clock
     real(DP) :: clock = 0                  !< total time at the start of the step [time]
     real(DP) :: dt_initial = 1             !< [time]
     real(DP) :: period = 1                 !< [time]
     real(DP) :: dt_min = 1.0e-6_DP         !< [time]
     real(DP) :: dt_max = 1                 !< [time]
-    real(DP) :: damped_fraction = 0        !< STABILIZE: of the strain energy that is to be dissipated; 0: no damping [-]
+    real(DP) :: dissipated_fraction = 0        !< STABILIZE: of the strain energy that is to be dissipated; 0: no damping [-]
     real(DP) :: damping_factor = 0         !< STABILIZE, FACTOR: given in place of the fraction; 0: not [force time/length^4]
     logical :: is_damping_continued = .false.   !< STABILIZE, CONTINUE: with the factor of the step before
-    integer :: line_search = SEARCH_AUTO   !< SEARCH_...
-    integer :: direction = DIRECTION_EXACT !< DIRECTION_...
+    integer :: line_search = LINE_SEARCH_AUTO   !< SEARCH_...
+    integer :: direction = TANGENT_EXACT !< DIRECTION_...
     integer :: solver = SOLVER_AUTO        !< SOLVER_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)
     type(concentrated_type), allocatable :: concentrated(:)
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
-    logical :: is_creeping = .false.       !< VISCO: materials creep
+    logical :: has_creep = .false.       !< VISCO: materials creep
     logical :: is_perturbation = .false.   !< PERTURBATION: its loads alone, on the body at rest
     type(print_request_type), allocatable :: prints(:)
     type(interaction_type), allocatable :: interactions(:)  !< those in force if this or an earlier step changes some
-    logical, allocatable :: is_absent(:)   !< (n_elements) elements taken out; not allocated: none
-    logical, allocatable :: is_born(:)     !< (n_elements) elements put back in this step, free of strain; the same
+    logical, allocatable :: is_inactive(:)   !< (n_elements) elements taken out; not allocated: none
+    logical, allocatable :: is_reactivated(:)     !< (n_elements) elements put back in this step, free of strain; the same
     integer, allocatable :: material(:)    !< (n_elements) materials from this step on; not allocated: those of the sections
     logical, allocatable :: is_removed(:)  !< (n_pairs) pairs taken out; not allocated: none
     real(DP), allocatable :: interference(:)   !< (n_pairs) overclosure allowed, ramped down over the step [length]
-    logical, allocatable :: is_shrink(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step
+    logical, allocatable :: is_shrink_fit(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step
     integer :: restart_frequency = 0       !< RESTART, WRITE: every n-th increment, and the last of the step, is kept; 0: none
     logical :: is_restart_overlay = .false.   !< only the last of them
     integer :: print_frequency = 1         !< every n-th increment, and the last of the step, goes to the .dat file; 0: none
@@ -150,7 +151,7 @@ contains
 
 
   !> The next time at which an increment has to end: one of TIME POINTS, or the end of the step.
-  pure real(DP) function next_stop(step, step_time) result(stop_time)
+  pure real(DP) function next_time_point(step, step_time) result(stop_time)
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: step_time      !< where the last increment ended [time]
     real(DP) :: passed
@@ -158,6 +159,6 @@ contains
     stop_time = step%period
     if (allocated(step%print_times)) stop_time = min(stop_time, minval(step%print_times, mask=step%print_times > passed))
     if (allocated(step%file_times)) stop_time = min(stop_time, minval(step%file_times, mask=step%file_times > passed))
-  end function next_stop
+  end function next_time_point
 
 end module amontons_steps

@@ -2,10 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_surfaces
   use amontons_kinds, only: DP
-  use amontons_analytic_profiles, only: profile_type
+  use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, is_compliant, pair_laws
+  public :: surface_type, interaction_type, contact_pair_type, is_compliant, pair_interactions
   public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
@@ -18,7 +18,8 @@ module amontons_surfaces
   real(DP), parameter :: ROUGH_FRICTION = 1.0e30_DP   !< mu of surfaces that never slip [-]
   real(DP), parameter :: NO_SHEAR_LIMIT = 1.0e200_DP  !< without TAUMAX [stress]
 
-  real(DP), parameter :: SHARP = 1.0e-8_DP         !< LINEAR of a mortar pair acts up to this gap over the root of the area [-]
+  real(DP), parameter :: MAX_ACTIVE_GAP = 1.0e-8_DP         !< LINEAR of a mortar pair acts up to this gap over the root of the
+                                                            !! area [-]
 
   !> A surface: element faces, a list of nodes (slave side only), or a profile (master side only).
   type :: surface_type
@@ -27,7 +28,7 @@ module amontons_surfaces
     integer, allocatable :: element(:)          !< (n_facets) element of each facet; empty if node based
     integer, allocatable :: face(:)             !< (n_facets) its face number 1 to 6
     integer, allocatable :: nodes(:)            !< its nodes, each once, ascending; of a profile the carriers
-    type(profile_type), allocatable :: profile  !< analytic and rigid
+    type(analytic_profile_type), allocatable :: profile  !< analytic and rigid
   end type surface_type
 
   !> What happens between two surfaces that touch. The laws are those of `compliance`.
@@ -35,8 +36,9 @@ module amontons_surfaces
     character(:), allocatable :: name
     integer :: behavior = BEHAVIOR_HARD         !< BEHAVIOR_...
     real(DP) :: stiffness = 0                   !< K [stress/length]
-    real(DP) :: tension = 0                     !< LINEAR: of the law when wide open, sigma_inf [stress]
-    real(DP) :: reach = 0                       !< c0: EXPONENTIAL [length]; LINEAR, TABULAR over the root of the area [-]
+    real(DP) :: tension_limit = 0                     !< LINEAR: of the law when wide open, sigma_inf [stress]
+    real(DP) :: cutoff_clearance = 0                       !< c0: EXPONENTIAL [length]; LINEAR, TABULAR over the root of the area
+                                                           !! [-]
     real(DP) :: clearance = 0                   !< TABULAR, dialect abaqus: acts up to this gap whatever the area [length]
     real(DP) :: pressure = 0                    !< EXPONENTIAL: p0, at gap zero [stress]
     real(DP), allocatable :: table_pressure(:)     !< TABULAR [stress]
@@ -56,7 +58,7 @@ module amontons_surfaces
     integer :: interaction = 0                  !< index of the interaction
     logical :: is_small_sliding = .false.       !< weights and normal kept from the start of the step
     logical :: is_mortar = .false.              !< surface to surface: rows from integrals over the slave faces
-    logical :: is_pointwise = .false.           !< of a mortar pair: springs at points of the slave faces, as CalculiX has them
+    logical :: has_point_contact = .false.           !< of a mortar pair: springs at points of the slave faces, as CalculiX has them
     logical :: has_adjust = .false.             !< ADJUST given: slave nodes within the distance are moved onto the master
     real(DP) :: adjust = 0                      !< that distance [length]
     integer, allocatable :: adjust_nodes(:)     !< or the nodes that are moved, wherever they are
@@ -75,7 +77,7 @@ contains
 
 
   !> The laws of all pairs. Over the faces of a mortar pair LINEAR is what it says: K h in contact, nothing outside.
-  pure function pair_laws(pairs, interactions) result(laws)
+  pure function pair_interactions(pairs, interactions) result(laws)
     type(contact_pair_type), intent(in) :: pairs(:)
     type(interaction_type), intent(in) :: interactions(:)
     type(interaction_type) :: laws(size(pairs))
@@ -83,9 +85,9 @@ contains
     do p = 1, size(pairs)
       laws(p) = interactions(pairs(p)%interaction)
       if (.not. pairs(p)%is_mortar .or. laws(p)%behavior /= BEHAVIOR_LINEAR) cycle
-      laws(p)%tension = 0.0_DP
-      laws(p)%reach = SHARP
+      laws(p)%tension_limit = 0.0_DP
+      laws(p)%cutoff_clearance = MAX_ACTIVE_GAP
     end do
-  end function pair_laws
+  end function pair_interactions
 
 end module amontons_surfaces

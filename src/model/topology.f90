@@ -5,7 +5,7 @@
 module amontons_topology
   implicit none
   private
-  public :: kind_type, facet_kind_type, element_kind, facet_kind, kind_of_name
+  public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
   public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
@@ -16,7 +16,7 @@ module amontons_topology
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
     FAMILY_MASS
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
-  public :: MAX_NODES, MAX_POINTS, MAX_FACE_NODES
+  public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
 
   integer, parameter :: KIND_C3D4 = 1         !< linear tetrahedron, 1 point
   integer, parameter :: KIND_C3D6 = 2         !< linear wedge, 2 points
@@ -66,12 +66,12 @@ module amontons_topology
   integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
     FACET_LINE3 = 6
 
-  integer, parameter :: MAX_NODES = 20        !< most nodes of an element
-  integer, parameter :: MAX_POINTS = 27       !< most integration points of an element
+  integer, parameter :: MAX_ELEMENT_NODES = 20        !< most nodes of an element
+  integer, parameter :: MAX_ELEMENT_POINTS = 27       !< most integration points of an element
   integer, parameter :: MAX_FACE_NODES = 8    !< most nodes of a face
 
   !> One kind of element.
-  type :: kind_type
+  type :: element_kind_type
     character(8) :: name = ''                 !< name in a deck
     integer :: family = FAMILY_SOLID          !< FAMILY_...
     integer :: n_nodes = 0
@@ -81,7 +81,7 @@ module amontons_topology
     logical :: is_mean_dilatation = .false.   !< B-bar, F-bar
     integer :: face_kind(6) = 0               !< FACET_... of faces S1 to S6
     integer :: face_nodes(MAX_FACE_NODES, 6) = 0   !< local nodes, outward by the right-hand rule: corners, then mid-sides
-  end type kind_type
+  end type element_kind_type
 
   !> One kind of face (a facet of a surface).
   type :: facet_kind_type
@@ -94,49 +94,49 @@ contains
   !> The table entry of an element kind.
   pure function element_kind(kind) result(entry)
     integer, intent(in) :: kind               !< KIND_...
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     select case (kind)
     case (KIND_C3D4)
-      entry = tetrahedron('C3D4', 4, 1, 10)
+      entry = tetrahedron_kind('C3D4', 4, 1, 10)
     case (KIND_C3D10)
-      entry = tetrahedron('C3D10', 10, 4, 24)
+      entry = tetrahedron_kind('C3D10', 10, 4, 24)
     case (KIND_C3D6)
-      entry = wedge('C3D6', 6, 2, 13)
+      entry = wedge_kind('C3D6', 6, 2, 13)
     case (KIND_C3D15)
-      entry = wedge('C3D15', 15, 9, 26)
+      entry = wedge_kind('C3D15', 15, 9, 26)
     case (KIND_C3D8)
-      entry = hexahedron('C3D8', 8, 8, 12)
+      entry = hexahedron_kind('C3D8', 8, 8, 12)
       entry%is_mean_dilatation = .true.
     case (KIND_C3D8_FULL)
-      entry = hexahedron('C3D8', 8, 8, 12)
+      entry = hexahedron_kind('C3D8', 8, 8, 12)
     case (KIND_C3D20)
-      entry = hexahedron('C3D20', 20, 27, 25)
+      entry = hexahedron_kind('C3D20', 20, 27, 25)
     case (KIND_C3D20R)
-      entry = hexahedron('C3D20R', 20, 8, 25)
+      entry = hexahedron_kind('C3D20R', 20, 8, 25)
     case (KIND_C3D8I)
-      entry = hexahedron('C3D8I', 8, 8, 12)
+      entry = hexahedron_kind('C3D8I', 8, 8, 12)
     case (KIND_C3D8R)
-      entry = hexahedron('C3D8R', 8, 1, 12)
+      entry = hexahedron_kind('C3D8R', 8, 1, 12)
     case (KIND_CPS3:KIND_CPS8R)
-      entry = plane('CPS', FAMILY_PLANE_STRESS, kind - KIND_CPS3 + merge(1, 0, kind >= KIND_CPS4))
+      entry = plane_kind('CPS', FAMILY_PLANE_STRESS, kind - KIND_CPS3 + merge(1, 0, kind >= KIND_CPS4))
     case (KIND_CPE3:KIND_CPE8R)
-      entry = plane('CPE', FAMILY_PLANE_STRAIN, kind - KIND_CPE3)
+      entry = plane_kind('CPE', FAMILY_PLANE_STRAIN, kind - KIND_CPE3)
     case (KIND_CAX3:KIND_CAX8R)
-      entry = plane('CAX', FAMILY_AXISYMMETRIC, kind - KIND_CAX3)
+      entry = plane_kind('CAX', FAMILY_AXISYMMETRIC, kind - KIND_CAX3)
     case (KIND_T3D2)
-      entry = kind_type(name='T3D2', family=FAMILY_TRUSS, n_nodes=2, n_points=1, vtk_type=3)
+      entry = element_kind_type(name='T3D2', family=FAMILY_TRUSS, n_nodes=2, n_points=1, vtk_type=3)
     case (KIND_T3D3)
-      entry = kind_type(name='T3D3', family=FAMILY_TRUSS, n_nodes=3, n_points=2, vtk_type=21)
+      entry = element_kind_type(name='T3D3', family=FAMILY_TRUSS, n_nodes=3, n_points=2, vtk_type=21)
     case (KIND_SPRINGA)
-      entry = kind_type(name='SPRINGA', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
+      entry = element_kind_type(name='SPRINGA', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
     case (KIND_SPRING1)
-      entry = kind_type(name='SPRING1', family=FAMILY_SPRING, n_nodes=1, vtk_type=1)
+      entry = element_kind_type(name='SPRING1', family=FAMILY_SPRING, n_nodes=1, vtk_type=1)
     case (KIND_SPRING2)
-      entry = kind_type(name='SPRING2', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
+      entry = element_kind_type(name='SPRING2', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
     case (KIND_GAPUNI)
-      entry = kind_type(name='GAPUNI', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
+      entry = element_kind_type(name='GAPUNI', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
     case (KIND_MASS)
-      entry = kind_type(name='MASS', family=FAMILY_MASS, n_nodes=1, vtk_type=1)
+      entry = element_kind_type(name='MASS', family=FAMILY_MASS, n_nodes=1, vtk_type=1)
     end select
   end function element_kind
 
@@ -152,57 +152,57 @@ contains
 
 
   !> The element kind of a name in upper case; 0 if there is none. C3D8, CPE4, CAX4 give the mean-dilatation kind.
-  pure function kind_of_name(name) result(kind)
+  pure function element_kind_by_name(name) result(kind)
     character(*), intent(in) :: name          !< e.g. 'C3D8'
     integer :: kind
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     do kind = 1, N_KINDS
       entry = element_kind(kind)
       if (entry%name == name) return
     end do
     kind = 0
-  end function kind_of_name
+  end function element_kind_by_name
 
 
   !> Entries of the tetrahedra.
-  pure function tetrahedron(name, n_nodes, n_points, vtk_type) result(entry)
+  pure function tetrahedron_kind(name, n_nodes, n_points, vtk_type) result(entry)
     character(*), intent(in) :: name
     integer, intent(in) :: n_nodes, n_points, vtk_type
-    type(kind_type) :: entry
-    entry = kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=4, vtk_type=vtk_type)
+    type(element_kind_type) :: entry
+    entry = element_kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=4, vtk_type=vtk_type)
     entry%face_kind(:4) = merge(FACET_TRI3, FACET_TRI6, n_nodes == 4)
     ! The manuals name the faces 1-2-3, 1-4-2, 2-4-3, 3-4-1, as seen from inside: here they are turned outward.
     entry%face_nodes(:3, :4) = reshape([1, 3, 2, 1, 2, 4, 2, 3, 4, 3, 1, 4], [3, 4])
     if (n_nodes == 10) entry%face_nodes(4:6, :4) = reshape([7, 6, 5, 5, 9, 8, 6, 10, 9, 7, 8, 10], [3, 4])
-  end function tetrahedron
+  end function tetrahedron_kind
 
 
   !> Entries of the wedges.
-  pure function wedge(name, n_nodes, n_points, vtk_type) result(entry)
+  pure function wedge_kind(name, n_nodes, n_points, vtk_type) result(entry)
     character(*), intent(in) :: name
     integer, intent(in) :: n_nodes, n_points, vtk_type
-    type(kind_type) :: entry
-    entry = kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=5, vtk_type=vtk_type)
+    type(element_kind_type) :: entry
+    entry = element_kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=5, vtk_type=vtk_type)
     entry%face_kind(:2) = merge(FACET_TRI3, FACET_TRI6, n_nodes == 6)
     entry%face_kind(3:5) = merge(FACET_QUAD4, FACET_QUAD8, n_nodes == 6)
     entry%face_nodes(:4, :5) = reshape([1, 3, 2, 0, 4, 5, 6, 0, 1, 2, 5, 4, 2, 3, 6, 5, 3, 1, 4, 6], [4, 5])
     if (n_nodes == 6) return
     entry%face_nodes(4:6, :2) = reshape([9, 8, 7, 10, 11, 12], [3, 2])
     entry%face_nodes(5:8, 3:5) = reshape([7, 14, 10, 13, 8, 15, 11, 14, 9, 13, 12, 15], [4, 3])
-  end function wedge
+  end function wedge_kind
 
 
   !> Entries of the plane and axisymmetric elements; their faces are edges, counterclockwise.
-  pure function plane(prefix, family, shape) result(entry)
+  pure function plane_kind(prefix, family, shape) result(entry)
     character(3), intent(in) :: prefix
     integer, intent(in) :: family             !< FAMILY_...
     integer, intent(in) :: shape              !< 0 to 6: triangle, square (mean, full, 1 point), then quadratic
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     character(2), parameter :: NAMES(0:6) = ['3 ', '4 ', '4 ', '4R', '6 ', '8 ', '8R']
     integer, parameter :: NODES(0:6) = [3, 4, 4, 4, 6, 8, 8], POINTS(0:6) = [1, 4, 4, 1, 3, 9, 4], &
       VTK(0:6) = [5, 9, 9, 9, 22, 23, 23]
     integer :: n, i
-    entry = kind_type(name=prefix // NAMES(shape), family=family, n_nodes=NODES(shape), n_points=POINTS(shape), &
+    entry = element_kind_type(name=prefix // NAMES(shape), family=family, n_nodes=NODES(shape), n_points=POINTS(shape), &
       vtk_type=VTK(shape))
     entry%is_mean_dilatation = shape == 1
     n = merge(3, 4, NODES(shape) == 3 .or. NODES(shape) == 6)
@@ -212,19 +212,19 @@ contains
       entry%face_nodes(:2, i) = [i, modulo(i, n) + 1]
       if (NODES(shape) > n) entry%face_nodes(3, i) = n + i
     end do
-  end function plane
+  end function plane_kind
 
 
   !> Entries of the hexahedra.
-  pure function hexahedron(name, n_nodes, n_points, vtk_type) result(entry)
+  pure function hexahedron_kind(name, n_nodes, n_points, vtk_type) result(entry)
     character(*), intent(in) :: name
     integer, intent(in) :: n_nodes, n_points, vtk_type
-    type(kind_type) :: entry
-    entry = kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=6, vtk_type=vtk_type)
+    type(element_kind_type) :: entry
+    entry = element_kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=6, vtk_type=vtk_type)
     entry%face_kind(:6) = merge(FACET_QUAD4, FACET_QUAD8, n_nodes == 8)
     entry%face_nodes(:4, :6) = reshape([1, 4, 3, 2, 5, 6, 7, 8, 1, 2, 6, 5, 2, 3, 7, 6, 3, 4, 8, 7, 4, 1, 5, 8], [4, 6])
     if (n_nodes == 20) entry%face_nodes(5:8, :6) = reshape([12, 11, 10, 9, 13, 14, 15, 16, 9, 18, 13, 17, &
       10, 19, 14, 18, 11, 20, 15, 19, 12, 17, 16, 20], [4, 6])
-  end function hexahedron
+  end function hexahedron_kind
 
 end module amontons_topology

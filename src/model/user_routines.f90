@@ -10,26 +10,30 @@ module amontons_user_routines
   use amontons_text, only: NEWLINE
   implicit none
   private
-  public :: routines_type, umat_type, uamp_type, open_routines, close_routines, has_routine, hear_routines, name_job_to
+  public :: user_library_type, umat_type, uamp_type, open_routines, close_routines, has_routine, collect_user_messages, &
+    pass_job_name
   public :: fric_type, uinter_type, call_fric, call_uinter
   public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp
-  public :: USER_UMAT, USER_FRIC, USER_UINTER, USER_DLOAD, USER_DISP, USER_UAMP, USER_SDVINI, ROUTINE_NAMES, CALL_NAME
+  public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_NAMES, &
+    USER_NAME_LENGTH
 
-  integer, parameter :: USER_UMAT = 0, USER_FRIC = 1, USER_UINTER = 2, USER_DLOAD = 3, USER_DISP = 4, USER_UAMP = 5, &
-    USER_SDVINI = 6
+  integer, parameter :: ROUTINE_UMAT = 0, ROUTINE_FRIC = 1, ROUTINE_UINTER = 2, ROUTINE_DLOAD = 3, ROUTINE_DISP = 4, &
+    ROUTINE_UAMP = 5, &
+    ROUTINE_SDVINI = 6
   character(6), parameter :: ROUTINE_NAMES(0:6) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
     'SDVINI']
-  integer, parameter :: CALL_NAME = 80             !< letters of a name that a routine is given
-  integer, parameter :: TEXT_ROOM = 8192           !< of what a compiler or a routine says
+  integer, parameter :: USER_NAME_LENGTH = 80             !< letters of a name that a routine is given
+  integer, parameter :: MESSAGE_LENGTH = 8192           !< of what a compiler or a routine says
 
   ! What opening can end with: the shim's numbers.
-  integer, parameter :: OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4
+  integer, parameter :: LIBRARY_OPENED = 0, LIBRARY_NOT_FOUND = 1, LIBRARY_NOT_COMPILED = 2, LIBRARY_NOT_LOADED = 3, &
+    LIBRARY_NO_ROUTINE = 4
 
   !> An open library; a copy is the same library.
-  type :: routines_type
+  type :: user_library_type
     private
     type(c_ptr) :: handle = c_null_ptr
-  end type routines_type
+  end type user_library_type
 
   !> What goes through UMAT beside STATEV and PROPS; components 11 22 33 12 13 23, engineering shears.
   type, bind(C) :: umat_type
@@ -44,7 +48,7 @@ module amontons_user_routines
     real(c_double) :: coords(3) = 0                !< of the point [length]
     real(c_double) :: drot(3, 3) = 0, dfgrd0(3, 3) = 0, dfgrd1(3, 3) = 0   !< [-]
     integer(c_int) :: noel = 0, npt = 0, step = 0, increment = 0
-    integer(c_int) :: is_taken = 0                 !< out; 1: take the answer; 2: PNEWDT < 1; 0: XIT
+    integer(c_int) :: is_accepted = 0                 !< out; 1: take the answer; 2: PNEWDT < 1; 0: XIT
     integer(c_int) :: ndi = 3, nshr = 3            !< normal and shear components that UMAT knows; the others are zero
   end type umat_type
 
@@ -56,7 +60,7 @@ module amontons_user_routines
     real(c_double) :: value = 0                    !< AmpValueNew [-]
     integer(c_int) :: is_first = 0                 !< 1: the call before the first increment
     integer(c_int) :: step = 0, increment = 0
-    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+    integer(c_int) :: is_accepted = 0                 !< out; 0: XIT
   end type uamp_type
 
   !> What goes through FRIC beside names, STATEV and PROPS; in the plane only the first components count.
@@ -73,7 +77,7 @@ module amontons_user_routines
     real(c_double) :: temp(2) = 0                  !< [temperature]
     integer(c_int) :: lm = 0                       !< in, out
     integer(c_int) :: node = 0, nfdir = 2, mcrd = 3, step = 0, increment = 0
-    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+    integer(c_int) :: is_accepted = 0                 !< out; 0: XIT
   end type fric_type
 
   !> What goes through UINTER beside names, STATEV and PROPS; in the plane only the first two components count.
@@ -88,7 +92,7 @@ module amontons_user_routines
     real(c_double) :: area = 0                     !< [length^2]
     integer(c_int) :: node = 0, ndir = 3, mcrd = 3, step = 0, increment = 0
     integer(c_int) :: is_closed = 0                !< LOPENCLOSE
-    integer(c_int) :: is_taken = 0                 !< out; 0: XIT
+    integer(c_int) :: is_accepted = 0                 !< out; 0: XIT
   end type uinter_type
 
   interface
@@ -139,14 +143,14 @@ module amontons_user_routines
       character(kind=c_char), intent(in) :: folder(*), job(*)
     end subroutine job_c
 
-    subroutine news_c(handle, smallest, is_stopped, text, room) bind(C, name='amontons_user_news')
+    subroutine messages_c(handle, smallest, is_stopped, text, room) bind(C, name='amontons_user_news')
       import :: c_char, c_double, c_int, c_ptr
       type(c_ptr), value :: handle
       real(c_double), intent(out) :: smallest
       integer(c_int), intent(out) :: is_stopped
       character(kind=c_char), intent(out) :: text(*)
       integer(c_int), value :: room
-    end subroutine news_c
+    end subroutine messages_c
 
     pure subroutine umat_c(handle, cmname, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_umat')
       import :: c_char, c_double, c_int, c_ptr, umat_type
@@ -204,20 +208,20 @@ contains
   !! Errors: EXIT_IO (not there, does not compile, is no library for this machine), EXIT_SETUP (no known routine in it).
   subroutine open_routines(path, routines, error)
     character(*), intent(in) :: path
-    type(routines_type), intent(out) :: routines
+    type(user_library_type), intent(out) :: routines
     type(error_type), allocatable, intent(out) :: error
-    character(TEXT_ROOM) :: message
+    character(MESSAGE_LENGTH) :: message
     character(:), allocatable :: who
     who = 'The user routines ' // path // ' '
     select case (open_c(path // c_null_char, message, len(message), routines%handle))
-    case (OPENED)
-    case (NO_FILE)
+    case (LIBRARY_OPENED)
+    case (LIBRARY_NOT_FOUND)
       call set_error(error, EXIT_IO, who // 'are not there: no such file.')
-    case (NOT_COMPILED)
-      call set_error(error, EXIT_IO, who // 'do not compile:' // NEWLINE // up_to_null(message))
-    case (NOT_LOADED)
-      call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // up_to_null(message) // '.')
-    case (NO_ROUTINE)
+    case (LIBRARY_NOT_COMPILED)
+      call set_error(error, EXIT_IO, who // 'do not compile:' // NEWLINE // text_before_null(message))
+    case (LIBRARY_NOT_LOADED)
+      call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // text_before_null(message) // '.')
+    case (LIBRARY_NO_ROUTINE)
       call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI (as ' // &
         'umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
     case default
@@ -227,16 +231,16 @@ contains
 
 
   !> A text of C up to its end.
-  pure function up_to_null(text) result(short)
+  pure function text_before_null(text) result(short)
     character(*), intent(in) :: text
     character(:), allocatable :: short
     short = text(:index(text // c_null_char, c_null_char) - 1)
-  end function up_to_null
+  end function text_before_null
 
 
   !> Closes a library; no call may follow.
   subroutine close_routines(routines)
-    type(routines_type), intent(inout) :: routines
+    type(user_library_type), intent(inout) :: routines
     call close_c(routines%handle)
     routines%handle = c_null_ptr
   end subroutine close_routines
@@ -244,7 +248,7 @@ contains
 
   !> Whether a library is open and has a routine.
   pure logical function has_routine(routines, which)
-    type(routines_type), intent(in) :: routines
+    type(user_library_type), intent(in) :: routines
     integer, intent(in) :: which                   !< USER_...
     has_routine = .false.
     if (c_associated(routines%handle)) has_routine = has_c(routines%handle, which) /= 0
@@ -252,36 +256,36 @@ contains
 
 
   !> Folder and name of the job, for GETOUTDIR and GETJOBNAME.
-  subroutine name_job_to(routines, folder, job)
-    type(routines_type), intent(in) :: routines
+  subroutine pass_job_name(routines, folder, job)
+    type(user_library_type), intent(in) :: routines
     character(*), intent(in) :: folder, job
     call job_c(routines%handle, folder // c_null_char, job // c_null_char)
-  end subroutine name_job_to
+  end subroutine pass_job_name
 
 
   !> What the routines have to say since the last call of this: the smallest PNEWDT (1: none), the lines of STDB_ABQERR,
   !! whether they called XIT.
-  subroutine hear_routines(routines, smallest, text, is_stopped)
-    type(routines_type), intent(in) :: routines
+  subroutine collect_user_messages(routines, smallest, text, is_stopped)
+    type(user_library_type), intent(in) :: routines
     real(DP), intent(out) :: smallest              !< [-]
     character(:), allocatable, intent(out) :: text
     logical, intent(out) :: is_stopped
-    character(TEXT_ROOM) :: buffer
+    character(MESSAGE_LENGTH) :: buffer
     integer(c_int) :: stopped
     smallest = 1
     text = ''
     is_stopped = .false.
     if (.not. c_associated(routines%handle)) return
-    call news_c(routines%handle, smallest, stopped, buffer, len(buffer))
-    text = up_to_null(buffer)
+    call messages_c(routines%handle, smallest, stopped, buffer, len(buffer))
+    text = text_before_null(buffer)
     is_stopped = stopped /= 0
-  end subroutine hear_routines
+  end subroutine collect_user_messages
 
 
   !> UMAT.
   pure subroutine call_umat(routines, name, props, statev, values)
-    type(routines_type), intent(in) :: routines
-    character(CALL_NAME), intent(in) :: name       !< CMNAME
+    type(user_library_type), intent(in) :: routines
+    character(USER_NAME_LENGTH), intent(in) :: name       !< CMNAME
     real(DP), intent(in) :: props(:)               !< PROPS
     real(DP), intent(inout) :: statev(:)           !< STATEV
     type(umat_type), intent(inout) :: values
@@ -291,7 +295,7 @@ contains
 
   !> SDVINI.
   pure subroutine call_sdvini(routines, statev, coordinates, element, point, is_taken)
-    type(routines_type), intent(in) :: routines
+    type(user_library_type), intent(in) :: routines
     real(DP), intent(inout) :: statev(:)           !< STATEV
     real(DP), intent(in) :: coordinates(3)         !< of the point [length]
     integer, intent(in) :: element, point          !< label, number from 1
@@ -304,11 +308,11 @@ contains
 
   !> DLOAD.
   pure subroutine call_dload(routines, magnitude, time, coordinates, name, counts, is_taken)
-    type(routines_type), intent(in) :: routines
+    type(user_library_type), intent(in) :: routines
     real(DP), intent(inout) :: magnitude           !< F
     real(DP), intent(in) :: time(2)                !< step, total, at the end of the increment [time]
     real(DP), intent(in) :: coordinates(3)         !< of the point, now [length]
-    character(CALL_NAME), intent(in) :: name       !< SNAME
+    character(USER_NAME_LENGTH), intent(in) :: name       !< SNAME
     integer, intent(in) :: counts(5)               !< step, increment, NOEL, NPT, JLTYP
     logical, intent(out) :: is_taken
     integer(c_int) :: taken
@@ -319,7 +323,7 @@ contains
 
   !> DISP.
   pure subroutine call_disp(routines, u, time, coordinates, counts, is_taken)
-    type(routines_type), intent(in) :: routines
+    type(user_library_type), intent(in) :: routines
     real(DP), intent(inout) :: u                   !< U(1) [length]
     real(DP), intent(in) :: time(3)                !< step, total, at the end of the increment; its length [time]
     real(DP), intent(in) :: coordinates(3)         !< of the node, now [length]
@@ -333,8 +337,8 @@ contains
 
   !> UAMP.
   pure subroutine call_uamp(routines, name, props, svars, values)
-    type(routines_type), intent(in) :: routines
-    character(CALL_NAME), intent(in) :: name       !< ampName
+    type(user_library_type), intent(in) :: routines
+    character(USER_NAME_LENGTH), intent(in) :: name       !< ampName
     real(DP), intent(in) :: props(:)               !< props
     real(DP), intent(inout) :: svars(:)            !< svars
     type(uamp_type), intent(inout) :: values
@@ -344,8 +348,8 @@ contains
 
   !> FRIC.
   pure subroutine call_fric(routines, names, props, statev, values)
-    type(routines_type), intent(in) :: routines
-    character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
+    type(user_library_type), intent(in) :: routines
+    character(USER_NAME_LENGTH), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
     real(DP), intent(in) :: props(:)               !< PROPS
     real(DP), intent(inout) :: statev(:)           !< STATEV
     type(fric_type), intent(inout) :: values
@@ -355,8 +359,8 @@ contains
 
   !> UINTER.
   pure subroutine call_uinter(routines, names, props, statev, values)
-    type(routines_type), intent(in) :: routines
-    character(CALL_NAME), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
+    type(user_library_type), intent(in) :: routines
+    character(USER_NAME_LENGTH), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
     real(DP), intent(in) :: props(:)               !< PROPS
     real(DP), intent(inout) :: statev(:)           !< STATEV
     type(uinter_type), intent(inout) :: values

@@ -9,85 +9,86 @@
 !! no equilibrium but without contact. t is the mean of the normals. Cost: linear in nodes and slaves.
 module amontons_model_check
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, complaints_type, set_error, EXIT_SETUP
-  use amontons_text, only: text_of, plural, NEWLINE
+  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_SETUP
+  use amontons_text, only: to_text, plural, NEWLINE
   use amontons_containers, only: integer_list_type
-  use amontons_topology, only: element_kind, kind_type, KIND_SPRINGA, N_KINDS
-  use amontons_element, only: element_volume, ELEMENT_OK
-  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN, &
-    DISTRIBUTED_BODY, DISTRIBUTED_TRACTION
+  use amontons_topology, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
+  use amontons_element, only: evaluate_element_volume, ELEMENT_OK
+  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, &
+    DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
-  use amontons_model, only: model_type, direction_of, n_bonds
+  use amontons_model, only: model_type, dof_direction, n_nonlinear_mpcs
   use amontons_node_overrides, only: gives_way
-  use amontons_state, only: slave_type
-  use amontons_nonlinear_mpc, only: linear_equations
-  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, ROW_REDUNDANT, &
+  use amontons_state, only: slave_state_type
+  use amontons_nonlinear_mpc, only: linearize_mpcs
+  use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
+    add_constraint_row, ROW_REDUNDANT, &
     ROW_CONFLICT
   use amontons_contact_constraint_rows, only: contact_row_type
-  use amontons_contact_pairs, only: contact_type, touching_row
-  use amontons_model_check_bodies, only: complain, warn, number_of, label_list, bodies_type, find_bodies, body_name
-  use amontons_model_check_contact, only: check_contact, tally_pairs, pair_tally_type, is_closed
-  use amontons_model_check_motion, only: check_motions
+  use amontons_contact_pairs, only: contact_type, current_row
+  use amontons_model_check_bodies, only: report_error, report_warning, counted_noun, label_list, bodies_type, find_bodies, body_name
+  use amontons_model_check_contact, only: check_contact, collect_pair_statistics, pair_statistics_type, is_closed
+  use amontons_model_check_motion, only: check_rigid_motions
   implicit none
   private
-  public :: audit_model, audit_summary
+  public :: check_model, summarize_model
 
-  real(DP), parameter :: SAME = 1.0e-9_DP          !< displacements this near, over the largest, are equal [-]
+  real(DP), parameter :: TOL_EQUAL_DISPLACEMENT = 1.0e-9_DP          !< displacements this near, over the largest, are equal [-]
 
 contains
 
   !> All checks. Errors: EXIT_SETUP if the report holds an error; the report names each. Cost: linear, but for bodies
   !! that contact couples (audit_motion).
-  subroutine audit_model(model, contact, slaves, report, error)
+  subroutine check_model(model, contact, slaves, report, error)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them: facet, gap and normal are set
-    type(complaints_type), intent(inout) :: report
+    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them: facet, gap and normal are set
+    type(diagnostic_list_type), intent(inout) :: report
     type(error_type), allocatable, intent(out) :: error
     type(model_type), allocatable :: linear        ! with the bonds as equations, if there are any
     call check_volumes(model, report)
     call check_materials(model, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
-    if (n_bonds(model) > 0) then
+    if (n_nonlinear_mpcs(model) > 0) then
       allocate (linear, source=model)
-      call append_bonds(linear)
+      call append_nonlinear_mpcs(linear)
       call check_bodies(linear, contact, slaves, report)
     else
       call check_bodies(model, contact, slaves, report)
     end if
     if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model cannot stand as it is: the audit found ' // &
       plural(report%n_errors, 'error') // '. No step was begun.')
-  end subroutine audit_model
+  end subroutine check_model
 
 
   !> The bonds of a model, linearised, among its equations.
-  subroutine append_bonds(model)
+  subroutine append_nonlinear_mpcs(model)
     type(model_type), intent(inout) :: model
     type(equation_type), allocatable :: equations(:)
-    call linear_equations(model, equations)
+    call linearize_mpcs(model, equations)
     model%equations = [model%equations, equations]
-  end subroutine append_bonds
+  end subroutine append_nonlinear_mpcs
 
 
   !> Lone nodes and free motions.
   subroutine check_bodies(model, contact, slaves, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
-    type(complaints_type), intent(inout) :: report
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(diagnostic_list_type), intent(inout) :: report
     type(bodies_type) :: bodies
     call find_bodies(model, bodies)
     call check_lone_nodes(model, bodies, report)
-    call check_motions(model, contact, slaves, bodies, report)
-    call check_pushes(model, contact, slaves, bodies, report)
+    call check_rigid_motions(model, contact, slaves, bodies, report)
+    call check_unilateral_support(model, contact, slaves, bodies, report)
   end subroutine check_bodies
 
 
   !> Elements whose volume is not positive everywhere.
   subroutine check_volumes(model, report)
     type(model_type), intent(in) :: model
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type) :: bad
     real(DP) :: volume
     integer :: e, status
@@ -95,13 +96,13 @@ contains
     associate (mesh => model%mesh)
       do e = 1, mesh%n_elements
         associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section(e), volume, status)
+          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status)
         end associate
         has_volume = mesh%point_first(e + 1) > mesh%point_first(e)
         if (status /= ELEMENT_OK .or. (has_volume .and. .not. volume > 0.0_DP)) call bad%add(mesh%element_label(e))
       end do
     end associate
-    if (bad%n > 0) call complain(report, 'The volume of ' // number_of('element', bad%trimmed(), 'is', 'is') // &
+    if (bad%n > 0) call report_error(report, 'The volume of ' // counted_noun('element', bad%trimmed(), 'is', 'is') // &
       ' zero or negative at an integration point. Check the order of the nodes (the first face counts round the ' // &
       'direction to the opposite one by the right-hand rule), and move nodes that make an element fold or collapse.')
   end subroutine check_volumes
@@ -110,7 +111,7 @@ contains
   !> Sections without a material, materials without *ELASTIC, gravity on elements without density.
   subroutine check_materials(model, report)
     type(model_type), intent(in) :: model
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type) :: none
     logical, allocatable :: is_used(:), is_heavy(:)
     integer :: e, i, k, m
@@ -123,7 +124,7 @@ contains
         is_used(model%mesh%material(e)) = .true.
       end if
     end do
-    if (none%n > 0) call complain(report, 'No material is given for ' // plural(none%n, 'element') // ' (' // &
+    if (none%n > 0) call report_error(report, 'No material is given for ' // plural(none%n, 'element') // ' (' // &
       label_list(none%trimmed()) // '). Add a *SOLID SECTION for them.')
     do i = 1, size(model%steps)
       if (allocated(model%steps(i)%material)) then
@@ -134,15 +135,15 @@ contains
       do k = 1, size(model%steps(i)%distributed)
         associate (load => model%steps(i)%distributed(k))
           m = model%mesh%material(load%element)
-          if (any(load%kind == [DISTRIBUTED_GRAVITY, DISTRIBUTED_SPIN]) .and. m > 0) is_heavy(m) = .true.
+          if (any(load%kind == [DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL]) .and. m > 0) is_heavy(m) = .true.
         end associate
       end do
     end do
     do m = 1, size(model%materials)
       if (is_used(m) .and. .not. (model%materials(m)%has_elastic .or. model%materials(m)%is_user)) &
-        call complain(report, 'The material ' // model%materials(m)%name // &
+        call report_error(report, 'The material ' // model%materials(m)%name // &
         ' is used by a *SOLID SECTION but has no *ELASTIC. Give it E and nu.')
-      if (is_heavy(m) .and. .not. model%materials(m)%has_density) call complain(report, &
+      if (is_heavy(m) .and. .not. model%materials(m)%has_density) call report_error(report, &
         'Gravity (*DLOAD, GRAV) acts on elements of the material ' // model%materials(m)%name // &
         ', which has no *DENSITY. Give it one.')
     end do
@@ -153,30 +154,30 @@ contains
   subroutine check_lone_nodes(model, bodies, report)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type) :: loaded, held
     logical, allocatable :: was_loaded(:), was_held(:)
     integer :: i, k
     allocate (was_loaded(model%mesh%n_nodes), was_held(model%mesh%n_nodes), source=.false.)
     do i = 1, size(model%steps)
       do k = 1, size(model%steps(i)%concentrated)
-        call note(model%steps(i)%concentrated(k)%node, was_loaded, loaded)
+        call add_node_once(model%steps(i)%concentrated(k)%node, was_loaded, loaded)
       end do
       do k = 1, size(model%steps(i)%prescribed)
-        call note(model%steps(i)%prescribed(k)%node, was_held, held)
+        call add_node_once(model%steps(i)%prescribed(k)%node, was_held, held)
       end do
     end do
-    if (loaded%n > 0) call warn(report, 'A force (*CLOAD) acts on ' // plural(loaded%n, 'node') // &
+    if (loaded%n > 0) call report_warning(report, 'A force (*CLOAD) acts on ' // plural(loaded%n, 'node') // &
       ' without elements (' // label_list(loaded%trimmed()) // '): no body feels it. Check the node labels of ' // &
       'the load.')
-    if (held%n > 0) call warn(report, 'A displacement (*BOUNDARY) is given for ' // plural(held%n, 'node') // &
+    if (held%n > 0) call report_warning(report, 'A displacement (*BOUNDARY) is given for ' // plural(held%n, 'node') // &
       ' without elements (' // label_list(held%trimmed()) // '): it holds nothing. Check the node labels ' // &
       'of the support.')
 
   contains
 
     !> Notes a node once if it belongs to no body.
-    subroutine note(node, was_noted, list)
+    subroutine add_node_once(node, was_noted, list)
       integer, intent(in) :: node
       logical, intent(inout) :: was_noted(:)
       type(integer_list_type), intent(inout) :: list
@@ -186,7 +187,7 @@ contains
         if (any(model%springs%length_node == node)) return   ! of a rope, which CalculiX wants held
       end if
       call list%add(model%mesh%node_label(node))
-    end subroutine note
+    end subroutine add_node_once
 
   end subroutine check_lone_nodes
 
@@ -194,35 +195,35 @@ contains
   !> Equations that contradict the supports at the end of a step or one another (errors), or only repeat them (notes).
   subroutine check_equations(model, report)
     type(model_type), intent(in) :: model
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     type(constraints_type) :: constraints
     type(integer_list_type) :: idle
     integer, allocatable :: told(:)                ! (n_equations) the strongest verdict told
     real(DP), allocatable :: u(:, :)               ! prescribed displacements at the end of the step
     logical, allocatable :: is_known(:, :)
     real(DP) :: largest
-    integer :: i, k, verdict
+    integer :: i, k, row_verdict
     logical :: is_whole
     if (size(model%equations) == 0) return
     allocate (told(size(model%equations)), source=0)
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
     allocate (is_known(3, model%mesh%n_nodes), source=.false.)
     do i = 1, size(model%steps)
-      call prescribe(model, i, u, is_known, is_whole, constraints)
+      call build_step_constraints(model, i, u, is_known, is_whole, constraints)
       largest = maxval(abs(u), mask=is_known)
       idle = integer_list_type()
       do k = 1, size(model%equations)
         if (model%equations(k)%last_step < i) cycle
-        call add_equation(model, k, largest, constraints, verdict)
-        if (verdict == ROW_CONFLICT .and. .not. is_whole) cycle
-        if (verdict == ROW_CONFLICT .and. told(k) < ROW_CONFLICT) call complain(report, 'In step ' // text_of(i) // &
+        call add_equation(model, k, largest, constraints, row_verdict)
+        if (row_verdict == ROW_CONFLICT .and. .not. is_whole) cycle
+        if (row_verdict == ROW_CONFLICT .and. told(k) < ROW_CONFLICT) call report_error(report, 'In step ' // to_text(i) // &
           ' the *' // trim(model%equations(k)%card) // ' of line ' // &
-          text_of(model%equations(k)%line) // ' contradicts the prescribed displacements ' // &
+          to_text(model%equations(k)%line) // ' contradicts the prescribed displacements ' // &
           'of its nodes or the equations before it. Release one of them.')
-        if (verdict == ROW_REDUNDANT .and. told(k) == 0) call idle%add(model%equations(k)%line)
-        told(k) = max(told(k), verdict)
+        if (row_verdict == ROW_REDUNDANT .and. told(k) == 0) call idle%add(model%equations(k)%line)
+        told(k) = max(told(k), row_verdict)
       end do
-      if (idle%n > 0) call warn(report, 'In step ' // text_of(i) // ' ' // plural(idle%n, 'equation') // &
+      if (idle%n > 0) call report_warning(report, 'In step ' // to_text(i) // ' ' // plural(idle%n, 'equation') // &
         ' (*EQUATION of line ' // label_list(idle%trimmed()) // ') dropped: supports and the equations before hold ' // &
         'all terms already.')
     end do
@@ -230,7 +231,7 @@ contains
 
 
   !> The constraints of a step without the equations.
-  subroutine prescribe(model, step, u, is_known, is_whole, constraints)
+  subroutine build_step_constraints(model, step, u, is_known, is_whole, constraints)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
     real(DP), intent(inout) :: u(:, :)             !< (3, n_nodes) at the end of this step, where known [length]
@@ -240,12 +241,12 @@ contains
     logical, allocatable :: is_prescribed(:, :)
     integer :: i
     allocate (is_prescribed(3, model%mesh%n_nodes))
-    call start_constraints(constraints, 3 * model%mesh%n_nodes)
+    call reset_constraints(constraints, 3 * model%mesh%n_nodes)
     is_whole = .true.
     is_prescribed = .false.
     do i = 1, size(model%steps(step)%prescribed)
       associate (load => model%steps(step)%prescribed(i), period => model%steps(step)%period)
-        if (maxval(direction_of(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a direction of its own
+        if (maxval(dof_direction(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a direction of its own
         if (load%is_held) then
           if (step == 1) is_known(load%dof, load%node) = .true.
           is_whole = is_whole .and. is_known(load%dof, load%node)
@@ -254,36 +255,36 @@ contains
           is_known(load%dof, load%node) = .true.
         end if
         is_prescribed(load%dof, load%node) = is_known(load%dof, load%node)
-        call fix_unknown(constraints, 3 * (load%node - 1) + load%dof, u(load%dof, load%node))
+        call prescribe_unknown(constraints, 3 * (load%node - 1) + load%dof, u(load%dof, load%node))
       end associate
     end do
     is_known = is_prescribed
-  end subroutine prescribe
+  end subroutine build_step_constraints
 
 
   !> Adds one equation and tells what becomes of it.
-  subroutine add_equation(model, k, largest, constraints, verdict)
+  subroutine add_equation(model, k, largest, constraints, row_verdict)
     type(model_type), intent(in) :: model
     integer, intent(in) :: k
     real(DP), intent(in) :: largest                !< prescribed displacement [length]
     type(constraints_type), intent(inout) :: constraints
-    integer, intent(out) :: verdict                !< ROW_...
-    type(row_type) :: row
+    integer, intent(out) :: row_verdict                !< ROW_...
+    type(constraint_row_type) :: row
     real(DP) :: tolerance
     associate (equation => model%equations(k))
       row%unknown = 3 * (equation%node - 1) + equation%dof
       row%coefficient = equation%coefficient
-      tolerance = SAME * max(largest, 0.0_DP) * sum(abs(equation%coefficient)) + tiny(1.0_DP)
-      call add_row(constraints, row, equation%n_candidates, tolerance, verdict)
+      tolerance = TOL_EQUAL_DISPLACEMENT * max(largest, 0.0_DP) * sum(abs(equation%coefficient)) + tiny(1.0_DP)
+      call add_constraint_row(constraints, row, equation%n_eliminable, tolerance, row_verdict)
     end associate
   end subroutine add_equation
 
 
   !> What the model holds, as tables for a person: mesh, materials, bodies, contact pairs, steps.
-  subroutine audit_summary(model, contact, slaves, text)
+  subroutine summarize_model(model, contact, slaves, text)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
     call find_bodies(model, bodies)
@@ -291,23 +292,23 @@ contains
     if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
     text = text // step_table(model)
     text = text(:len(text) - len(NEWLINE))
-  end subroutine audit_summary
+  end subroutine summarize_model
 
 
   !> Nodes, elements by kind, unknowns.
   function mesh_table(model) result(text)
     type(model_type), intent(in) :: model
     character(:), allocatable :: text
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     integer :: k, n
     text = table_entry('nodes', model%mesh%n_nodes) // NEWLINE // table_entry('elements', model%mesh%n_elements)
     do k = 1, N_KINDS
       n = count(model%mesh%kind == k)
       kind = element_kind(k)
-      if (n > 0) text = text // '   ' // trim(kind%name) // ' ' // text_of(n)
+      if (n > 0) text = text // '   ' // trim(kind%name) // ' ' // to_text(n)
     end do
     text = text // NEWLINE // table_entry('unknowns', 3 * model%mesh%n_nodes)
-    if (size(model%steps) > 0) text = text // '   ' // text_of(size(model%steps(1)%prescribed)) // &
+    if (size(model%steps) > 0) text = text // '   ' // to_text(size(model%steps(1)%prescribed)) // &
       ' prescribed in step 1'
     if (size(model%equations) > 0) text = text // ', ' // plural(size(model%equations), 'equation')
     text = text // NEWLINE
@@ -323,11 +324,11 @@ contains
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
         text = text // '    ' // material%name
-        if (material%has_elastic) text = text // ', E ' // text_of(material%youngs_modulus) // ', nu ' // &
-          text_of(material%poissons_ratio)
-        if (material%is_user) text = text // ', of the user, at rest as E ' // text_of(material%youngs_modulus) // ', nu ' // &
-          text_of(material%poissons_ratio)
-        if (material%has_density) text = text // ', density ' // text_of(material%density)
+        if (material%has_elastic) text = text // ', E ' // to_text(material%youngs_modulus) // ', nu ' // &
+          to_text(material%poissons_ratio)
+        if (material%is_user) text = text // ', of the user, at rest as E ' // to_text(material%youngs_modulus) // ', nu ' // &
+          to_text(material%poissons_ratio)
+        if (material%has_density) text = text // ', density ' // to_text(material%density)
         text = text // NEWLINE
       end associate
     end do
@@ -339,28 +340,28 @@ contains
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     character(:), allocatable :: text
-    integer, parameter :: MOST = 50                ! lines; the other bodies are counted
+    integer, parameter :: MAX_BODY_LINES = 50                ! lines; the other bodies are counted
     integer :: b
     text = table_entry('bodies', bodies%n) // NEWLINE
-    do b = 1, min(bodies%n, MOST)
+    do b = 1, min(bodies%n, MAX_BODY_LINES)
       text = text // '    ' // body_name(model, bodies%list(b))
-      if (bodies%list(b)%n_elements > 0) text = text // ', volume ' // text_of(bodies%list(b)%volume)
-      if (bodies%list(b)%mass > 0.0_DP) text = text // ', mass ' // text_of(bodies%list(b)%mass)
-      if (size(model%steps) > 0) text = text // held_by(model, bodies, contact, slaves, b)
+      if (bodies%list(b)%n_elements > 0) text = text // ', volume ' // to_text(bodies%list(b)%volume)
+      if (bodies%list(b)%mass > 0.0_DP) text = text // ', mass ' // to_text(bodies%list(b)%mass)
+      if (size(model%steps) > 0) text = text // restraint_text(model, bodies, contact, slaves, b)
       text = text // NEWLINE
     end do
-    if (bodies%n > MOST) text = text // '    and ' // text_of(bodies%n - MOST) // ' more' // NEWLINE
+    if (bodies%n > MAX_BODY_LINES) text = text // '    and ' // to_text(bodies%n - MAX_BODY_LINES) // ' more' // NEWLINE
   end function body_table
 
 
   !> What a body has in step 1 that may hold it: supports, equations and the like, contact.
-  function held_by(model, bodies, contact, slaves, b) result(text)
+  function restraint_text(model, bodies, contact, slaves, b) result(text)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: b                       !< body
     character(:), allocatable :: text
     integer :: k, p, n, n_closed(size(model%pairs)), n_open(size(model%pairs))
@@ -369,27 +370,27 @@ contains
     if (n > 0) text = text // ', ' // plural(n, 'support')
     n = count([(any(bodies%of_node(model%equations(k)%node) == b), k=1, size(model%equations))])
     if (n > 0) text = text // ', ' // plural(n, 'equation')
-    n = count([(any(bodies%of_node(model%bonds(k)%node) == b), k=1, n_bonds(model))])
+    n = count([(any(bodies%of_node(model%nonlinear_mpcs(k)%node) == b), k=1, n_nonlinear_mpcs(model))])
     if (n > 0) text = text // ', ' // plural(n, 'bond')
     call count_touching(bodies, contact, slaves, b, n_closed, n_open)
     do p = 1, size(model%pairs)
       if (n_closed(p) + n_open(p) == 0) cycle
       text = text // ', contact ' // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
-        model%surfaces(model%pairs(p)%master)%name // ' (' // text_of(n_closed(p)) // ' closed, ' // text_of(n_open(p)) // ' open)'
+        model%surfaces(model%pairs(p)%master)%name // ' (' // to_text(n_closed(p)) // ' closed, ' // to_text(n_open(p)) // ' open)'
     end do
     if (text == '') then
       text = '; held by nothing'
     else
       text = '; held by ' // text(3:)
     end if
-  end function held_by
+  end function restraint_text
 
 
   !> The slave nodes of each pair that are on a body, or face it, closed and open.
   subroutine count_touching(bodies, contact, slaves, b, n_closed, n_open)
     type(bodies_type), intent(in) :: bodies
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: b                       !< body
     integer, intent(out) :: n_closed(:), n_open(:) !< (n_pairs)
     type(contact_row_type) :: row
@@ -398,7 +399,7 @@ contains
     n_open = 0
     do s = 1, size(slaves)
       if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
-      call touching_row(contact, slaves(s), row)
+      call current_row(contact, slaves(s), row)
       if (.not. any(bodies%of_node(row%nodes) == b)) cycle
       if (is_closed(contact, slaves(s))) then
         n_closed(slaves(s)%pair) = n_closed(slaves(s)%pair) + 1
@@ -413,20 +414,21 @@ contains
   function pair_table(model, contact, slaves) result(text)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     character(:), allocatable :: text
-    type(pair_tally_type), allocatable :: tallies(:)
+    type(pair_statistics_type), allocatable :: tallies(:)
     character(110) :: line
     integer :: p
-    call tally_pairs(model, contact, slaves, tallies)
+    call collect_pair_statistics(model, contact, slaves, tallies)
     text = table_entry('contact pairs', size(tallies)) // NEWLINE // &
       '      slaves projected    closed   flipped      held    least gap  largest gap  friction  slave / master' // NEWLINE
     do p = 1, size(tallies)
       write (line, '(2x,5i10,2(1x,a12),a10,2x)') tallies(p)%n_slaves, tallies(p)%n_projected, tallies(p)%n_closed, &
-        merge(tallies(p)%n_turned, tallies(p)%n_flipped, tallies(p)%n_turned == tallies(p)%n_projected), tallies(p)%n_held, &
+        merge(tallies(p)%n_facing_away, tallies(p)%n_same_direction, tallies(p)%n_facing_away == tallies(p)%n_projected), &
+        tallies(p)%n_held, &
         gap_text(tallies(p), tallies(p)%least_gap, contact%edge(p)), &
         gap_text(tallies(p), tallies(p)%largest_gap, contact%edge(p)), &
-        text_of(model%interactions(model%pairs(p)%interaction)%friction)
+        to_text(model%interactions(model%pairs(p)%interaction)%friction)
       text = text // line(:90) // model%surfaces(model%pairs(p)%slave)%name // ' / ' // &
         model%surfaces(model%pairs(p)%master)%name // NEWLINE
     end do
@@ -435,11 +437,11 @@ contains
 
   !> A gap, or '-' where no node has one; rounding is told as 0.
   pure function gap_text(tally, gap, edge) result(text)
-    type(pair_tally_type), intent(in) :: tally
+    type(pair_statistics_type), intent(in) :: tally
     real(DP), intent(in) :: gap, edge              !< [length]
     character(12) :: text
     text = '-'
-    if (tally%largest_gap >= tally%least_gap) text = text_of(merge(gap, 0.0_DP, abs(gap) > SAME * edge))
+    if (tally%largest_gap >= tally%least_gap) text = to_text(merge(gap, 0.0_DP, abs(gap) > TOL_EQUAL_DISPLACEMENT * edge))
     text = adjustr(text)
   end function gap_text
 
@@ -452,12 +454,12 @@ contains
     text = table_entry('steps', size(model%steps)) // NEWLINE
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
-        text = text // '    ' // text_of(i) // ': '
+        text = text // '    ' // to_text(i) // ': '
         if (allocated(step%title)) then
           if (len_trim(step%title) > 0) text = text // trim(step%title) // ', '
         end if
         text = text // trim(merge('NLGEOM             ', 'small displacements', step%is_nlgeom)) // ', period ' // &
-          text_of(step%period) // ', first increment ' // text_of(step%dt_initial)
+          to_text(step%period) // ', first increment ' // to_text(step%dt_initial)
         if (step%is_direct) text = text // ' (fixed)'
         text = text // ', at most ' // plural(step%max_increments, 'increment') // NEWLINE // &
           '       ' // loads_text(step) // NEWLINE
@@ -479,9 +481,9 @@ contains
     if (n > 0) text = text // ', ' // plural(n, 'face') // ' under traction'
     n = count(step%distributed%kind == DISTRIBUTED_GRAVITY)
     if (n > 0) text = text // ', ' // plural(n, 'element') // ' under gravity'
-    n = count(step%distributed%kind == DISTRIBUTED_SPIN)
+    n = count(step%distributed%kind == DISTRIBUTED_CENTRIFUGAL)
     if (n > 0) text = text // ', ' // plural(n, 'turning element')
-    n = count(step%distributed%kind == DISTRIBUTED_BODY)
+    n = count(step%distributed%kind == DISTRIBUTED_BODY_FORCE)
     if (n > 0) text = text // ', ' // plural(n, 'element') // ' with a body force'
   end function loads_text
 
@@ -500,115 +502,117 @@ contains
 
 
   !> Warns of each such body.
-  subroutine check_pushes(model, contact, slaves, bodies, report)
+  subroutine check_unilateral_support(model, contact, slaves, bodies, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
     type(bodies_type), intent(in) :: bodies
-    type(complaints_type), intent(inout) :: report
-    real(DP), allocatable :: way(:, :)             ! (3, n_bodies) mean of the normals that push
-    logical, allocatable :: is_pushed(:)           ! (n_bodies) by contact alone, from one side
+    type(diagnostic_list_type), intent(inout) :: report
+    real(DP), allocatable :: mean_normal(:, :)             ! (3, n_bodies) mean of the normals that push
+    logical, allocatable :: is_only_pushed(:)           ! (n_bodies) by contact alone, from one side
     integer :: b
     if (size(slaves) == 0) return
-    allocate (way(3, bodies%n), source=0.0_DP)
-    allocate (is_pushed(bodies%n), source=.true.)
-    call leave_out(model, slaves, bodies, is_pushed)
-    call look_at_pushes(model, contact, slaves, bodies, .false., way, is_pushed)
+    allocate (mean_normal(3, bodies%n), source=0.0_DP)
+    allocate (is_only_pushed(bodies%n), source=.true.)
+    call mark_supported_bodies(model, slaves, bodies, is_only_pushed)
+    call sum_contact_normals(model, contact, slaves, bodies, .false., mean_normal, is_only_pushed)
     do b = 1, bodies%n
-      if (norm2(way(:, b)) > 0.0_DP) way(:, b) = way(:, b) / norm2(way(:, b))
+      if (norm2(mean_normal(:, b)) > 0.0_DP) mean_normal(:, b) = mean_normal(:, b) / norm2(mean_normal(:, b))
     end do
-    call look_at_pushes(model, contact, slaves, bodies, .true., way, is_pushed)
+    call sum_contact_normals(model, contact, slaves, bodies, .true., mean_normal, is_only_pushed)
     do b = 1, bodies%n
-      if (is_pushed(b) .and. norm2(way(:, b)) > 0.5_DP) call warn(report, 'Nothing but contact holds the ' // &
+      if (is_only_pushed(b) .and. norm2(mean_normal(:, b)) > 0.5_DP) call report_warning(report, &
+        'Nothing but contact holds the ' // &
         body_name(model, bodies%list(b)) // ', no load acts on it, and all contact pushes it one way: it will move off. ' // &
         'Hold it by *BOUNDARY, or load it against what it touches.')
     end do
-  end subroutine check_pushes
+  end subroutine check_unilateral_support
 
 
   !> Bodies with a support, an equation, a spring or a load in some step; and those of pairs that are apart: they may be caught.
-  subroutine leave_out(model, slaves, bodies, is_pushed)
+  subroutine mark_supported_bodies(model, slaves, bodies, is_only_pushed)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(bodies_type), intent(in) :: bodies
-    logical, intent(inout) :: is_pushed(:)
+    logical, intent(inout) :: is_only_pushed(:)
     logical, allocatable :: is_apart(:)            ! (n_pairs)
     integer :: i, k, s, p
-    where (bodies%list%n_elements == 0) is_pushed = .false.
+    where (bodies%list%n_elements == 0) is_only_pushed = .false.
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
-        call drop(bodies%of_node(step%prescribed%node))
-        call drop(bodies%of_node(step%concentrated%node))
-        call drop(bodies%of_element(step%distributed%element))
+        call mark_bodies(bodies%of_node(step%prescribed%node))
+        call mark_bodies(bodies%of_node(step%concentrated%node))
+        call mark_bodies(bodies%of_element(step%distributed%element))
       end associate
     end do
     do k = 1, size(model%equations)
-      call drop(bodies%of_node(model%equations(k)%node))
+      call mark_bodies(bodies%of_node(model%equations(k)%node))
     end do
-    call drop(pack(bodies%of_element, model%mesh%kind >= KIND_SPRINGA))
+    call mark_bodies(pack(bodies%of_element, model%mesh%kind >= KIND_SPRINGA))
     allocate (is_apart(size(model%pairs)), source=.true.)
     do s = 1, size(slaves)
       if (slaves(s)%facet > 0) is_apart(slaves(s)%pair) = .false.
     end do
     do p = 1, size(model%pairs)
       if (.not. is_apart(p)) cycle
-      call drop(bodies%of_node(model%surfaces(model%pairs(p)%slave)%nodes))
-      call drop(bodies%of_node(model%surfaces(model%pairs(p)%master)%nodes))
+      call mark_bodies(bodies%of_node(model%surfaces(model%pairs(p)%slave)%nodes))
+      call mark_bodies(bodies%of_node(model%surfaces(model%pairs(p)%master)%nodes))
     end do
 
   contains
 
     !> These bodies are held or loaded.
-    subroutine drop(list)
+    subroutine mark_bodies(list)
       integer, intent(in) :: list(:)               !< bodies; 0: none
       integer :: j
       do j = 1, size(list)
-        if (list(j) > 0) is_pushed(list(j)) = .false.
+        if (list(j) > 0) is_only_pushed(list(j)) = .false.
       end do
-    end subroutine drop
+    end subroutine mark_bodies
 
-  end subroutine leave_out
+  end subroutine mark_supported_bodies
 
 
   !> Adds up the normals on each body, or judges them against their mean.
-  subroutine look_at_pushes(model, contact, slaves, bodies, is_judging, way, is_pushed)
+  subroutine sum_contact_normals(model, contact, slaves, bodies, is_judging, mean_normal, is_only_pushed)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(bodies_type), intent(in) :: bodies
     logical, intent(in) :: is_judging
-    real(DP), intent(inout) :: way(:, :)           !< (3, n_bodies)
-    logical, intent(inout) :: is_pushed(:)
+    real(DP), intent(inout) :: mean_normal(:, :)           !< (3, n_bodies)
+    logical, intent(inout) :: is_only_pushed(:)
     type(contact_row_type) :: row
-    real(DP) :: push(3)
+    real(DP) :: contact_normal(3)
     integer :: s, i, b
     do s = 1, size(slaves)
       if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
-      call touching_row(contact, slaves(s), row)
+      call current_row(contact, slaves(s), row)
       do i = 1, size(row%nodes)
         b = bodies%of_node(row%nodes(i))
         if (b == 0) cycle
-        push = row%weights(i) * slaves(s)%normal
-        if (.not. is_judging) way(:, b) = way(:, b) + push
-        if (is_judging .and. .not. goes_along(model, slaves(s)%pair, push, way(:, b))) is_pushed(b) = .false.
+        contact_normal = row%weights(i) * slaves(s)%normal
+        if (.not. is_judging) mean_normal(:, b) = mean_normal(:, b) + contact_normal
+        if (is_judging .and. .not. is_cone_one_sided(model, slaves(s)%pair, contact_normal, mean_normal(:, &
+          b))) is_only_pushed(b) = .false.
       end do
     end do
-  end subroutine look_at_pushes
+  end subroutine sum_contact_normals
 
 
   !> Whether every force of a contact has a part along a direction, whatever its friction.
-  pure logical function goes_along(model, pair, push, way)
+  pure logical function is_cone_one_sided(model, pair, contact_normal, mean_normal)
     type(model_type), intent(in) :: model
     integer, intent(in) :: pair
-    real(DP), intent(in) :: push(3)                !< along the normal, of any length
-    real(DP), intent(in) :: way(3)                 !< unit vector
+    real(DP), intent(in) :: contact_normal(3)                !< along the normal, of any length
+    real(DP), intent(in) :: mean_normal(3)                 !< unit vector
     real(DP) :: along
-    goes_along = .true.
-    if (.not. norm2(push) > 0.0_DP) return
-    along = dot_product(push, way) / norm2(push)
+    is_cone_one_sided = .true.
+    if (.not. norm2(contact_normal) > 0.0_DP) return
+    along = dot_product(contact_normal, mean_normal) / norm2(contact_normal)
     associate (law => model%interactions(model%pairs(pair)%interaction))
-      goes_along = .not. law%is_user_friction .and. along > law%friction * sqrt(max(0.0_DP, 1.0_DP - along**2))
+      is_cone_one_sided = .not. law%is_user_friction .and. along > law%friction * sqrt(max(0.0_DP, 1.0_DP - along**2))
     end associate
-  end function goes_along
+  end function is_cone_one_sided
 
 end module amontons_model_check

@@ -2,16 +2,16 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model_check_bodies
   use amontons_kinds, only: DP
-  use amontons_text, only: text_of, plural
-  use amontons_element, only: element_volume
-  use amontons_mesh, only: is_out
+  use amontons_text, only: to_text, plural
+  use amontons_element, only: evaluate_element_volume
+  use amontons_mesh, only: is_inactive_element
   use amontons_model, only: model_type
   use amontons_topology, only: KIND_MASS
-  use amontons_errors, only: complaints_type
+  use amontons_errors, only: diagnostic_list_type
   implicit none
   private
-  public :: body_type, bodies_type, find_bodies, body_name, find_root, unite
-  public :: complain, warn, label_list, step_list, joined, number_of
+  public :: body_type, bodies_type, find_bodies, body_name, find_root, unite_trees
+  public :: report_error, report_warning, label_list, step_list, join_item, counted_noun
 
   !> Elements that hang together by their nodes, or one node without elements that an equation names.
   type :: body_type
@@ -35,7 +35,7 @@ module amontons_model_check_bodies
     type(body_type), allocatable :: list(:)        !< (n)
   end type bodies_type
 
-  integer, parameter :: LABELS_SHOWN = 10      !< labels of a list; the others are counted
+  integer, parameter :: MAX_LABELS_SHOWN = 10      !< labels of a list; the others are counted
 
 contains
 
@@ -48,15 +48,15 @@ contains
     associate (mesh => model%mesh)
       allocate (parent(mesh%n_nodes), source=0)
       do e = 1, mesh%n_elements
-        if (is_out(mesh, e)) cycle
+        if (is_inactive_element(mesh, e)) cycle
         do k = mesh%first(e), mesh%first(e + 1) - 1
           if (parent(mesh%nodes(k)) == 0) parent(mesh%nodes(k)) = mesh%nodes(k)
-          call unite(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
+          call unite_trees(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
         end do
       end do
       allocate (bodies%of_node(mesh%n_nodes), bodies%of_element(mesh%n_elements), source=0)
       do e = 1, mesh%n_elements
-        if (is_out(mesh, e)) cycle
+        if (is_inactive_element(mesh, e)) cycle
         call number_body(bodies, find_root(parent, mesh%nodes(mesh%first(e))))
       end do
       do i = 1, mesh%n_nodes
@@ -68,7 +68,7 @@ contains
         end do
       end do
       bodies%of_element = bodies%of_node(mesh%nodes(mesh%first(:mesh%n_elements)))
-      if (allocated(mesh%is_absent)) where (mesh%is_absent) bodies%of_element = 0
+      if (allocated(mesh%is_inactive)) where (mesh%is_inactive) bodies%of_element = 0
     end associate
     call measure_bodies(model, bodies)
     call name_bodies(model, bodies)
@@ -98,14 +98,14 @@ contains
 
 
   !> Puts two nodes into one tree; the smaller number is the root.
-  subroutine unite(parent, a, b)
+  subroutine unite_trees(parent, a, b)
     integer, intent(inout) :: parent(:)
     integer, intent(in) :: a, b
     integer :: root_a, root_b
     root_a = find_root(parent, a)
     root_b = find_root(parent, b)
     parent(max(root_a, root_b)) = min(root_a, root_b)
-  end subroutine unite
+  end subroutine unite_trees
 
 
   !> Boxes, elements, volumes and masses.
@@ -129,10 +129,10 @@ contains
         if (body%n_elements == 0) body%element = e
         body%n_elements = body%n_elements + 1
         associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section(e), volume, status)
+          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status)
         end associate
         body%volume = body%volume + volume
-        if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section(e)
+        if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section_value(e)
         if (mesh%material(e) > 0) body%mass = body%mass + model%materials(mesh%material(e))%density * volume
       end associate
     end do
@@ -172,9 +172,9 @@ contains
     type(body_type), intent(in) :: body
     character(:), allocatable :: text
     if (body%n_elements == 0) then
-      text = 'node ' // text_of(model%mesh%node_label(body%node)) // ' (without elements)'
+      text = 'node ' // to_text(model%mesh%node_label(body%node)) // ' (without elements)'
     else
-      text = 'body of element ' // text_of(model%mesh%element_label(body%element)) // ' ('
+      text = 'body of element ' // to_text(model%mesh%element_label(body%element)) // ' ('
       if (len(body%set) > 0) text = text // 'set ' // body%set // ', '
       text = text // plural(body%n_elements, 'element') // ')'
     end if
@@ -182,19 +182,19 @@ contains
 
 
   !> Puts an error into the report.
-  subroutine complain(report, text)
-    type(complaints_type), intent(inout) :: report
+  subroutine report_error(report, text)
+    type(diagnostic_list_type), intent(inout) :: report
     character(*), intent(in) :: text           !< whole sentences: what is wrong, and the remedy
     call report%add('', 0, '', text)
-  end subroutine complain
+  end subroutine report_error
 
 
   !> Puts a warning or a note into the report.
-  subroutine warn(report, text)
-    type(complaints_type), intent(inout) :: report
+  subroutine report_warning(report, text)
+    type(diagnostic_list_type), intent(inout) :: report
     character(*), intent(in) :: text           !< whole sentences
     call report%add('', 0, '', text, is_warning=.true.)
-  end subroutine warn
+  end subroutine report_warning
 
 
   !> '3, 5 and 8'; of more than ten labels '3, 5, ..., 12 and 7 more'.
@@ -202,12 +202,12 @@ contains
     integer, intent(in) :: labels(:)           !< of nodes or elements
     character(:), allocatable :: text
     integer :: i, n_shown
-    n_shown = min(size(labels), LABELS_SHOWN)
+    n_shown = min(size(labels), MAX_LABELS_SHOWN)
     text = ''
     do i = 1, n_shown
-      text = joined(text, text_of(labels(i)), i == size(labels))
+      text = join_item(text, to_text(labels(i)), i == size(labels))
     end do
-    if (n_shown < size(labels)) text = joined(text, text_of(size(labels) - n_shown) // ' more', .true.)
+    if (n_shown < size(labels)) text = join_item(text, to_text(size(labels) - n_shown) // ' more', .true.)
   end function label_list
 
 
@@ -218,9 +218,9 @@ contains
     integer :: n
     n = size(steps)
     if (n == 1) then
-      text = 'step ' // text_of(steps(1))
+      text = 'step ' // to_text(steps(1))
     else if (n > 2 .and. steps(n) - steps(1) == n - 1) then
-      text = 'steps ' // text_of(steps(1)) // ' to ' // text_of(steps(n))
+      text = 'steps ' // to_text(steps(1)) // ' to ' // to_text(steps(n))
     else
       text = 'steps ' // label_list(steps)
     end if
@@ -228,7 +228,7 @@ contains
 
 
   !> The text with one more item of an enumeration.
-  pure function joined(text, item, is_last) result(longer)
+  pure function join_item(text, item, is_last) result(longer)
     character(*), intent(in) :: text           !< the items so far, empty at first
     character(*), intent(in) :: item
     logical, intent(in) :: is_last             !< 'and' stands before it
@@ -240,11 +240,11 @@ contains
     else
       longer = text // ', ' // item
     end if
-  end function joined
+  end function join_item
 
 
   !> 'node 7 is', 'nodes 7 and 9 are': the subject of a sentence with its verb.
-  pure function number_of(noun, labels, singular, plural) result(text)
+  pure function counted_noun(noun, labels, singular, plural) result(text)
     character(*), intent(in) :: noun           !< 'node', 'element'
     integer, intent(in) :: labels(:)
     character(*), intent(in) :: singular       !< verb after one
@@ -253,8 +253,8 @@ contains
     if (size(labels) == 1) then
       text = noun // ' ' // label_list(labels) // ' ' // singular
     else
-      text = text_of(size(labels)) // ' ' // noun // 's (' // label_list(labels) // ') ' // plural
+      text = to_text(size(labels)) // ' ' // noun // 's (' // label_list(labels) // ') ' // plural
     end if
-  end function number_of
+  end function counted_noun
 
 end module amontons_model_check_bodies

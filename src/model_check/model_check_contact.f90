@@ -2,44 +2,44 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model_check_contact
   use amontons_kinds, only: DP
-  use amontons_errors, only: complaints_type
-  use amontons_text, only: text_of, plural
+  use amontons_errors, only: diagnostic_list_type
+  use amontons_text, only: to_text, plural
   use amontons_containers, only: integer_list_type
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type
+  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant
   use amontons_node_overrides, only: gives_way
-  use amontons_state, only: slave_type, STATUS_OPEN
+  use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_contact_pairs, only: contact_type
-  use amontons_model_check_bodies, only: complain, warn, label_list, number_of
+  use amontons_model_check_bodies, only: report_error, report_warning, label_list, counted_noun
   implicit none
   private
-  public :: pair_tally_type, check_contact, tally_pairs, is_closed, may_meet_later
+  public :: pair_statistics_type, check_contact, collect_pair_statistics, is_closed, can_close_later
 
-  real(DP), parameter :: TOUCH = 1.0e-6_DP         !< a gap below this part of the master's edge is closed [-]
-  real(DP), parameter :: NEAR = 1.0_DP             !< normals are compared up to this gap over the edge of the facet [-]
-  real(DP), parameter :: SAME_WAY = 0.5_DP         !< normals whose product is above this point the same way [-]
-  real(DP), parameter :: DEEP = 0.5_DP             !< a penetration above this part of the edge is a mistake [-]
-  real(DP), parameter :: SLIGHT = 1.0e-3_DP        !< a penetration above this part of the edge is told [-]
-  real(DP), parameter :: HELD = 1.0e-6_DP          !< a normal with a smaller free part than this is held [-]
-  real(DP), parameter :: REACH = 3.0_DP            !< the search of the contact reaches so many edges [-]
+  real(DP), parameter :: MAX_CLOSED_GAP = 1.0e-6_DP         !< a gap below this part of the master's edge is closed [-]
+  real(DP), parameter :: MAX_COMPARED_GAP = 1.0_DP             !< normals are compared up to this gap over the edge of the facet [-]
+  real(DP), parameter :: MIN_SAME_DIRECTION_COSINE = 0.5_DP         !< normals whose product is above this point the same way [-]
+  real(DP), parameter :: MAX_PENETRATION = 0.5_DP             !< a penetration above this part of the edge is a mistake [-]
+  real(DP), parameter :: MIN_REPORTED_PENETRATION = 1.0e-3_DP        !< a penetration above this part of the edge is told [-]
+  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP          !< a normal with a smaller free part than this is held [-]
+  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP            !< the search of the contact reaches so many edges [-]
 
   !> What the slave nodes of one pair say at the start.
-  type :: pair_tally_type
+  type :: pair_statistics_type
     integer :: n_slaves = 0
-    integer :: n_yielding = 0                  !< besides these: whose part another pair takes
+    integer :: n_passive = 0                  !< besides these: whose part another pair takes
     integer :: n_projected = 0                 !< that project on the master
     integer :: n_closed = 0                    !< that touch or penetrate
-    integer :: n_turned = 0                    !< that project on the master and face the same way as it
+    integer :: n_facing_away = 0                    !< that project on the master and face the same way as it
     integer :: n_near = 0                      !< whose normal can be compared with that of the master
-    integer :: n_flipped = 0                   !< of these, that face the same way as the master
+    integer :: n_same_direction = 0                   !< of these, that face the same way as the master
     integer :: n_held = 0                      !< whose displacement along the normal a support or an equation of step 1 holds
     real(DP) :: least_gap = huge(1.0_DP)       !< of those that project and do not face away [length]
     real(DP) :: largest_gap = -huge(1.0_DP)    !< [length]
     real(DP) :: depth = 0                      !< largest penetration over the edge of the facet [-]
     integer :: deepest = 0                     !< its slave
-  end type pair_tally_type
+  end type pair_statistics_type
 
 contains
 
@@ -47,169 +47,172 @@ contains
   subroutine check_contact(model, contact, slaves, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
-    type(complaints_type), intent(inout) :: report
-    type(pair_tally_type), allocatable :: tallies(:)
+    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(diagnostic_list_type), intent(inout) :: report
+    type(pair_statistics_type), allocatable :: statistics(:)
     integer :: p
     call check_overlap(model, report)
     call check_kinds(model, report)
-    call tally_pairs(model, contact, slaves, tallies)
+    call collect_pair_statistics(model, contact, slaves, statistics)
     do p = 1, size(model%pairs)
-      call check_projection(model, contact, p, tallies(p), report)
-      call check_direction(model, p, tallies(p), report)
-      call check_depth(model, contact, slaves, p, tallies(p), report)
+      call check_projection(model, contact, p, statistics(p), report)
+      call check_direction(model, p, statistics(p), report)
+      call check_depth(model, contact, slaves, p, statistics(p), report)
     end do
-    call check_held(model, slaves(those_that_face(contact, slaves)), report)
+    call check_held(model, slaves(slaves_facing_master(contact, slaves)), report)
   end subroutine check_contact
 
 
   !> Counts and gaps of all pairs.
-  subroutine tally_pairs(model, contact, slaves, tallies)
+  subroutine collect_pair_statistics(model, contact, slaves, statistics)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
-    type(pair_tally_type), allocatable, intent(out) :: tallies(:)   !< (n_pairs)
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(pair_statistics_type), allocatable, intent(out) :: statistics(:)   !< (n_pairs)
     logical, allocatable :: is_free(:, :)          ! (3, n_nodes)
     integer :: s
-    allocate (tallies(size(model%pairs)))
+    allocate (statistics(size(model%pairs)))
     call find_free_unknowns(model, 1, is_free)
     do s = 1, size(slaves)
-      associate (tally => tallies(slaves(s)%pair))
-        call tally_slave(contact, slaves(s), contact%slave_normal(:, s), s, tally)
-        if (is_held_along(slaves(s), is_free(:, slaves(s)%node))) tally%n_held = tally%n_held + 1
+      associate (statistic => statistics(slaves(s)%pair))
+        call count_slave(contact, slaves(s), contact%slave_normal(:, s), s, statistic)
+        if (is_held_along(slaves(s), is_free(:, slaves(s)%node))) statistic%n_held = statistic%n_held + 1
       end associate
     end do
-  end subroutine tally_pairs
+  end subroutine collect_pair_statistics
 
 
   !> One slave node. One that faces away from the master, as the far side of a surface all round a body, has no gap.
-  pure subroutine tally_slave(contact, slave, slave_normal, s, tally)
+  pure subroutine count_slave(contact, slave, slave_normal, s, statistic)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: slave_normal(3)        !< out of the slave; zero: unknown
     integer, intent(in) :: s                       !< number of the slave
-    type(pair_tally_type), intent(inout) :: tally
+    type(pair_statistics_type), intent(inout) :: statistic
     real(DP) :: edge
     logical :: is_turned, is_yielding
     is_yielding = gives_way(slave%overrides)
-    if (slave%row > 0 .and. slave%side == 0) is_yielding = is_yielding .or. contact%mortar(slave%pair)%places(slave%row)%is_merged
-    if (is_yielding) tally%n_yielding = tally%n_yielding + 1
+    if (slave%row > 0 .and. slave%slave_facet == 0) is_yielding = is_yielding &
+      .or. contact%mortar(slave%pair)%places(slave%row)%is_merged
+    if (is_yielding) statistic%n_passive = statistic%n_passive + 1
     if (is_yielding) return
-    tally%n_slaves = tally%n_slaves + 1
+    statistic%n_slaves = statistic%n_slaves + 1
     if (slave%facet == 0) return
-    tally%n_projected = tally%n_projected + 1
+    statistic%n_projected = statistic%n_projected + 1
     edge = contact%facets(slave%pair)%edge_length(slave%facet)
-    is_turned = dot_product(slave_normal, slave%normal) > SAME_WAY
-    if (abs(slave%gap) <= NEAR * edge .and. norm2(slave_normal) > 0.5_DP) then
-      tally%n_near = tally%n_near + 1
-      if (is_turned) tally%n_flipped = tally%n_flipped + 1
+    is_turned = dot_product(slave_normal, slave%normal) > MIN_SAME_DIRECTION_COSINE
+    if (abs(slave%gap) <= MAX_COMPARED_GAP * edge .and. norm2(slave_normal) > 0.5_DP) then
+      statistic%n_near = statistic%n_near + 1
+      if (is_turned) statistic%n_same_direction = statistic%n_same_direction + 1
     end if
-    if (is_turned) tally%n_turned = tally%n_turned + 1
+    if (is_turned) statistic%n_facing_away = statistic%n_facing_away + 1
     if (is_turned) return
-    if (is_closed(contact, slave)) tally%n_closed = tally%n_closed + 1
-    tally%least_gap = min(tally%least_gap, slave%gap)
-    tally%largest_gap = max(tally%largest_gap, slave%gap)
-    if (-slave%gap > tally%depth * edge) then
-      tally%depth = -slave%gap / edge
-      tally%deepest = s
+    if (is_closed(contact, slave)) statistic%n_closed = statistic%n_closed + 1
+    statistic%least_gap = min(statistic%least_gap, slave%gap)
+    statistic%largest_gap = max(statistic%largest_gap, slave%gap)
+    if (-slave%gap > statistic%depth * edge) then
+      statistic%depth = -slave%gap / edge
+      statistic%deepest = s
     end if
-  end subroutine tally_slave
+  end subroutine count_slave
 
 
   !> Whether a slave node touches its master at the start.
   pure logical function is_closed(contact, slave)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     is_closed = slave%status /= STATUS_OPEN
-    if (slave%facet > 0) is_closed = is_closed .or. slave%gap <= TOUCH * contact%edge(slave%pair)
+    if (slave%facet > 0) is_closed = is_closed .or. slave%gap <= MAX_CLOSED_GAP * contact%edge(slave%pair)
   end function is_closed
 
 
   !> Slave nodes that project nowhere: normal where some overhang, a mistake where all do.
-  subroutine check_projection(model, contact, p, tally, report)
+  subroutine check_projection(model, contact, p, statistic, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: p                       !< pair
-    type(pair_tally_type), intent(in) :: tally
-    type(complaints_type), intent(inout) :: report
+    type(pair_statistics_type), intent(in) :: statistic
+    type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: none
-    if (tally%n_projected == 0 .and. tally%n_yielding > 0) return
-    if (tally%n_slaves == 0 .and. .not. model%pairs(p)%is_pointwise) then
-      call complain(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
-    else if (tally%n_projected == 0) then
-      none = 'None of the ' // plural(tally%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // &
+    if (statistic%n_projected == 0 .and. statistic%n_passive > 0) return
+    if (statistic%n_slaves == 0 .and. .not. model%pairs(p)%has_point_contact) then
+      call report_error(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
+    else if (statistic%n_projected == 0) then
+      none = 'None of the ' // plural(statistic%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // &
         ' projects on the master at the start'
-      if (tally%n_slaves == 0) none = 'No slave face of ' // pair_name(model, p) // ' faces the master at the start'
-      if (may_meet_later(model, contact, p)) then
-        call warn(report, none // '; the loads may bring the surfaces together later. ' // &
+      if (statistic%n_slaves == 0) none = 'No slave face of ' // pair_name(model, p) // ' faces the master at the start'
+      if (can_close_later(model, contact, p)) then
+        call report_warning(report, none // '; the loads may bring the surfaces together later. ' // &
           'If the master lies between nodes of the slave, swap them: the slave is the finer or smaller surface.')
       else
-        call complain(report, none // ': the surfaces do not face each other, or are farther apart than ' // &
-          text_of(REACH * contact%edge(p)) // ' (three edges of the master). Check the faces of both surfaces and ' // &
+        call report_error(report, none // ': the surfaces do not face each other, or are farther apart than ' // &
+          to_text(SEARCH_RADIUS_RATIO * contact%edge(p)) // ' (three edges of the master). Check the faces of both surfaces and ' &
+          // &
           'the position of the bodies, or move them together.')
       end if
-    else if (tally%n_projected < tally%n_slaves) then
-      call warn(report, text_of(tally%n_slaves - tally%n_projected) // ' of the ' // &
-        plural(tally%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // ' do not project on the master ' // &
+    else if (statistic%n_projected < statistic%n_slaves) then
+      call report_warning(report, to_text(statistic%n_slaves - statistic%n_projected) // ' of the ' // &
+        plural(statistic%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // ' do not project on the master ' // &
         'at the start; this is normal where they overhang.')
     end if
   end subroutine check_projection
 
 
   !> Slave and master that face the same way.
-  subroutine check_direction(model, p, tally, report)
+  subroutine check_direction(model, p, statistic, report)
     type(model_type), intent(in) :: model
     integer, intent(in) :: p                       !< pair
-    type(pair_tally_type), intent(in) :: tally
-    type(complaints_type), intent(inout) :: report
+    type(pair_statistics_type), intent(in) :: statistic
+    type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: where
-    if (2 * tally%n_flipped > tally%n_near) then
-      where = 'at ' // text_of(tally%n_flipped) // ' of ' // plural(tally%n_near, 'slave node') // ' near the master'
-    else if (tally%n_turned > 0 .and. tally%n_turned == tally%n_projected) then
-      where = 'at all ' // text_of(tally%n_turned) // ' slave nodes that project on the master'
+    if (2 * statistic%n_same_direction > statistic%n_near) then
+      where = 'at ' // to_text(statistic%n_same_direction) // ' of ' // plural(statistic%n_near, 'slave node') // ' near the master'
+    else if (statistic%n_facing_away > 0 .and. statistic%n_facing_away == statistic%n_projected) then
+      where = 'at all ' // to_text(statistic%n_facing_away) // ' slave nodes that project on the master'
     else
       return
     end if
-    call complain(report, 'The surfaces of ' // pair_name(model, p) // ' face the same way ' // where // ', so they ' // &
+    call report_error(report, 'The surfaces of ' // pair_name(model, p) // ' face the same way ' // where // ', so they ' // &
       'cannot touch. Check the face numbers (S1 to S6) of both surfaces: each must be the outside of its body ' // &
       'towards the other.')
   end subroutine check_direction
 
 
   !> Penetration at the start.
-  subroutine check_depth(model, contact, slaves, p, tally, report)
+  subroutine check_depth(model, contact, slaves, p, statistic, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: p                       !< pair
-    type(pair_tally_type), intent(in) :: tally
-    type(complaints_type), intent(inout) :: report
+    type(pair_statistics_type), intent(in) :: statistic
+    type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: found
-    if (tally%depth <= SLIGHT .or. is_allowed(model, p, tally%depth, contact%edge(p))) return
-    associate (slave => slaves(tally%deepest))
-      found = 'In ' // pair_name(model, p) // ' slave node ' // text_of(model%mesh%node_label(slave%node)) // &
-        ' lies ' // text_of(-slave%gap) // ' inside the master at the start, where an edge is ' // &
-        text_of(contact%facets(p)%edge_length(slave%facet)) // ' long'
+    if (statistic%depth <= MIN_REPORTED_PENETRATION .or. is_allowed(model, p, statistic%depth, contact%edge(p))) return
+    associate (slave => slaves(statistic%deepest))
+      found = 'In ' // pair_name(model, p) // ' slave node ' // to_text(model%mesh%node_label(slave%node)) // &
+        ' lies ' // to_text(-slave%gap) // ' inside the master at the start, where an edge is ' // &
+        to_text(contact%facets(p)%edge_length(slave%facet)) // ' long'
     end associate
-    if (tally%depth > DEEP .and. model%dialect /= DIALECT_CALCULIX) then
-      call complain(report, found // ': the surfaces are probably swapped, on the wrong side, or the bodies ' // &
+    if (statistic%depth > MAX_PENETRATION .and. model%dialect /= DIALECT_CALCULIX) then
+      call report_error(report, found // ': the surfaces are probably swapped, on the wrong side, or the bodies ' // &
         'overlap. Check the face numbers and the position of the bodies.')
     else
-      call warn(report, found // '; this is the deepest of the pair. It is pushed out in the first ' // &
+      call report_warning(report, found // '; this is the deepest of the pair. It is pushed out in the first ' // &
         'increment, which strains the bodies; move the nodes onto the master if that is not wanted.')
     end if
   end subroutine check_depth
 
 
   !> The slaves that do not face away from their master, as those of a surface all around a body may.
-  pure function those_that_face(contact, slaves) result(list)
+  pure function slaves_facing_master(contact, slaves) result(list)
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer, allocatable :: list(:)
     integer :: s
-    list = pack([(s, s=1, size(slaves))], [(dot_product(contact%slave_normal(:, s), slaves(s)%normal) <= SAME_WAY, &
+    list = pack([(s, s=1, size(slaves))], [(dot_product(contact%slave_normal(:, s), &
+      slaves(s)%normal) <= MIN_SAME_DIRECTION_COSINE, &
       s=1, size(slaves))])
-  end function those_that_face
+  end function slaves_facing_master
 
 
   !> Whether *CONTACT INTERFERENCE of the first step takes a penetration over the edge for what it is: a fit.
@@ -219,9 +222,9 @@ contains
     real(DP), intent(in) :: depth                  !< over the edge [-]
     real(DP), intent(in) :: edge                   !< [length]
     is_allowed = .false.
-    if (size(model%steps) == 0 .or. depth > DEEP) return
+    if (size(model%steps) == 0 .or. depth > MAX_PENETRATION) return
     associate (step => model%steps(1))
-      if (allocated(step%is_shrink)) is_allowed = step%is_shrink(p)
+      if (allocated(step%is_shrink_fit)) is_allowed = step%is_shrink_fit(p)
       if (allocated(step%interference)) is_allowed = is_allowed .or. abs(step%interference(p)) >= 0.5_DP * depth * edge
     end associate
   end function is_allowed
@@ -229,14 +232,14 @@ contains
 
   !> Whether a pair that is apart at the start can be driven together: finite sliding, and a displacement long enough or a force.
   !! Under the calculix dialect nothing is said against any pair: the deck runs there.
-  pure logical function may_meet_later(model, contact, p)
+  pure logical function can_close_later(model, contact, p)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: p                       !< pair
-    real(DP) :: box(3, 2, 2), apart(3), travel
+    real(DP) :: box(3, 2, 2), apart(3), largest
     integer :: i
-    may_meet_later = model%dialect == DIALECT_CALCULIX   ! it runs there
-    if (may_meet_later .or. model%pairs(p)%is_small_sliding .or. .not. any(model%steps%is_nlgeom)) return
+    can_close_later = model%dialect == DIALECT_CALCULIX   ! it runs there
+    if (can_close_later .or. model%pairs(p)%is_small_sliding .or. .not. any(model%steps%is_nlgeom)) return
     associate (x => model%mesh%coordinates, slave => model%surfaces(model%pairs(p)%slave)%nodes, &
       master => model%surfaces(model%pairs(p)%master)%nodes)
       do i = 1, 3
@@ -245,38 +248,38 @@ contains
       end do
     end associate
     apart = max(0.0_DP, box(:, 1, 1) - box(:, 2, 2), box(:, 1, 2) - box(:, 2, 1))
-    travel = 0.0_DP
+    largest = 0.0_DP
     do i = 1, size(model%steps)
-      travel = max(travel, longest_travel(model%amplitudes, model%steps(i)%prescribed))
-      if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) travel = huge(travel)   ! as far as need be
+      largest = max(largest, largest_prescribed(model%amplitudes, model%steps(i)%prescribed))
+      if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) largest = huge(largest)   ! as far as need be
     end do
-    may_meet_later = travel > 0.0_DP .and. travel >= norm2(apart) - REACH * contact%edge(p)
-  end function may_meet_later
+    can_close_later = largest > 0.0_DP .and. largest >= norm2(apart) - SEARCH_RADIUS_RATIO * contact%edge(p)
+  end function can_close_later
 
 
   !> The largest prescribed displacement of a step [length].
-  pure real(DP) function longest_travel(amplitudes, prescribed) result(travel)
+  pure real(DP) function largest_prescribed(amplitudes, prescribed) result(largest)
     type(amplitude_type), intent(in) :: amplitudes(:)
     type(prescribed_type), intent(in) :: prescribed(:)
     real(DP) :: factor
     integer :: i
-    travel = 0.0_DP
+    largest = 0.0_DP
     do i = 1, size(prescribed)
       if (prescribed(i)%is_held) cycle
       factor = 1.0_DP
       if (prescribed(i)%amplitude > 0) factor = maxval(abs(amplitudes(prescribed(i)%amplitude)%factor))
-      travel = max(travel, factor * abs(prescribed(i)%end), abs(prescribed(i)%start))
+      largest = max(largest, factor * abs(prescribed(i)%end), abs(prescribed(i)%start))
     end do
-  end function longest_travel
+  end function largest_prescribed
 
 
   !> Exact pairs share slave nodes with mid-side nodes only among pairs of one kind: surface to surface gives these nodes forces of
   !! their own, node to surface has them follow their corners.
   subroutine check_kinds(model, report)
     type(model_type), intent(in) :: model
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     logical :: is_exact(size(model%pairs)), is_quadratic(size(model%pairs)), is_slave(model%mesh%n_nodes)
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: p, q, f
     is_exact = .not. is_compliant(model%interactions(model%pairs%interaction))
@@ -297,7 +300,7 @@ contains
       is_slave(model%surfaces(model%pairs(p)%slave)%nodes) = .true.
       do q = 1, size(model%pairs)
         if (.not. is_exact(q) .or. model%pairs(q)%is_mortar .or. .not. (is_quadratic(p) .or. is_quadratic(q))) cycle
-        if (any(is_slave(model%surfaces(model%pairs(q)%slave)%nodes))) call complain(report, pair_name(model, p) // &
+        if (any(is_slave(model%surfaces(model%pairs(q)%slave)%nodes))) call report_error(report, pair_name(model, p) // &
           ' is surface to surface and shares slave nodes of quadratic faces with ' // pair_name(model, q) // ', which is ' // &
           'node to surface. Give both the same TYPE.')
       end do
@@ -308,7 +311,7 @@ contains
   !> Nodes that are on both sides of a pair. (Pairs may share nodes: see amontons_overlaps.)
   subroutine check_overlap(model, report)
     type(model_type), intent(in) :: model
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type) :: common
     logical, allocatable :: is_slave(:)            ! (n_nodes)
     integer :: p, i
@@ -323,7 +326,7 @@ contains
         end do
       end associate
       if (common%n == 0) cycle
-      call complain(report, capital(number_of('node', common%trimmed(), 'belongs', 'belong')) // ' to both ' // &
+      call report_error(report, capitalized(counted_noun('node', common%trimmed(), 'belongs', 'belong')) // ' to both ' // &
         'surfaces of ' // pair_name(model, p) // '. A body cannot touch itself at its own nodes: take them out ' // &
         'of one surface, or give the two bodies nodes of their own.')
     end do
@@ -333,8 +336,8 @@ contains
   !> Slave nodes that a support or an equation holds along the contact normal: the contact cannot push them.
   subroutine check_held(model, slaves, report)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
-    type(complaints_type), intent(inout) :: report
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type), allocatable :: found(:)
     logical, allocatable :: is_free(:, :), was_told(:)
     integer :: i, s, p
@@ -352,7 +355,7 @@ contains
       do p = 1, size(found)
         if (found(p)%n == 0 .or. was_told(p)) cycle
         was_told(p) = .true.
-        call warn(report, 'In step ' // text_of(i) // ' the displacement along the contact normal is held by a ' // &
+        call report_warning(report, 'In step ' // to_text(i) // ' the displacement along the contact normal is held by a ' // &
           'support or an equation at ' // plural(found(p)%n, 'slave node') // ' of ' // pair_name(model, p) // ' (' // &
           label_list(found(p)%trimmed()) // '): the contact cannot push there. Swap slave and master.')
       end do
@@ -362,10 +365,10 @@ contains
 
   !> Whether a slave node cannot move along its contact normal.
   pure logical function is_held_along(slave, is_free)
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     logical, intent(in) :: is_free(3)              !< its displacements
     is_held_along = slave%facet > 0
-    if (is_held_along) is_held_along = norm2(merge(slave%normal, 0.0_DP, is_free)) < HELD
+    if (is_held_along) is_held_along = norm2(merge(slave%normal, 0.0_DP, is_free)) < MIN_FREE_PART
   end function is_held_along
 
 
@@ -398,11 +401,11 @@ contains
 
 
   !> The text with its first letter large.
-  pure function capital(text) result(sentence)
+  pure function capitalized(text) result(sentence)
     character(*), intent(in) :: text
     character(:), allocatable :: sentence
     sentence = text
     if (text(1:1) >= 'a' .and. text(1:1) <= 'z') sentence(1:1) = achar(iachar(text(1:1)) - 32)
-  end function capital
+  end function capitalized
 
 end module amontons_model_check_contact

@@ -8,25 +8,25 @@
 !! of one cluster.
 module amontons_model_check_motion
   use amontons_kinds, only: DP
-  use amontons_errors, only: complaints_type
-  use amontons_text, only: text_of
+  use amontons_errors, only: diagnostic_list_type
+  use amontons_text, only: to_text
   use amontons_containers, only: integer_list_type
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
+  use amontons_topology, only: element_kind, element_kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
   use amontons_null_space, only: find_null_space, find_null_vectors
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
-  use amontons_model, only: model_type, direction_of
-  use amontons_state, only: slave_type, STATUS_OPEN, STATUS_SLIP
+  use amontons_model, only: model_type, dof_direction
+  use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
-  use amontons_contact_pairs, only: contact_type, touching_row
-  use amontons_model_check_bodies, only: complain, warn, step_list, joined, body_type, bodies_type, body_name, &
-    find_bodies, find_root, unite
-  use amontons_model_check_contact, only: is_closed, may_meet_later
-  use amontons_rigid_modes, only: simplify, motion_list, is_translation, CLEAN
+  use amontons_contact_pairs, only: contact_type, current_row
+  use amontons_model_check_bodies, only: report_error, report_warning, step_list, join_item, body_type, bodies_type, body_name, &
+    find_bodies, find_root, unite_trees
+  use amontons_model_check_contact, only: is_closed, can_close_later
+  use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
   implicit none
   private
-  public :: check_motions, free_motion
+  public :: check_rigid_motions, describe_free_motion
 
   ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
   ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
@@ -62,12 +62,12 @@ module amontons_model_check_motion
 contains
 
   !> Tells which rigid motions nothing holds, step by step (errors), and which only open contact holds at the start.
-  subroutine check_motions(model, contact, slaves, bodies, report)
+  subroutine check_rigid_motions(model, contact, slaves, bodies, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
     type(bodies_type), intent(in) :: bodies
-    type(complaints_type), intent(inout) :: report
+    type(diagnostic_list_type), intent(inout) :: report
     type(finding_type), allocatable :: findings(:)
     integer :: i
     allocate (findings(0))
@@ -77,21 +77,21 @@ contains
     do i = 1, size(findings)
       associate (finding => findings(i))
         if (finding%is_warning) then
-          call warn(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+          call report_warning(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
         else
-          call complain(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+          call report_error(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
         end if
       end associate
     end do
-  end subroutine check_motions
+  end subroutine check_rigid_motions
 
 
   !> A motion that supports, equations and the closed slave nodes leave to a body in a step, in words; empty if there is none.
   !! Slave nodes that slip hold their bodies along the normal alone.
-  function free_motion(model, contact, slaves, step) result(text)
+  function describe_free_motion(model, contact, slaves, step) result(text)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: step                    !< its number
     character(:), allocatable :: text
     type(bodies_type) :: bodies
@@ -104,7 +104,7 @@ contains
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
     allocate (findings(0))
-    call begin_rows(bodies, rows)
+    call allocate_rows(bodies, rows)
     call add_equations(model, bodies, bases, rows)
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN .or. slaves(s)%facet == 0) cycle
@@ -115,24 +115,24 @@ contains
     text = findings(1)%text
     text = text(:scan(text // ':', ':') - 1)
     if (index(text, ' as the deck places it') > 0) text = text(:index(text, ' as the deck places it') - 1)
-  end function free_motion
+  end function describe_free_motion
 
 
   !> Room for rows.
-  subroutine begin_rows(bodies, rows)
+  subroutine allocate_rows(bodies, rows)
     type(bodies_type), intent(in) :: bodies
     type(rows_type), intent(out) :: rows
     allocate (rows%work(6, bodies%n), source=0.0_DP)
     allocate (rows%touched(bodies%n), rows%first(65), rows%is_open(64), rows%body(128), rows%value(6, 128))
     rows%first(1) = 1
-  end subroutine begin_rows
+  end subroutine allocate_rows
 
 
   !> The free motions of one step.
   subroutine check_step(model, contact, slaves, bodies, step, findings)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(bodies_type), intent(in) :: bodies
     integer, intent(in) :: step                    !< its number
     type(finding_type), allocatable, intent(inout) :: findings(:)
@@ -140,7 +140,7 @@ contains
     type(rows_type) :: rows
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
-    call begin_rows(bodies, rows)
+    call allocate_rows(bodies, rows)
     call add_equations(model, bodies, bases, rows)
     call add_contacts(model, contact, slaves, bodies, bases, rows)
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
@@ -174,19 +174,19 @@ contains
     allocate (bases%n(bodies%n), source=0)
     allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
     do b = 1, bodies%n
-      if (bodies%list(b)%n_elements == 0) call hold_unused(model, bodies%list(b)%node, gram(:, :, b))
+      if (bodies%list(b)%n_elements == 0) call constrain_lone_node(model, bodies%list(b)%node, gram(:, :, b))
     end do
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
         b = bodies%of_node(load%node)
         if (b == 0) cycle
-        row = matmul(direction_of(model, load%node, load%dof), &
+        row = matmul(dof_direction(model, load%node, load%dof), &
           rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node)))
         call add_product(row, row, gram(:, :, b))
       end associate
     end do
-    call hold_by_elements(model, bodies, gram)
-    call hold_lines(model, bodies, gram)
+    call constrain_by_elements(model, bodies, gram)
+    call constrain_line_rotation(model, bodies, gram)
     do b = 1, bodies%n
       call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b))
     end do
@@ -195,26 +195,26 @@ contains
 
   !> Motions that the elements themselves rule out: displacements that nothing resists are held at zero (the third of plane
   !! models), an axisymmetric element resists its radial displacement, a spring to the ground its own.
-  subroutine hold_by_elements(model, bodies, gram)
+  subroutine constrain_by_elements(model, bodies, gram)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: e, i, k
     associate (mesh => model%mesh)
-      if (.not. allocated(mesh%is_idle)) return
+      if (.not. allocated(mesh%is_unstiffened)) return
       do i = 1, mesh%n_nodes
         do k = 1, 3
-          if (mesh%is_idle(k, i)) call hold(i, k)
+          if (mesh%is_unstiffened(k, i)) call constrain_dof(i, k)
         end do
       end do
       do e = 1, mesh%n_elements
         entry = element_kind(mesh%kind(e))
         do i = mesh%first(e), mesh%first(e + 1) - 1
-          if (entry%family == FAMILY_AXISYMMETRIC) call hold(mesh%nodes(i), 1)
+          if (entry%family == FAMILY_AXISYMMETRIC) call constrain_dof(mesh%nodes(i), 1)
           if (mesh%kind(e) /= KIND_SPRING1) cycle
           do k = 1, 3                              ! 0: it acts in a direction that is no axis
-            if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call hold(mesh%nodes(i), k)
+            if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call constrain_dof(mesh%nodes(i), k)
           end do
         end do
       end do
@@ -223,7 +223,7 @@ contains
   contains
 
     !> A support of one displacement of a node.
-    subroutine hold(node, dof)
+    subroutine constrain_dof(node, dof)
       integer, intent(in) :: node, dof
       real(DP) :: rows(3, 6)
       integer :: b
@@ -231,13 +231,13 @@ contains
       if (b == 0) return
       rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, node))
       call add_product(rows(dof, :), rows(dof, :), gram(:, :, b))
-    end subroutine hold
+    end subroutine constrain_dof
 
-  end subroutine hold_by_elements
+  end subroutine constrain_by_elements
 
 
   !> A body of trusses, springs or masses may be a line or a point: a turn about it moves nothing, and is held.
-  subroutine hold_lines(model, bodies, gram)
+  subroutine constrain_line_rotation(model, bodies, gram)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
@@ -267,11 +267,11 @@ contains
         call add_product(vectors(:, k), vectors(:, k), gram(:, :, b))
       end do
     end do
-  end subroutine hold_lines
+  end subroutine constrain_line_rotation
 
 
   !> A node without elements does not turn, and moves only in the directions that equations name.
-  subroutine hold_unused(model, node, gram)
+  subroutine constrain_lone_node(model, node, gram)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node
     real(DP), intent(inout) :: gram(6, 6)
@@ -286,7 +286,7 @@ contains
     do k = 1, 6
       if (.not. is_used(k)) gram(k, k) = 1.0_DP
     end do
-  end subroutine hold_unused
+  end subroutine constrain_lone_node
 
 
   !> Adds a'u(node) to the row in the making.
@@ -380,11 +380,11 @@ contains
   subroutine add_contacts(model, contact, slaves, bodies, bases, rows)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(bodies_type), intent(in) :: bodies
     type(bases_type), intent(in) :: bases
     type(rows_type), intent(inout) :: rows
-    type(slave_type) :: slave
+    type(slave_state_type) :: slave
     logical, allocatable :: is_later(:)            ! (n_pairs) apart now, may be driven together
     integer :: s, p
     allocate (is_later(size(model%pairs)), source=.true.)
@@ -392,7 +392,7 @@ contains
       if (slaves(s)%facet > 0) is_later(slaves(s)%pair) = .false.
     end do
     do p = 1, size(model%pairs)
-      if (is_later(p)) is_later(p) = may_meet_later(model, contact, p)
+      if (is_later(p)) is_later(p) = can_close_later(model, contact, p)
     end do
     do s = 1, size(slaves)
       slave = slaves(s)
@@ -411,7 +411,7 @@ contains
   subroutine add_contact(model, contact, slave, bodies, bases, rows)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     type(bodies_type), intent(in) :: bodies
     type(bases_type), intent(in) :: bases
     type(rows_type), intent(inout) :: rows
@@ -419,7 +419,7 @@ contains
     real(DP) :: direction(3, 3)
     integer :: i, k, n_directions
     logical :: is_open
-    call touching_row(contact, slave, row)
+    call current_row(contact, slave, row)
     is_open = .not. is_closed(contact, slave)
     associate (law => model%interactions(model%pairs(slave%pair)%interaction))
       n_directions = merge(3, 1, law%friction > 0.0_DP .or. law%is_user_friction .or. law%behavior == BEHAVIOR_USER)
@@ -457,7 +457,7 @@ contains
     do r = 1, rows%n
       if (is_start .and. rows%is_open(r)) cycle
       do i = rows%first(r) + 1, rows%first(r + 1) - 1
-        call unite(parent, rows%body(rows%first(r)), rows%body(i))
+        call unite_trees(parent, rows%body(rows%first(r)), rows%body(i))
       end do
     end do
     do b = 1, bodies%n
@@ -490,16 +490,16 @@ contains
     type(finding_type), allocatable, intent(inout) :: findings(:)
     real(DP), allocatable :: gram(:, :), vectors(:, :), motions(:, :)
     real(DP) :: motion(6)
-    integer, allocatable :: place(:)               ! (n_bodies) of a member's first motion, less one
+    integer, allocatable :: column_of(:)               ! (n_bodies) of a member's first motion, less one
     integer :: i, k, l, m, n, b
-    allocate (place(bodies%n), source=0)
+    allocate (column_of(bodies%n), source=0)
     m = 0
     do i = 1, size(members)
-      place(members(i)) = m
+      column_of(members(i)) = m
       m = m + bases%n(members(i))
     end do
     allocate (gram(m, m), vectors(m, m))
-    call fill_gram(bases, rows, rows_of, place, gram)
+    call fill_gram(bases, rows, rows_of, column_of, gram)
     call find_scaled_null_space(members, bases, gram, n, vectors)
     if (n == 0) return
     allocate (motions(6 * size(members), n))
@@ -508,22 +508,22 @@ contains
       do k = 1, n
         motion = 0.0_DP
         do l = 1, bases%n(b)
-          motion = motion + vectors(place(b) + l, k) * bases%motion(:, l, b)
+          motion = motion + vectors(column_of(b) + l, k) * bases%motion(:, l, b)
         end do
         motions(6 * i - 5:6 * i, k) = motion
       end do
     end do
-    call simplify(motions)
-    call tell_motions(model, bodies, members, motions, step, is_start, findings)
+    call simplify_motions(motions)
+    call report_motions(model, bodies, members, motions, step, is_start, findings)
   end subroutine check_cluster
 
 
   !> R'R of a cluster.
-  subroutine fill_gram(bases, rows, rows_of, place, gram)
+  subroutine fill_gram(bases, rows, rows_of, column_of, gram)
     type(bases_type), intent(in) :: bases
     type(rows_type), intent(in) :: rows
     type(integer_list_type), intent(in) :: rows_of !< the rows of the cluster
-    integer, intent(in) :: place(:)                !< (n_bodies) of a body's first motion, less one
+    integer, intent(in) :: column_of(:)                !< (n_bodies) of a body's first motion, less one
     real(DP), intent(out) :: gram(:, :)
     integer :: k, i, j, r, a, b
     gram = 0.0_DP
@@ -534,7 +534,7 @@ contains
         do i = rows%first(r), rows%first(r + 1) - 1
           a = rows%body(i)
           call add_product(rows%value(:bases%n(a), i), rows%value(:bases%n(b), j), &
-            gram(place(a) + 1:place(a) + bases%n(a), place(b) + 1:place(b) + bases%n(b)))
+            gram(column_of(a) + 1:column_of(a) + bases%n(a), column_of(b) + 1:column_of(b) + bases%n(b)))
         end do
       end do
     end do
@@ -585,7 +585,7 @@ contains
 
 
   !> One finding for each set of bodies that moves together.
-  subroutine tell_motions(model, bodies, members, motions, step, is_start, findings)
+  subroutine report_motions(model, bodies, members, motions, step, is_start, findings)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     integer, intent(in) :: members(:)              !< bodies
@@ -593,29 +593,29 @@ contains
     integer, intent(in) :: step
     logical, intent(in) :: is_start
     type(finding_type), allocatable, intent(inout) :: findings(:)
-    logical :: is_moved(size(members), size(motions, 2)), is_told(size(motions, 2)), is_same(size(motions, 2))
+    logical :: is_moved(size(members), size(motions, 2)), is_reported(size(motions, 2)), is_same(size(motions, 2))
     character(:), allocatable :: text
     integer :: i, j, first
     logical :: is_turned
     do j = 1, size(motions, 2)
       do i = 1, size(members)
-        is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > CLEAN * maxval(abs(motions(:, j)))
+        is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > MIN_MOTION_PART * maxval(abs(motions(:, j)))
       end do
     end do
-    is_told = .false.
+    is_reported = .false.
     do j = 1, size(motions, 2)
-      if (is_told(j)) cycle
+      if (is_reported(j)) cycle
       is_same = [(all(is_moved(:, i) .eqv. is_moved(:, j)), i=1, size(motions, 2))]
-      is_told = is_told .or. is_same
+      is_reported = is_reported .or. is_same
       first = findloc(is_moved(:, j), .true., dim=1)
       text = body_name(model, bodies%list(members(first)))
       if (count(is_moved(:, j)) > 1) text = text // ' and with it ' // &
         other_bodies(model, bodies, pack(members, is_moved(:, j)))
-      text = text // ' can ' // motion_list(bodies%list(members(first)), motions(6 * first - 5:6 * first, :), is_same)
+      text = text // ' can ' // motions_text(bodies%list(members(first)), motions(6 * first - 5:6 * first, :), is_same)
       is_turned = may_be_held_later(model, step, motions(6 * first - 5:6 * first, :), is_same)
-      call add_finding(text // remedy(is_start, is_turned), step, is_start .or. is_turned, findings)
+      call add_finding(text // remedy_text(is_start, is_turned), step, is_start .or. is_turned, findings)
     end do
-  end subroutine tell_motions
+  end subroutine report_motions
 
 
   !> The second and third body by name, the others by number.
@@ -625,26 +625,26 @@ contains
     integer, intent(in) :: moved(:)                !< bodies; the first is named already
     character(:), allocatable :: text
     text = 'the ' // body_name(model, bodies%list(moved(2)))
-    if (size(moved) == 3) text = joined(text, 'the ' // body_name(model, bodies%list(moved(3))), .true.)
-    if (size(moved) > 3) text = joined(text, text_of(size(moved) - 2) // ' more', .true.)
+    if (size(moved) == 3) text = join_item(text, 'the ' // body_name(model, bodies%list(moved(3))), .true.)
+    if (size(moved) > 3) text = join_item(text, to_text(size(moved) - 2) // ' more', .true.)
   end function other_bodies
 
 
   !> Whether a body that can turn where it lies in the deck may be held where an earlier step under NLGEOM has brought it.
   !! What can move along without turning can so everywhere.
-  pure logical function may_be_held_later(model, step, motions, is_told) result(may_be)
+  pure logical function may_be_held_later(model, step, motions, is_reported) result(may_be)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
     real(DP), intent(in) :: motions(:, :)          !< (6, n) of one body
-    logical, intent(in) :: is_told(:)              !< (n) those in question
+    logical, intent(in) :: is_reported(:)              !< (n) those in question
     integer :: i
-    may_be = step > 1 .and. any(model%steps(:step)%is_nlgeom) .and. .not. any([(is_told(i) .and. &
-      is_translation(motions(:, i)), i=1, size(is_told))])
+    may_be = step > 1 .and. any(model%steps(:step)%is_nlgeom) .and. .not. any([(is_reported(i) .and. &
+      is_translation(motions(:, i)), i=1, size(is_reported))])
   end function may_be_held_later
 
 
   !> What is missing and what to do.
-  pure function remedy(is_start, is_turned) result(text)
+  pure function remedy_text(is_start, is_turned) result(text)
     logical, intent(in) :: is_start
     logical, intent(in) :: is_turned               !< it may be held where the steps before have brought it
     character(:), allocatable :: text
@@ -658,7 +658,7 @@ contains
       text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
         'that is held (only friction holds it along the surface).'
     end if
-  end function remedy
+  end function remedy_text
 
 
   !> Adds a finding, or its step to one that says the same.

@@ -4,30 +4,30 @@
 !! A motion is (t, r): u = t + r x (x - centre)/size, with the centre and the size of the body.
 module amontons_rigid_modes
   use amontons_kinds, only: DP
-  use amontons_text, only: text_of
+  use amontons_text, only: to_text
   use amontons_tensor, only: cross_product
-  use amontons_model_check_bodies, only: body_type, joined
+  use amontons_model_check_bodies, only: body_type, join_item
   implicit none
   private
-  public :: simplify, motion_list, is_translation, CLEAN
+  public :: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
 
-  real(DP), parameter :: CLEAN = 1.0e-3_DP         !< a part of a motion smaller than this is not told [-]
+  real(DP), parameter :: MIN_MOTION_PART = 1.0e-3_DP         !< a part of a motion smaller than this is not told [-]
 
 contains
 
   !> Takes combinations of the motions that are simple to tell: reduced echelon form, body by body, translations first.
-  pure subroutine simplify(motions)
+  pure subroutine simplify_motions(motions)
     real(DP), intent(inout) :: motions(:, :)       !< (6 members, n) columns
-    real(DP), parameter :: LEAST(2) = [0.1_DP, 0.0_DP]   ! part of a column that its pivot must have, in two passes
+    real(DP), parameter :: MIN_PIVOT_PART(2) = [0.1_DP, 0.0_DP]   ! part of a column that its pivot must have, in two passes
     integer :: pass, row, n
     n = 0
     do pass = 1, 2
       do row = 1, size(motions, 1)
         if (n == size(motions, 2)) return
-        call take_pivot(row, LEAST(pass), n, motions)
+        call take_pivot(row, MIN_PIVOT_PART(pass), n, motions)
       end do
     end do
-  end subroutine simplify
+  end subroutine simplify_motions
 
 
   !> Makes a row the pivot of the next motion, if a motion has enough of it: there it is 1, elsewhere 0.
@@ -38,7 +38,7 @@ contains
     real(DP), intent(inout) :: motions(:, :)
     real(DP) :: column(size(motions, 1)), part, best
     integer :: j, k
-    best = max(least, CLEAN)
+    best = max(least, MIN_MOTION_PART)
     k = 0
     do j = n + 1, size(motions, 2)
       part = abs(motions(row, j)) / max(maxval(abs(motions(:, j))), tiny(1.0_DP))
@@ -58,7 +58,7 @@ contains
 
 
   !> 'move along x and turn about z through its centre': translations first.
-  function motion_list(body, motions, is_listed) result(text)
+  function motions_text(body, motions, is_listed) result(text)
     type(body_type), intent(in) :: body
     real(DP), intent(in) :: motions(:, :)          !< (6, n) t, r
     logical, intent(in) :: is_listed(:)            !< (n)
@@ -75,15 +75,15 @@ contains
     list = [(i, i=1, size(is_listed))]
     list = [pack(list, is_listed .and. .not. is_turn), pack(list, is_turn)]
     do i = 1, size(list)
-      text = joined(text, motion_text(body, motions(:, list(i))), i == size(list))
+      text = join_item(text, motion_text(body, motions(:, list(i))), i == size(list))
     end do
-  end function motion_list
+  end function motions_text
 
 
   !> Whether a motion turns the body by (nearly) nothing.
   pure logical function is_translation(motion)
     real(DP), intent(in) :: motion(6)              !< t, r
-    is_translation = norm2(motion(4:)) <= CLEAN * norm2(motion(:3))
+    is_translation = norm2(motion(4:)) <= MIN_MOTION_PART * norm2(motion(:3))
   end function is_translation
 
 
@@ -103,12 +103,12 @@ contains
     axis = motion(4:) / norm2(motion(4:))
     offset = cross_product(axis, t) / turn
     text = 'turn about ' // direction_text(axis)
-    if (norm2(offset) <= CLEAN * body%size) then
+    if (norm2(offset) <= MIN_MOTION_PART * body%size) then
       text = text // ' through its centre'
     else
       text = text // ' through the point ' // vector_text(body%centre + offset, 1.0e-3_DP * body%size)
     end if
-    if (abs(dot_product(axis, t)) > CLEAN * turn * body%size) text = text // ' while it moves along it'
+    if (abs(dot_product(axis, t)) > MIN_MOTION_PART * turn * body%size) text = text // ' while it moves along it'
   end function motion_text
 
 
@@ -118,7 +118,7 @@ contains
     character(:), allocatable :: text
     integer :: k
     k = maxloc(abs(direction), dim=1)
-    if (abs(direction(k)) > 1 - 0.5_DP * CLEAN**2) then
+    if (abs(direction(k)) > 1 - 0.5_DP * MIN_MOTION_PART**2) then
       text = 'xyz'
       text = text(k:k)
     else
@@ -137,7 +137,7 @@ contains
     step = 10.0_DP**floor(log10(unit) + 1.0e-9_DP)
     text = '('
     do k = 1, 3
-      text = text // text_of(step * anint(vector(k) / step))
+      text = text // to_text(step * anint(vector(k) / step))
       if (k < 3) text = text // ', '
     end do
     text = text // ')'

@@ -16,13 +16,15 @@ module amontons_dual_shape_functions
   use amontons_dense, only: solve_small, DENSE_OK
   implicit none
   private
-  public :: is_transformed, full_part, transform_shapes, transform_nodes, whole_share, dual_functions
-  public :: ALPHA
+  public :: is_transformed, find_full_dual_fraction, transform_shape_functions, transform_nodal_positions, &
+    nodal_integral_fractions, evaluate_dual_functions
+  public :: BASIS_ALPHA
 
-  real(DP), parameter :: ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
-  real(DP), parameter :: FULL(6) = [2.0_DP, 2.0_DP, 1.2_DP, 1.2_DP, 2.0_DP, 2.0_DP]   !< times this cover they have all of it,
+  real(DP), parameter :: BASIS_ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
+  real(DP), parameter :: FULL_COVER_FACTOR(6) = [2.0_DP, 2.0_DP, 1.2_DP, 1.2_DP, 2.0_DP, 2.0_DP]   !< times this cover they have
+                                                                                                   !! all of it,
                                                    !< by kind [-]
-  real(DP), parameter :: ENOUGH(6) = [0.0_DP, 0.05_DP, 0.25_DP, 0.25_DP, 0.0_DP, 0.1_DP]   !< cover of a facet, by kind,
+  real(DP), parameter :: MIN_DUAL_COVER(6) = [0.0_DP, 0.05_DP, 0.25_DP, 0.25_DP, 0.0_DP, 0.1_DP]   !< cover of a facet, by kind,
                                                    !< that carries all its duals [-]
 
 contains
@@ -36,23 +38,23 @@ contains
 
   !> Which part the full dual functions have, those of linear functions having the rest: 0 where too little of a facet is covered, 1
   !! from somewhat more on, so that nothing jumps in between.
-  pure subroutine full_part(kind, cover, part, slope)
+  pure subroutine find_full_dual_fraction(kind, covered_fraction, full_fraction, slope)
     integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: cover                  !< covered area over that of the facet [-]
-    real(DP), intent(out) :: part                  !< [-]
+    real(DP), intent(in) :: covered_fraction                  !< covered area over that of the facet [-]
+    real(DP), intent(out) :: full_fraction                  !< [-]
     real(DP), intent(out) :: slope                 !< d part/d cover [-]
     real(DP) :: t
-    part = 1.0_DP
+    full_fraction = 1.0_DP
     slope = 0.0_DP
-    if (cover >= FULL(kind) * ENOUGH(kind)) return
-    t = max((cover / ENOUGH(kind) - 1) / (FULL(kind) - 1), 0.0_DP)
-    part = t**2 * (3 - 2 * t)
-    slope = 6 * t * (1 - t) / ((FULL(kind) - 1) * ENOUGH(kind))
-  end subroutine full_part
+    if (covered_fraction >= FULL_COVER_FACTOR(kind) * MIN_DUAL_COVER(kind)) return
+    t = max((covered_fraction / MIN_DUAL_COVER(kind) - 1) / (FULL_COVER_FACTOR(kind) - 1), 0.0_DP)
+    full_fraction = t**2 * (3 - 2 * t)
+    slope = 6 * t * (1 - t) / ((FULL_COVER_FACTOR(kind) - 1) * MIN_DUAL_COVER(kind))
+  end subroutine find_full_dual_fraction
 
 
   !> The transformed functions from those of the facet.
-  pure subroutine transform_shapes(kind, N)
+  pure subroutine transform_shape_functions(kind, N)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(inout) :: N(MAX_FACE_NODES)   !< in: N_j; out: N~_j [-]
     type(facet_kind_type) :: shape
@@ -62,13 +64,13 @@ contains
     m = shape%n_corners
     if (.not. is_transformed(kind)) return
     mid(:m) = N(m + 1:2 * m)
-    N(:m) = N(:m) + ALPHA * (mid(:m) + cshift(mid(:m), -1))
-    N(m + 1:2 * m) = (1 - 2 * ALPHA) * mid(:m)
-  end subroutine transform_shapes
+    N(:m) = N(:m) + BASIS_ALPHA * (mid(:m) + cshift(mid(:m), -1))
+    N(m + 1:2 * m) = (1 - 2 * BASIS_ALPHA) * mid(:m)
+  end subroutine transform_shape_functions
 
 
   !> The nodes x^_j that go with the transformed functions.
-  pure subroutine transform_nodes(kind, x)
+  pure subroutine transform_nodal_positions(kind, x)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(inout) :: x(:, :)             !< (:, n) in: x_j; out: x^_j [length]
     type(facet_kind_type) :: shape
@@ -77,13 +79,13 @@ contains
     m = shape%n_corners
     if (.not. is_transformed(kind)) return
     do i = 1, m
-      x(:, m + i) = (x(:, m + i) - ALPHA * (x(:, i) + x(:, modulo(i, m) + 1))) / (1 - 2 * ALPHA)
+      x(:, m + i) = (x(:, m + i) - BASIS_ALPHA * (x(:, i) + x(:, modulo(i, m) + 1))) / (1 - 2 * BASIS_ALPHA)
     end do
-  end subroutine transform_nodes
+  end subroutine transform_nodal_positions
 
 
   !> The integral of each N~_j over a flat whole facet, as a part of its area.
-  pure function whole_share(kind) result(share)
+  pure function nodal_integral_fractions(kind) result(share)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP) :: share(MAX_FACE_NODES)              !< [-]
     share = 0.0_DP
@@ -93,18 +95,18 @@ contains
     case (FACET_QUAD4)
       share(:4) = 0.25_DP
     case (FACET_TRI6)
-      share(:3) = 2 * ALPHA / 3
-      share(4:6) = (1 - 2 * ALPHA) / 3
+      share(:3) = 2 * BASIS_ALPHA / 3
+      share(4:6) = (1 - 2 * BASIS_ALPHA) / 3
     case (FACET_QUAD8)
-      share(:4) = (8 * ALPHA - 1) / 12
-      share(5:8) = (1 - 2 * ALPHA) / 3
+      share(:4) = (8 * BASIS_ALPHA - 1) / 12
+      share(5:8) = (1 - 2 * BASIS_ALPHA) / 3
     case (FACET_LINE2)
       share(:2) = 0.5_DP
     case (FACET_LINE3)
       share(:3) = [1.0_DP, 1.0_DP, 4.0_DP] / 6
     case default
     end select
-  end function whole_share
+  end function nodal_integral_fractions
 
 
   !> The dual functions phi_j at the points of the part of a facet that is integrated, and d_j, the integral of N~_j over it.
@@ -112,8 +114,8 @@ contains
   !! Biorthogonal on that part: integral of phi_j N~_k = d_j delta_jk; with M = integral of N~ N~', phi = diag(d) inv(M) N~.
   !! The sum of all phi_j is 1. On a part too small for that (M is nearly singular) biorthogonal to linear functions of the
   !! place only: phi_j = d_j (1, y_j)' inv(G) (1, y), with G = integral of (1, y)(1, y)'; the sum is 1 again. In between a mean of
-  !! both, by `full_part`.
-  subroutine dual_functions(kind, area, at_node, weight, at, shapes, phi, d)
+  !! both, by `find_full_dual_fraction`.
+  subroutine evaluate_dual_functions(kind, area, at_node, weight, at, shapes, phi, d)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: area                   !< of the whole facet [length^2]
     real(DP), intent(in) :: at_node(:, :)          !< (2, n) x^_j in the plane of the facet [length]
@@ -122,7 +124,7 @@ contains
     real(DP), intent(in) :: shapes(:, :)           !< (n, n_points) N~_j [-]
     real(DP), intent(out) :: phi(:, :)             !< (n, n_points) [-]
     real(DP), intent(out) :: d(:)                  !< (n) [length^2]
-    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), unit(size(d), size(d)), part, slope
+    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), unit(size(d), size(d)), full_fraction, slope
     real(DP), allocatable :: affine(:, :)
     integer :: i, q, status
     mass = 0.0_DP
@@ -136,23 +138,23 @@ contains
       end do
     end do
     d = matmul(shapes, weight)
-    call full_part(kind, sum(weight) / area, part, slope)
+    call find_full_dual_fraction(kind, sum(weight) / area, full_fraction, slope)
     status = -1
-    if (part > 0.0_DP) call solve_small(mass, unit, inverse, status)
+    if (full_fraction > 0.0_DP) call solve_small(mass, unit, inverse, status)
     if (status /= DENSE_OK) then
-      call affine_duals(area, at_node, weight, at, d, phi)
+      call evaluate_affine_duals(area, at_node, weight, at, d, phi)
       return
     end if
     phi = spread(d, 2, size(weight)) * matmul(inverse, shapes)
-    if (part >= 1.0_DP) return
+    if (full_fraction >= 1.0_DP) return
     allocate (affine, mold=phi)
-    call affine_duals(area, at_node, weight, at, d, affine)
-    phi = part * phi + (1 - part) * affine
-  end subroutine dual_functions
+    call evaluate_affine_duals(area, at_node, weight, at, d, affine)
+    phi = full_fraction * phi + (1 - full_fraction) * affine
+  end subroutine evaluate_dual_functions
 
 
   !> The functions that are dual to the linear functions of the place only; on a part like a needle, to the constant.
-  subroutine affine_duals(area, at_node, weight, at, d, phi)
+  subroutine evaluate_affine_duals(area, at_node, weight, at, d, phi)
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: at_node(:, :), weight(:), at(:, :), d(:)
     real(DP), intent(out) :: phi(:, :)
@@ -181,6 +183,6 @@ contains
     else
       phi = spread(d / sum(weight), 2, size(weight))
     end if
-  end subroutine affine_duals
+  end subroutine evaluate_affine_duals
 
 end module amontons_dual_shape_functions

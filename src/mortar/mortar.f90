@@ -10,77 +10,89 @@ module amontons_mortar
   use amontons_errors, only: error_type
   use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
-  use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line
-  use amontons_tributary_areas, only: depth_of
-  use amontons_facet_search, only: search_type, near_facets
-  use amontons_surface_projection, only: vertex_normal
-  use amontons_polygon_clipping, only: polygon_area, beyond_polygon
-  use amontons_dual_shape_functions, only: is_transformed, whole_share, ALPHA
-  use amontons_mortar_segmentation, only: segment_type, cover_type, find_segments, in_plane, corners_in, depth_at, &
-    integrate_segments, is_in_sight
-  use amontons_contact_constraint_rows, only: contact_row_type, relative_position
+  use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line_facet
+  use amontons_tributary_areas, only: out_of_plane_depth
+  use amontons_facet_search, only: facet_search_type, find_near_facets
+  use amontons_surface_projection, only: evaluate_vertex_normal
+  use amontons_polygon_clipping, only: signed_polygon_area, find_polygon_excess
+  use amontons_dual_shape_functions, only: is_transformed, nodal_integral_fractions, BASIS_ALPHA
+  use amontons_mortar_segmentation, only: mortar_segment_type, segmentation_type, build_segmentation, project_on_plane, &
+    project_facet_corners, find_depth, &
+    integrate_segments, is_facing_plane
+  use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   implicit none
   private
-  public :: mortar_type, place_type, create_mortar, unite_shares, unite_twins, integrate_mortar, merge_rows, n_own_nodes, &
-    search_margin, turned_with, turned_rate, start_row, take_parts, fading
+  public :: mortar_type, mortar_node_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
+    merge_rows, n_imbalance_nodes, &
+    find_search_margin, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, evaluate_transfer_slope
 
-  real(DP), parameter :: COVERED = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no row [-]
-  real(DP), parameter :: NOTHING = 1.0e-9_DP       !< with less than this it does not count at all [-]
-  real(DP), parameter :: ALIKE = 0.5_DP            !< of the best cover of the vertices of a node: another is covered like it [-]
-  real(DP), parameter :: BEYOND = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it [-]
-  real(DP), parameter :: LEFT = 0.2_DP             !< in an increment one that is over it, up to this part [-]
-  real(DP), parameter :: ENTERED = 0.0_DP          !< and one that is beside it, from there on [-]
-  real(DP), parameter :: FADED = 0.2_DP            !< under a compliant law its part goes over to others up to this one [-]
+  real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no
+                                                                !! row [-]
+  real(DP), parameter :: MIN_COUNTED_FRACTION = 1.0e-9_DP       !< with less than this it does not count at all [-]
+  real(DP), parameter :: MIN_COVER_RATIO = 0.5_DP            !< of the best cover of the vertices of a node: another is covered
+                                                             !! like it [-]
+  real(DP), parameter :: MAX_EXCESS = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it
+                                                       !! [-]
+  real(DP), parameter :: MAX_EXCESS_LEAVING = 0.2_DP             !< in an increment one that is over it, up to this part [-]
+  real(DP), parameter :: MAX_EXCESS_ENTERING = 0.0_DP          !< and one that is beside it, from there on [-]
+  real(DP), parameter :: MAX_EXCESS_COMPLIANT = 0.2_DP            !< under a compliant law its part goes over to others up to this
+                                                                  !! one [-]
 
   !> Where a slave node is against its master.
-  type :: place_type
+  type :: mortar_node_type
     integer :: facet = 0                           !< master facet that takes the largest part; 0: nothing is in front
     integer :: vertex = 0                          !< vertex of the slave surface whose facets touch
-    logical :: is_thin = .false.                   !< so little is in front that the node has no row; it counts where rows merge
+    logical :: is_barely_covered = .false.                   !< so little is in front that the node has no row; it counts where
+                                                             !! rows merge
     logical :: is_merged = .false.                 !< the row went into that of another pair
     logical :: is_shared = .false.                 !< the row has that of another pair in it
     real(DP) :: whole = 0                          !< area of the node if all of it were covered [length^2]
     real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
     real(DP) :: normal(3) = 0                      !< unit normal, out of the master: that of the slave's vertex turned round
-    real(DP) :: arm(3) = 0                         !< from the node to where its force acts, if nodes beside it have part [length]
-  end type place_type
+    real(DP) :: force_arm(3) = 0                         !< from the node to where its force acts, if nodes beside it have part
+                                                         !! [length]
+  end type mortar_node_type
 
   !> The cuts of a whole slave surface, and what is covered of it.
-  type :: cuts_type
+  type :: surface_segmentation_type
     integer, allocatable :: nodes(:)               !< of both surfaces, each once
     real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates where the cuts were made [length]
-    type(cover_type), allocatable :: covers(:)     !< (n_facets)
+    type(segmentation_type), allocatable :: covers(:)     !< (n_facets)
     real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
-  end type cuts_type
+  end type surface_segmentation_type
 
   !> The slave surface of a pair with its rows.
   type :: mortar_type
     logical :: is_made = .false.                   !< the rows were integrated
     type(facets_type) :: slave
     integer, allocatable :: nodes(:)               !< (n) slave nodes
-    type(place_type), allocatable :: places(:)     !< (n)
+    type(mortar_node_type), allocatable :: places(:)     !< (n)
     type(contact_row_type), allocatable :: rows(:)      !< (n) as they touch now
-    type(contact_row_type), allocatable :: origins(:)   !< (n) against their origins
+    type(contact_row_type), allocatable :: origin_rows(:)   !< (n) against their origins
     real(DP), allocatable :: origin_normal(:, :)   !< (3, n) the normal when they touched there
     real(DP), allocatable :: depth(:)              !< (n_facets) of slave lines: thickness [length], -1: the full circle; else 1
     integer, allocatable, private :: first(:)      !< (n + 1) start of a slave node's vertices in vertices(:)
     integer, allocatable, private :: vertices(:)
     integer, allocatable :: corners(:, :)          !< (2, n) the corners beside a mid-side node, else 0
-    integer, allocatable :: ends(:, :)             !< (2, n) their places among the slave nodes
-    logical, allocatable :: is_whole(:)            !< (n) no other row has a force on the nodes whose imbalance is the row's
-    logical :: is_alone = .true.                   !< its nodes are slaves of no other exact pair
+    integer, allocatable :: corner_rows(:, :)             !< (2, n) their places among the slave nodes
+    logical, allocatable :: is_decoupled(:)            !< (n) no other row has a force on the nodes whose imbalance is the row's
+    logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other exact pair
     integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
-    logical, allocatable :: has_touched(:)         !< (n) closed when the increment began
-    real(DP), allocatable :: reaches(:)            !< (n) part of an edge beyond a master up to which a node is over it now [-]
-    logical :: is_soft = .false.                   !< its law is compliant
-    real(DP), allocatable :: beyond(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond its edge [-]
-    type(cuts_type) :: cuts                        !< of which the rows are made
-    integer, allocatable :: edges(:, :)            !< (4, n) where that is so in part: slave facet, its node, master facet, corner
+    logical, allocatable :: was_closed(:)         !< (n) closed when the increment began
+    real(DP), allocatable :: excess_limits(:)            !< (n) part of an edge beyond a master up to which a node is over it now
+                                                         !! [-]
+    logical :: is_compliant = .false.                   !< its law is compliant
+    real(DP), allocatable :: transferred_fraction(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond
+                                                                 !! its edge [-]
+    type(surface_segmentation_type) :: cuts                        !< of which the rows are made
+    integer, allocatable :: transfer_edges(:, :)            !< (4, n) where that is so in part: slave facet, its node, master
+                                                            !! facet, corner
                                                    !< before its edge
-    integer, allocatable :: place_of(:)            !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
-    type(contact_row_type), allocatable, private :: bases(:)   !< (n) own nodes and shares where no node beside is beyond the master
+    integer, allocatable :: row_of_entry(:)            !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
+    type(contact_row_type), allocatable, private :: base_rows(:)   !< (n) own nodes and shares where no node beside is beyond the
+                                                                   !! master
   end type mortar_type
 
 contains
@@ -97,27 +109,27 @@ contains
     if (allocated(error)) return
     allocate (mortar%depth(mortar%slave%n), source=1.0_DP)
     do k = 1, mortar%slave%n
-      if (is_line(mortar%slave%kind(k))) mortar%depth(k) = depth_of(mesh, element(k))
+      if (is_line_facet(mortar%slave%kind(k))) mortar%depth(k) = out_of_plane_depth(mesh, element(k))
     end do
     n = size(nodes)
     mortar%nodes = nodes
-    allocate (mortar%places(n), mortar%rows(n), mortar%origins(n))
-    allocate (mortar%has_touched(n), source=.false.)
-    allocate (mortar%reaches(n), source=BEYOND)
+    allocate (mortar%places(n), mortar%rows(n), mortar%origin_rows(n))
+    allocate (mortar%was_closed(n), source=.false.)
+    allocate (mortar%excess_limits(n), source=MAX_EXCESS)
     allocate (mortar%twins(2, 0))
     of_node = 0
     of_node(nodes) = [(k, k=1, n)]
-    mortar%place_of = of_node(mortar%slave%nodes)
+    mortar%row_of_entry = of_node(mortar%slave%nodes)
     call collect_vertices(mortar, of_node)
-    call collect_shares(mortar, of_node)
-    mortar%origins = mortar%rows
+    call collect_imbalance_weights(mortar, of_node)
+    mortar%origin_rows = mortar%rows
     allocate (mortar%origin_normal(3, n), source=0.0_DP)
-    allocate (mortar%edges(4, n), source=0)
+    allocate (mortar%transfer_edges(4, n), source=0)
   end subroutine create_mortar
 
 
   !> A vector turned as a normal turned, about the axis that is normal to both: R v with R n_0 = n.
-  pure function turned_with(v, from, to) result(turned)
+  pure function rotate_with_normal(v, from, to) result(turned)
     real(DP), intent(in) :: v(3)
     real(DP), intent(in) :: from(3), to(3)         !< n_0 and n, unit vectors that are not opposite
     real(DP) :: turned(3), c
@@ -125,13 +137,13 @@ contains
     turned = v
     if (c <= -0.999_DP) return
     turned = v - dot_product(from + to, v) / (1 + c) * (from + to) + 2 * dot_product(from, v) * to
-  end function turned_with
+  end function rotate_with_normal
 
 
   !> How a vector that turns with a normal changes with it: d (R v)/d n.
-  pure function turned_rate(v, from, to) result(rate)
+  pure function differentiate_rotation(v, from, to) result(rate)
     real(DP), intent(in) :: v(3)
-    real(DP), intent(in) :: from(3), to(3)         !< as `turned_with`
+    real(DP), intent(in) :: from(3), to(3)         !< as `rotate_with_normal`
     real(DP) :: rate(3, 3), c, along
     integer :: k
     c = dot_product(from, to)
@@ -142,15 +154,15 @@ contains
       rate(:, k) = (from + to) / (1 + c) * (along * from(k) - v(k))
       rate(k, k) = rate(k, k) + 2 * dot_product(from, v) - along
     end do
-  end function turned_rate
+  end function differentiate_rotation
 
 
   !> How far from the middle of a slave facet its master facets may be.
-  pure real(DP) function search_margin(mortar, reach) result(margin)
+  pure real(DP) function find_search_margin(mortar, reach) result(margin)
     type(mortar_type), intent(in) :: mortar
     real(DP), intent(in) :: reach                  !< largest gap that matters [length]
     margin = reach + maxval(mortar%slave%edge_length)
-  end function search_margin
+  end function find_search_margin
 
 
   !> The vertices of each slave node: more than one on a crease of the slave surface.
@@ -181,16 +193,16 @@ contains
 
 
   !> The slave nodes whose imbalance makes that of a row: with the transformed basis a corner has shares of the mid-sides beside it.
-  subroutine collect_shares(mortar, of_node)
+  subroutine collect_imbalance_weights(mortar, of_node)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: of_node(:)              !< (n_nodes) place among the slave nodes
     type(facet_kind_type) :: shape
     integer :: f, i, k, n, side, nodes(MAX_FACE_NODES), ends(2)
-    allocate (mortar%corners(2, size(mortar%nodes)), mortar%ends(2, size(mortar%nodes)), source=0)
-    allocate (mortar%is_whole(size(mortar%nodes)), source=.false.)
+    allocate (mortar%corners(2, size(mortar%nodes)), mortar%corner_rows(2, size(mortar%nodes)), source=0)
+    allocate (mortar%is_decoupled(size(mortar%nodes)), source=.false.)
     do k = 1, size(mortar%nodes)
-      mortar%rows(k)%own = [mortar%nodes(k)]
-      mortar%rows(k)%shares = [1.0_DP]
+      mortar%rows(k)%imbalance_nodes = [mortar%nodes(k)]
+      mortar%rows(k)%imbalance_weights = [1.0_DP]
       mortar%rows(k)%nodes = [mortar%nodes(k)]
       mortar%rows(k)%weights = [1.0_DP]
     end do
@@ -203,34 +215,34 @@ contains
         ends = of_node([nodes(i), nodes(modulo(i, shape%n_corners) + 1)])
         if (mortar%corners(1, side) > 0) cycle
         mortar%corners(:, side) = mortar%nodes(ends)
-        mortar%ends(:, side) = ends
-        mortar%rows(side)%shares = [1 - 2 * ALPHA]
+        mortar%corner_rows(:, side) = ends
+        mortar%rows(side)%imbalance_weights = [1 - 2 * BASIS_ALPHA]
         do k = 1, 2
-          mortar%rows(ends(k))%own = [mortar%rows(ends(k))%own, mortar%nodes(side)]
-          mortar%rows(ends(k))%shares = [mortar%rows(ends(k))%shares, ALPHA]
+          mortar%rows(ends(k))%imbalance_nodes = [mortar%rows(ends(k))%imbalance_nodes, mortar%nodes(side)]
+          mortar%rows(ends(k))%imbalance_weights = [mortar%rows(ends(k))%imbalance_weights, BASIS_ALPHA]
         end do
       end do
     end do
-  end subroutine collect_shares
+  end subroutine collect_imbalance_weights
 
 
   !> Slave surfaces that share nodes have one transformed basis: a corner has shares of the mid-sides beside it on all of them.
-  subroutine unite_shares(mortars, n_nodes)
+  subroutine unify_imbalance_weights(mortars, n_nodes)
     type(mortar_type), intent(inout) :: mortars(:)
     integer, intent(in) :: n_nodes
-    integer, allocatable :: sides(:, :)            ! (3, n) mid-side node and its corners
+    integer, allocatable :: midside_nodes(:, :)            ! (3, n) mid-side node and its corners
     integer, allocatable :: own(:)
     logical :: is_listed(n_nodes), is_shared(n_nodes)
     integer :: p, k, n
     is_listed = .false.
-    allocate (sides(3, sum([(size(mortars(p)%nodes), p=1, size(mortars))])))
+    allocate (midside_nodes(3, sum([(size(mortars(p)%nodes), p=1, size(mortars))])))
     n = 0
     do p = 1, size(mortars)
       do k = 1, size(mortars(p)%nodes)
         if (mortars(p)%corners(1, k) == 0 .or. is_listed(mortars(p)%nodes(k))) cycle
         is_listed(mortars(p)%nodes(k)) = .true.
         n = n + 1
-        sides(:, n) = [mortars(p)%nodes(k), mortars(p)%corners(:, k)]
+        midside_nodes(:, n) = [mortars(p)%nodes(k), mortars(p)%corners(:, k)]
       end do
     end do
     is_listed = .false.
@@ -243,18 +255,18 @@ contains
       do k = 1, size(mortars(p)%nodes)
         associate (node => mortars(p)%nodes(k))
           if (.not. is_shared(node) .or. mortars(p)%corners(1, k) > 0) cycle
-          own = pack(sides(1, :n), sides(2, :n) == node .or. sides(3, :n) == node)
-          mortars(p)%rows(k)%own = [node, own]
-          mortars(p)%rows(k)%shares = [1.0_DP, spread(ALPHA, 1, size(own))]
+          own = pack(midside_nodes(1, :n), midside_nodes(2, :n) == node .or. midside_nodes(3, :n) == node)
+          mortars(p)%rows(k)%imbalance_nodes = [node, own]
+          mortars(p)%rows(k)%imbalance_weights = [1.0_DP, spread(BASIS_ALPHA, 1, size(own))]
         end associate
       end do
     end do
-  end subroutine unite_shares
+  end subroutine unify_imbalance_weights
 
 
   !> Slave nodes to which others are bound, as across a pre-tension section, have a share of what the mid-sides beside those carry,
   !! too.
-  subroutine unite_twins(mortar, twins)
+  subroutine add_pretension_rows(mortar, twins)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: twins(:, :)             !< (2, n) nodes, and those bound to them
     integer :: k, at(2)
@@ -262,18 +274,18 @@ contains
       at = [findloc(mortar%nodes, twins(1, k), dim=1), findloc(mortar%nodes, twins(2, k), dim=1)]
       if (any(at == 0)) cycle
       mortar%twins = reshape([mortar%twins, at], [2, size(mortar%twins, 2) + 1])
-      mortar%rows(at(1))%own = [mortar%rows(at(1))%own, mortar%rows(at(2))%own]
-      mortar%rows(at(1))%shares = [mortar%rows(at(1))%shares, mortar%rows(at(2))%shares]
+      mortar%rows(at(1))%imbalance_nodes = [mortar%rows(at(1))%imbalance_nodes, mortar%rows(at(2))%imbalance_nodes]
+      mortar%rows(at(1))%imbalance_weights = [mortar%rows(at(1))%imbalance_weights, mortar%rows(at(2))%imbalance_weights]
     end do
-  end subroutine unite_twins
+  end subroutine add_pretension_rows
 
 
   !> Nodes of the slave side at the head of a row.
-  elemental integer function n_own_nodes(mortar, k) result(n)
+  elemental integer function n_imbalance_nodes(mortar, k) result(n)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: k                       !< row
     n = merge(3, 1, mortar%corners(1, k) > 0)
-  end function n_own_nodes
+  end function n_imbalance_nodes
 
 
   !> One row in place of two of the same slave node against masters that lie side by side, or of slave surfaces that do. The second
@@ -281,17 +293,17 @@ contains
   subroutine merge_rows(a, i, b, j)
     type(mortar_type), intent(inout) :: a, b       !< two pairs
     integer, intent(in) :: i, j                    !< rows of the same node, both with a master in front
-    call mix_rows(max(a%places(i)%whole, b%places(j)%whole), b%rows(j), a%places(i), a%rows(i), b%places(j))
+    call average_rows(max(a%places(i)%whole, b%places(j)%whole), b%rows(j), a%places(i), a%rows(i), b%places(j))
   end subroutine merge_rows
 
 
   !> One row in place of those of two slave nodes that go along the surface together, as across a pre-tension section: that of the
   !! sum of their functions. What comes on the second node is on the first by the equation that binds them. The second row is gone.
-  subroutine merge_twins(mortar, i, j)
+  subroutine merge_pretension_rows(mortar, i, j)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: i, j                    !< rows of the node that is free, and of the one that is bound to it
     real(DP) :: before, after                      ! what the head of the row takes of its force
-    type(place_type) :: place
+    type(mortar_node_type) :: place
     place = mortar%places(i)
     if (mortar%places(j)%vertex == 0) return
     if (place%vertex == 0) then
@@ -300,26 +312,26 @@ contains
       place%whole = 0.0_DP
     end if
     if (dot_product(place%normal, mortar%places(j)%normal) <= 0.0_DP) return
-    before = merge(1 / (1 - 2 * ALPHA), 1.0_DP, mortar%corners(1, i) > 0)
-    call mix_rows(place%whole + mortar%places(j)%whole, mortar%rows(j), place, mortar%rows(i), mortar%places(j))
+    before = merge(1 / (1 - 2 * BASIS_ALPHA), 1.0_DP, mortar%corners(1, i) > 0)
+    call average_rows(place%whole + mortar%places(j)%whole, mortar%rows(j), place, mortar%rows(i), mortar%places(j))
     if (mortar%places(j)%is_merged) mortar%places(i) = place
     associate (row => mortar%rows(i))
       after = row%weights(1) + row%weights(findloc(row%nodes, mortar%nodes(j), dim=1))
-      row%shares = mortar%bases(i)%shares * (before / after)
+      row%imbalance_weights = mortar%base_rows(i)%imbalance_weights * (before / after)
     end associate
-  end subroutine merge_twins
+  end subroutine merge_pretension_rows
 
 
   !> The means of two rows by their areas, of which one may be negative (the transformed functions of corners are so in places).
-  pure subroutine mix_rows(whole, other_row, place, row, other)
+  pure subroutine average_rows(whole, other_row, place, row, other)
     real(DP), intent(in) :: whole                  !< area of both if all were covered [length^2]
     type(contact_row_type), intent(in) :: other_row
-    type(place_type), intent(inout) :: place
+    type(mortar_node_type), intent(inout) :: place
     type(contact_row_type), intent(inout) :: row
-    type(place_type), intent(inout) :: other       !< is_merged, unless the areas cancel
+    type(mortar_node_type), intent(inout) :: other       !< is_merged, unless the areas cancel
     real(DP) :: share
     integer :: k, at
-    if (abs(place%area + other%area) <= NOTHING * whole) return
+    if (abs(place%area + other%area) <= MIN_COUNTED_FRACTION * whole) return
     share = other%area / (place%area + other%area)
     row%weights = (1 - share) * row%weights
     do k = 1, size(other_row%nodes)
@@ -335,61 +347,64 @@ contains
     place%normal = place%normal / norm2(place%normal)
     place%area = place%area + other%area
     place%whole = whole
-    place%is_thin = place%area <= COVERED * whole
+    place%is_barely_covered = place%area <= MIN_COVERED_FRACTION * whole
     place%is_shared = .true.
-    other = place_type(is_merged=.true.)
-  end subroutine mix_rows
+    other = mortar_node_type(is_merged=.true.)
+  end subroutine average_rows
 
 
   !> Places and rows of all slave nodes in a configuration. Cost: linear in the segments.
   subroutine integrate_mortar(mortar, master, search, is_start, x, reach)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
-    type(search_type), intent(in) :: search        !< of the master's facets, with at least `search_margin`
+    type(facet_search_type), intent(in) :: search        !< of the master's facets, with at least `find_search_margin`
     logical, intent(in) :: is_start                !< an increment begins: the search and the reach are not those of the last call
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
     logical :: is_cut
     integer :: f
-    if (.not. mortar%is_made) mortar%bases = mortar%rows
-    if (is_start) mortar%reaches = BEYOND
+    if (.not. mortar%is_made) mortar%base_rows = mortar%rows
+    if (is_start) mortar%excess_limits = MAX_EXCESS
     is_cut = allocated(mortar%cuts%x) .and. .not. is_start
     if (is_cut) is_cut = all(abs(mortar%cuts%x - x(:, mortar%cuts%nodes)) <= 0.0_DP)
-    if (.not. is_cut) call cut_facets(mortar, master, search, x, reach)
-    mortar%beyond = merge(0.0_DP, 1.0_DP, (mortar%has_touched .and. .not. mortar%is_soft) .or. .not. mortar%is_alone)
+    if (.not. is_cut) call segment_facets(mortar, master, search, x, reach)
+    mortar%transferred_fraction = merge(0.0_DP, 1.0_DP, (mortar%was_closed .and. .not. mortar%is_compliant) &
+      .or. .not. mortar%has_unique_slaves)
     do f = 1, mortar%slave%n
-      call mark_over(mortar, f, master, search, x, reach)
+      call find_covered_nodes(mortar, f, master, search, x, reach)
     end do
-    mortar%reaches = merge(LEFT, ENTERED, mortar%beyond <= 0.0_DP)
-    if (.not. mortar%is_soft) call keep_islands(mortar)
+    mortar%excess_limits = merge(MAX_EXCESS_LEAVING, MAX_EXCESS_ENTERING, mortar%transferred_fraction <= 0.0_DP)
+    if (.not. mortar%is_compliant) call keep_isolated_facets(mortar)
     call fill_rows(mortar, master, x)
-    call find_whole(mortar)
+    call find_decoupled_rows(mortar)
     do f = 1, size(mortar%twins, 2)
-      call merge_twins(mortar, mortar%twins(1, f), mortar%twins(2, f))
+      call merge_pretension_rows(mortar, mortar%twins(1, f), mortar%twins(2, f))
     end do
     mortar%is_made = .true.
   end subroutine integrate_mortar
 
 
   !> Which rows neither give a part of their functions to others nor take one; the mid-side nodes of a corner count with it.
-  pure subroutine find_whole(mortar)
+  pure subroutine find_decoupled_rows(mortar)
     type(mortar_type), intent(inout) :: mortar
     integer :: k
     do k = 1, size(mortar%nodes)
-      mortar%is_whole(k) = mortar%places(k)%facet > 0 .and. mortar%beyond(k) <= 0.0_DP
-      if (mortar%is_whole(k)) mortar%is_whole(k) = .not. mortar%rows(k)%shares(1) > mortar%bases(k)%shares(1)
+      mortar%is_decoupled(k) = mortar%places(k)%facet > 0 .and. mortar%transferred_fraction(k) <= 0.0_DP
+      if (mortar%is_decoupled(k)) mortar%is_decoupled(k) &
+        = .not. mortar%rows(k)%imbalance_weights(1) > mortar%base_rows(k)%imbalance_weights(1)
     end do
     do k = 1, size(mortar%nodes)
-      if (mortar%ends(1, k) > 0 .and. mortar%beyond(k) > 0.0_DP) mortar%is_whole(mortar%ends(:, k)) = .false.
+      if (mortar%corner_rows(1, k) > 0 .and. mortar%transferred_fraction(k) > 0.0_DP) mortar%is_decoupled(mortar%corner_rows(:, &
+        k)) = .false.
     end do
-  end subroutine find_whole
+  end subroutine find_decoupled_rows
 
 
   !> The cuts of all slave facets.
-  subroutine cut_facets(mortar, master, search, x, reach)
+  subroutine segment_facets(mortar, master, search, x, reach)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
-    type(search_type), intent(in) :: search
+    type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :), reach
     logical :: is_used(size(x, 2))
     integer :: f
@@ -405,28 +420,28 @@ contains
     mortar%cuts%area = 0.0_DP
     mortar%cuts%whole = 0.0_DP
     do f = 1, mortar%slave%n
-      call cut_facet(mortar%slave, f, mortar%depth(f), master, search, x, reach, mortar%cuts)
+      call segment_facet(mortar%slave, f, mortar%depth(f), master, search, x, reach, mortar%cuts)
     end do
-  end subroutine cut_facets
+  end subroutine segment_facets
 
 
   !> The segments of one slave facet.
-  subroutine cut_facet(slave, f, depth, master, search, x, reach, cuts)
+  subroutine segment_facet(slave, f, depth, master, search, x, reach, cuts)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
     real(DP), intent(in) :: depth                  !< of a line, as mortar%depth
-    type(search_type), intent(in) :: search
+    type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :), reach
-    type(cuts_type), intent(inout) :: cuts
+    type(surface_segmentation_type), intent(inout) :: cuts
     real(DP) :: corners(2, 4), size_of
     integer :: k, k_own, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n_own, nodes)
     v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
     associate (cover => cuts%covers(f))
-      call find_segments(slave, f, depth, master, search, x, reach, cover)
-      call corners_in(cover%plane, slave, f, x, corners, k_own)
-      size_of = polygon_area(corners(:, :k_own)) * depth_at(cover%plane, cover%plane%origin)
-      cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * share_of(slave%kind(f), n_own)
+      call build_segmentation(slave, f, depth, master, search, x, reach, cover)
+      call project_facet_corners(cover%plane, slave, f, x, corners, k_own)
+      size_of = signed_polygon_area(corners(:, :k_own)) * find_depth(cover%plane, cover%plane%origin)
+      cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * facet_integral_fractions(slave%kind(f), n_own)
       if (cover%n == 0) return
       call integrate_segments(slave, f, x, cover%plane, size_of, cover%points, cover%segments(:cover%n))
       deallocate (cover%points%on_slave, cover%points%on_master)
@@ -434,45 +449,45 @@ contains
         cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + cover%segments(k)%share(:n_own)
       end do
     end associate
-  end subroutine cut_facet
+  end subroutine segment_facet
 
 
   !> How fast the part that a node gives goes with its distance beyond the edge, for the part 0 to 1 that it gives.
-  elemental real(DP) function fading(beyond) result(slope)
-    real(DP), intent(in) :: beyond                 !< s^2 (3 - 2 s), s = distance/(FADED edge) [-]
+  elemental real(DP) function evaluate_transfer_slope(beyond) result(slope)
+    real(DP), intent(in) :: beyond                 !< s^2 (3 - 2 s), s = distance/(MAX_EXCESS_COMPLIANT edge) [-]
     real(DP) :: s
     s = 0.5_DP - sin(asin(1 - 2 * min(max(beyond, 0.0_DP), 1.0_DP)) / 3)
-    slope = 6 * s * (1 - s) / FADED
-  end function fading
+    slope = 6 * s * (1 - s) / MAX_EXCESS_COMPLIANT
+  end function evaluate_transfer_slope
 
 
   !> Which nodes of a slave facet that has a master in front are over the master: under exact contact it is or it is not, under a
   !! compliant law it fades, so that forces are continuous. Of the master all facets around count, not only those with which the
   !! slave facet is cut: of these one may come or go while the node is near it.
-  subroutine mark_over(mortar, f, master, search, x, reach)
+  subroutine find_covered_nodes(mortar, f, master, search, x, reach)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f                       !< slave facet
     type(facets_type), intent(in) :: master
-    type(search_type), intent(in) :: search        !< of the master's facets
+    type(facet_search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :), reach
     integer, allocatable :: list(:)
     integer :: k, n
-    associate (cover => mortar%cuts%covers(f), nodes => mortar%place_of(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
+    associate (cover => mortar%cuts%covers(f), nodes => mortar%row_of_entry(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
       do k = 1, cover%n
-        if (abs(sum(cover%segments(k)%share)) > 0.0_DP) call mark_by(mortar, f, master, cover%segments(k)%master, x)
+        if (abs(sum(cover%segments(k)%share)) > 0.0_DP) call update_node_excess(mortar, f, master, cover%segments(k)%master, x)
       end do
-      if (cover%n == 0 .or. all(mortar%beyond(nodes) <= 0.0_DP)) return
-      call near_facets(search, cover%plane%origin, list, n)
+      if (cover%n == 0 .or. all(mortar%transferred_fraction(nodes) <= 0.0_DP)) return
+      call find_near_facets(search, cover%plane%origin, list, n)
       do k = 1, n
         if (any(cover%segments(:cover%n)%master == list(k))) cycle
-        if (is_in_sight(cover%plane, master, list(k), x, reach)) call mark_by(mortar, f, master, list(k), x)
+        if (is_facing_plane(cover%plane, master, list(k), x, reach)) call update_node_excess(mortar, f, master, list(k), x)
       end do
     end associate
-  end subroutine mark_over
+  end subroutine find_covered_nodes
 
 
   !> Which nodes of a slave facet are over one facet of the master.
-  subroutine mark_by(mortar, f, master, g, x)
+  subroutine update_node_excess(mortar, f, master, g, x)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f, g                    !< slave and master facet
     type(facets_type), intent(in) :: master
@@ -481,47 +496,47 @@ contains
     integer :: i, j, m, n, edge, nodes(MAX_FACE_NODES)
     call facet_nodes(mortar%slave, f, n, nodes)
     associate (plane => mortar%cuts%covers(f)%plane)
-      call corners_in(plane, master, g, x, corners, m)
+      call project_facet_corners(plane, master, g, x, corners, m)
       do i = 1, n
-        j = mortar%place_of(mortar%slave%first(f) + i - 1)
-        if (mortar%beyond(j) <= 0.0_DP) cycle
-        call beyond_polygon(corners(:, m:1:-1), in_plane(plane, x(:, nodes(i))), distance, edge)
+        j = mortar%row_of_entry(mortar%slave%first(f) + i - 1)
+        if (mortar%transferred_fraction(j) <= 0.0_DP) cycle
+        call find_polygon_excess(corners(:, m:1:-1), project_on_plane(plane, x(:, nodes(i))), distance, edge)
         distance = distance / mortar%slave%edge_length(f)
-        if (mortar%is_soft) then
-          part = min(max(distance / FADED, 0.0_DP), 1.0_DP)
-          if (part**2 * (3 - 2 * part) >= mortar%beyond(j)) cycle
-          mortar%beyond(j) = part**2 * (3 - 2 * part)
-          mortar%edges(:, j) = [f, i, g, edge]
-        else if (distance <= mortar%reaches(j)) then
-          mortar%beyond(j) = 0.0_DP
+        if (mortar%is_compliant) then
+          part = min(max(distance / MAX_EXCESS_COMPLIANT, 0.0_DP), 1.0_DP)
+          if (part**2 * (3 - 2 * part) >= mortar%transferred_fraction(j)) cycle
+          mortar%transferred_fraction(j) = part**2 * (3 - 2 * part)
+          mortar%transfer_edges(:, j) = [f, i, g, edge]
+        else if (distance <= mortar%excess_limits(j)) then
+          mortar%transferred_fraction(j) = 0.0_DP
         end if
       end do
     end associate
-  end subroutine mark_by
+  end subroutine update_node_excess
 
 
   !> The nodes of a facet that has a master in front though none of its nodes is over it count as if they were.
-  pure subroutine keep_islands(mortar)
+  pure subroutine keep_isolated_facets(mortar)
     type(mortar_type), intent(inout) :: mortar
-    logical :: is_over(size(mortar%beyond))
+    logical :: is_over(size(mortar%transferred_fraction))
     integer :: f
-    is_over = mortar%beyond <= 0.0_DP
+    is_over = mortar%transferred_fraction <= 0.0_DP
     do f = 1, mortar%slave%n
       if (mortar%cuts%covers(f)%n == 0) cycle
-      associate (nodes => mortar%place_of(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
-        if (.not. any(is_over(nodes))) mortar%beyond(nodes) = 0.0_DP
+      associate (nodes => mortar%row_of_entry(mortar%slave%first(f):mortar%slave%first(f + 1) - 1))
+        if (.not. any(is_over(nodes))) mortar%transferred_fraction(nodes) = 0.0_DP
       end associate
     end do
-  end subroutine keep_islands
+  end subroutine keep_isolated_facets
 
 
   !> The first n parts of a whole facet that its functions take.
-  pure function share_of(kind, n) result(share)
+  pure function facet_integral_fractions(kind, n) result(share)
     integer, intent(in) :: kind, n
     real(DP) :: share(n), all_of(MAX_FACE_NODES)
-    all_of = whole_share(kind)
+    all_of = nodal_integral_fractions(kind)
     share = all_of(:n)
-  end function share_of
+  end function facet_integral_fractions
 
 
   !> Places and rows of all slave nodes from the segments of the facets around them.
@@ -536,20 +551,20 @@ contains
     do j = 1, size(mortar%nodes)
       associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), place => mortar%places(j), &
         cuts => mortar%cuts)
-        place = place_type()
-        call start_row(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
-        mortar%rows(j)%shares = mortar%bases(j)%shares
+        place = mortar_node_type()
+        call fill_slave_part(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
+        mortar%rows(j)%imbalance_weights = mortar%base_rows(j)%imbalance_weights
         if (size(vertices) == 0) cycle
-        v = facing_vertex(mortar, vertices)
-        if (abs(cuts%area(v)) <= NOTHING * cuts%whole(v)) cycle
-        m = vertex_normal(mortar%slave, x, v)
-        if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_soft .and. mortar%beyond(j) >= 1.0_DP)) cycle
+        v = choose_facing_vertex(mortar, vertices)
+        if (abs(cuts%area(v)) <= MIN_COUNTED_FRACTION * cuts%whole(v)) cycle
+        m = evaluate_vertex_normal(mortar%slave, x, v)
+        if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_compliant .and. mortar%transferred_fraction(j) >= 1.0_DP)) cycle
         place%vertex = v
         place%area = cuts%area(v)
         place%whole = cuts%whole(v)
-        place%is_thin = .not. mortar%is_soft .and. place%area <= COVERED * place%whole
+        place%is_barely_covered = .not. mortar%is_compliant .and. place%area <= MIN_COVERED_FRACTION * place%whole
         place%normal = -m / norm2(m)
-        call add_masters(mortar, master, x, at, place, mortar%rows(j))
+        call fill_master_part(mortar, master, x, at, place, mortar%rows(j))
       end associate
     end do
   end subroutine fill_rows
@@ -558,23 +573,23 @@ contains
   !> The vertex of a slave node that is against the master: on a crease of the slave surface, as at the corner of a shank in its
   !! hole, the one whose facets are nearest of those that are covered nearly as well as the best. The area alone would choose now
   !! this, now that where faces on both sides are covered alike.
-  pure integer function facing_vertex(mortar, vertices) result(v)
+  pure integer function choose_facing_vertex(mortar, vertices) result(v)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: vertices(:)             !< of one node
     real(DP) :: cover(size(vertices)), away(size(vertices))
     integer :: i
     associate (cuts => mortar%cuts)
       v = vertices(maxloc(cuts%area(vertices), dim=1))
-      if (count(cuts%area(vertices) > NOTHING * cuts%whole(vertices)) < 2) return
+      if (count(cuts%area(vertices) > MIN_COUNTED_FRACTION * cuts%whole(vertices)) < 2) return
       cover = cuts%area(vertices) / cuts%whole(vertices)
-      away = [(distance_at(mortar, vertices(i)), i=1, size(vertices))]
-      v = vertices(minloc(away, dim=1, mask=cover >= ALIKE * maxval(cover)))
+      away = [(find_mean_distance(mortar, vertices(i)), i=1, size(vertices))]
+      v = vertices(minloc(away, dim=1, mask=cover >= MIN_COVER_RATIO * maxval(cover)))
     end associate
-  end function facing_vertex
+  end function choose_facing_vertex
 
 
   !> The mean distance of the facets around a vertex from their masters; 0 if there are none.
-  pure real(DP) function distance_at(mortar, v) result(distance)
+  pure real(DP) function find_mean_distance(mortar, v) result(distance)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: v                       !< vertex
     real(DP) :: area
@@ -590,11 +605,11 @@ contains
       end associate
     end do
     if (area > 0.0_DP) distance = distance / area
-  end function distance_at
+  end function find_mean_distance
 
 
   !> The slave's part of a row: x^_j.
-  pure subroutine start_row(node, corners, row)
+  pure subroutine fill_slave_part(node, corners, row)
     integer, intent(in) :: node, corners(2)
     type(contact_row_type), intent(inout) :: row
     if (corners(1) == 0) then
@@ -602,23 +617,24 @@ contains
       row%weights = [1.0_DP]
     else
       row%nodes = [node, corners]
-      row%weights = [1.0_DP, -ALPHA, -ALPHA] / (1 - 2 * ALPHA)
+      row%weights = [1.0_DP, -BASIS_ALPHA, -BASIS_ALPHA] / (1 - 2 * BASIS_ALPHA)
     end if
-  end subroutine start_row
+  end subroutine fill_slave_part
 
 
   !> The master's part of a row: -M_ji / D_j, in the order in which the segments bring the nodes. Nodes beside that are beyond the
   !! master's edge give their functions to the row: their part of the slave's side is there too.
-  subroutine add_masters(mortar, master, x, at, place, row)
+  subroutine fill_master_part(mortar, master, x, at, place, row)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer, intent(inout) :: at(:)                !< (n_nodes) 0; left so
-    type(place_type), intent(inout) :: place
+    type(mortar_node_type), intent(inout) :: place
     type(contact_row_type), intent(inout) :: row
     real(DP), allocatable :: weights(:)
     integer, allocatable :: nodes(:)
-    real(DP) :: largest, taken(MAX_FACE_NODES), own_area, beside, first_moment(3), d_taken(MAX_FACE_NODES, MAX_FACE_NODES)
+    real(DP) :: largest, received(MAX_FACE_NODES), own_area, adjacent_area, first_moment(3), d_received(MAX_FACE_NODES, &
+      MAX_FACE_NODES)
     integer :: i, s, k, n, f, own, n_head
     n = 0
     associate (slave => mortar%slave)
@@ -631,38 +647,39 @@ contains
       allocate (weights(n), source=0.0_DP)
       n = 0
       largest = -huge(1.0_DP)
-      own_area = merge(0.0_DP, place%area, mortar%is_soft)
-      beside = 0.0_DP
+      own_area = merge(0.0_DP, place%area, mortar%is_compliant)
+      adjacent_area = 0.0_DP
       first_moment = 0.0_DP
       do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
         if (mortar%cuts%covers(f)%n == 0) cycle
         associate (segments => mortar%cuts%covers(f)%segments(:mortar%cuts%covers(f)%n))
-          call take_parts(slave%kind(f), own, mortar%beyond(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)), taken, d_taken)
-          if (mortar%is_soft) own_area = own_area + taken(own) * sum(segments%share(own))
+          call redistribute_functions(slave%kind(f), own, &
+            mortar%transferred_fraction(mortar%row_of_entry(slave%first(f):slave%first(f + 1) - 1)), received, d_received)
+          if (mortar%is_compliant) own_area = own_area + received(own) * sum(segments%share(own))
           do k = 1, size(segments)
-            call add_segment(master, segments(k), taken, at, n, nodes, weights)
+            call add_segment_weights(master, segments(k), received, at, n, nodes, weights)
             if (segments(k)%share(own) <= largest) cycle
             largest = segments(k)%share(own)
             place%facet = segments(k)%master
             place%xi = segments(k)%centre
           end do
-          call add_beside(mortar, f, own, taken, segments)
+          call add_adjacent_slave_nodes(mortar, f, own, received, segments)
         end associate
       end do
       at(nodes(:n)) = 0
     end associate
-    place%area = own_area + beside
-    if (abs(place%area) <= NOTHING * place%whole) then
-      place = place_type()
+    place%area = own_area + adjacent_area
+    if (abs(place%area) <= MIN_COUNTED_FRACTION * place%whole) then
+      place = mortar_node_type()
       return
     end if
-    if (beside > 0.0_DP) then
-      first_moment = first_moment + own_area * relative_position(row, x)
+    if (adjacent_area > 0.0_DP) then
+      first_moment = first_moment + own_area * evaluate_relative_position(row, x)
       row%weights = row%weights * (own_area / place%area)
-      if (own_area > 0.0_DP) row%shares = row%shares * (place%area / own_area)
-      place%arm = first_moment / place%area - x(:, row%nodes(1))
+      if (own_area > 0.0_DP) row%imbalance_weights = row%imbalance_weights * (place%area / own_area)
+      place%force_arm = first_moment / place%area - x(:, row%nodes(1))
     end if
     do k = 1, n_head                               ! each node once
       i = findloc(nodes(:n), row%nodes(k), dim=1)
@@ -678,49 +695,49 @@ contains
   contains
 
     !> Adds the nodes beside that give their functions to the row, as nodes of the slave's side.
-    subroutine add_beside(mortar, f, own, taken, segments)
+    subroutine add_adjacent_slave_nodes(mortar, f, own, received, segments)
       type(mortar_type), intent(in) :: mortar
       integer, intent(in) :: f, own                !< slave facet, local number of the row's node
-      real(DP), intent(in) :: taken(MAX_FACE_NODES)
-      type(segment_type), intent(in) :: segments(:)
+      real(DP), intent(in) :: received(MAX_FACE_NODES)
+      type(mortar_segment_type), intent(in) :: segments(:)
       type(contact_row_type) :: part
       real(DP) :: d
       integer :: i, q, j
       do i = 1, mortar%slave%first(f + 1) - mortar%slave%first(f)
-        if (i == own .or. taken(i) <= 0.0_DP) cycle
-        d = taken(i) * sum(segments%share(i))
-        beside = beside + d
-        j = mortar%place_of(mortar%slave%first(f) + i - 1)
-        call start_row(mortar%nodes(j), mortar%corners(:, j), part)
-        first_moment = first_moment + d * relative_position(part, x)
+        if (i == own .or. received(i) <= 0.0_DP) cycle
+        d = received(i) * sum(segments%share(i))
+        adjacent_area = adjacent_area + d
+        j = mortar%row_of_entry(mortar%slave%first(f) + i - 1)
+        call fill_slave_part(mortar%nodes(j), mortar%corners(:, j), part)
+        first_moment = first_moment + d * evaluate_relative_position(part, x)
         do q = 1, size(part%nodes)
           call add_weight(part%nodes(q), -d * part%weights(q), at, n, nodes, weights)
         end do
       end do
-    end subroutine add_beside
+    end subroutine add_adjacent_slave_nodes
 
-  end subroutine add_masters
+  end subroutine fill_master_part
 
 
   !> Which parts of the functions of a facet a node of it takes: what it keeps of its own, and what those beyond the master give to
   !! the nearest that are over it. What all that are near cannot take, since they are beyond, too, those farther take; what nobody
   !! takes is kept.
-  pure subroutine take_parts(kind, own, beyond, taken, d_taken)
+  pure subroutine redistribute_functions(kind, own, beyond, received, d_received)
     integer, intent(in) :: kind                    !< FACET_...
     integer, intent(in) :: own                     !< local number of the node
     real(DP), intent(in) :: beyond(:)              !< (n) what each node gives [-]
-    real(DP), intent(out) :: taken(MAX_FACE_NODES) !< [-]
-    real(DP), intent(out) :: d_taken(MAX_FACE_NODES, MAX_FACE_NODES)   !< (i, k) of taken(i) by beyond(k) [-]
+    real(DP), intent(out) :: received(MAX_FACE_NODES) !< [-]
+    real(DP), intent(out) :: d_received(MAX_FACE_NODES, MAX_FACE_NODES)   !< (i, k) of taken(i) by beyond(k) [-]
     real(DP) :: at(2, MAX_FACE_NODES), distance(size(beyond)), rest, none, sum_of, d_rest(size(beyond)), d_none(size(beyond))
     logical :: is_near(size(beyond))
     integer :: i, j, k, n
     n = size(beyond)
-    taken = 0.0_DP
-    d_taken = 0.0_DP
-    taken(own) = 1 - beyond(own)
-    d_taken(own, own) = -1.0_DP
+    received = 0.0_DP
+    d_received = 0.0_DP
+    received(own) = 1 - beyond(own)
+    d_received(own, own) = -1.0_DP
     if (all(beyond <= 0.0_DP)) return
-    at = regular_places(kind)
+    at = regular_node_positions(kind)
     do i = 1, n
       if (beyond(i) <= 0.0_DP) cycle
       distance = [(norm2(at(:, k) - at(:, i)), k=1, n)]
@@ -734,24 +751,24 @@ contains
         where (.not. is_near) d_none = 0.0_DP
         sum_of = sum(1 - beyond, mask=is_near)
         if (is_near(own) .and. none < 1.0_DP) then
-          taken(i) = rest * (1 - none) * (1 - beyond(own)) / sum_of
-          d_taken(i, :n) = (d_rest * (1 - none) - rest * d_none) * (1 - beyond(own)) / sum_of
-          where (is_near) d_taken(i, :n) = d_taken(i, :n) + taken(i) / sum_of
-          d_taken(i, own) = d_taken(i, own) - rest * (1 - none) / sum_of
+          received(i) = rest * (1 - none) * (1 - beyond(own)) / sum_of
+          d_received(i, :n) = (d_rest * (1 - none) - rest * d_none) * (1 - beyond(own)) / sum_of
+          where (is_near) d_received(i, :n) = d_received(i, :n) + received(i) / sum_of
+          d_received(i, own) = d_received(i, own) - rest * (1 - none) / sum_of
         end if
         d_rest = d_rest * none + rest * d_none
         rest = rest * none
         if (is_near(own)) exit
         where (is_near) distance = huge(1.0_DP)
       end do
-      if (i == own) taken(own) = taken(own) + rest
-      if (i == own) d_taken(own, :n) = d_taken(own, :n) + d_rest
+      if (i == own) received(own) = received(own) + rest
+      if (i == own) d_received(own, :n) = d_received(own, :n) + d_rest
     end do
-  end subroutine take_parts
+  end subroutine redistribute_functions
 
 
   !> Where the nodes of a facet are if all its edges are alike.
-  pure function regular_places(kind) result(at)
+  pure function regular_node_positions(kind) result(at)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP) :: at(2, MAX_FACE_NODES)              !< [-]
     type(facet_kind_type) :: shape
@@ -765,14 +782,14 @@ contains
     do i = m + 1, shape%n_nodes
       at(:, i) = 0.5_DP * (at(:, i - m) + at(:, modulo(i - m, m) + 1))
     end do
-  end function regular_places
+  end function regular_node_positions
 
 
   !> Adds what one segment gives to M of a slave node.
-  pure subroutine add_segment(master, segment, taken, at, n, nodes, weights)
+  pure subroutine add_segment_weights(master, segment, received, at, n, nodes, weights)
     type(facets_type), intent(in) :: master
-    type(segment_type), intent(in) :: segment
-    real(DP), intent(in) :: taken(MAX_FACE_NODES)  !< of the functions of the segment's slave facet [-]
+    type(mortar_segment_type), intent(in) :: segment
+    real(DP), intent(in) :: received(MAX_FACE_NODES)  !< of the functions of the segment's slave facet [-]
     integer, intent(inout) :: at(:)                !< (n_nodes) place in nodes(:) or 0
     integer, intent(inout) :: n                    !< entries so far
     integer, intent(inout) :: nodes(:)
@@ -780,9 +797,9 @@ contains
     integer :: own(MAX_FACE_NODES), i, n_own
     call facet_nodes(master, segment%master, n_own, own)
     do i = 1, n_own
-      call add_weight(own(i), dot_product(taken, segment%block(:, i)), at, n, nodes, weights)
+      call add_weight(own(i), dot_product(received, segment%master_integrals(:, i)), at, n, nodes, weights)
     end do
-  end subroutine add_segment
+  end subroutine add_segment_weights
 
 
   !> Adds to the weight of a node.

@@ -6,169 +6,176 @@ module amontons_mortar_linearization
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_facets, only: facets_type, facet_nodes
-  use amontons_mortar_segmentation, only: plane_type, lay_plane, in_plane
+  use amontons_mortar_segmentation, only: projection_plane_type, build_projection_plane, project_on_plane
   use amontons_contact_constraint_rows, only: contact_row_type
-  use amontons_mortar, only: mortar_type, start_row, take_parts, fading
-  use amontons_segment_derivatives, only: facet_rates_type, outline_type, differentiate_cuts, turn_of, lay_outline, move_edge, MOST
+  use amontons_mortar, only: mortar_type, fill_slave_part, redistribute_functions, evaluate_transfer_slope
+  use amontons_segment_derivatives, only: facet_derivatives_type, facet_outline_type, differentiate_segmentation, &
+    differentiate_plane_normal, build_facet_outline, differentiate_edge, MAX_CUT_COORDINATES
   implicit none
   private
-  public :: row_rates_type, differentiate_row
+  public :: row_derivatives_type, differentiate_mortar_row
 
   !> How a row changes.
-  type :: row_rates_type
+  type :: row_derivatives_type
     integer, allocatable :: nodes(:)               !< (n) those of the row, then all others that it depends on
     real(DP), allocatable :: d_weights(:, :, :)    !< (n_weights, 3, n) dw_k/dx_j [1/length]
     real(DP), allocatable :: d_area(:, :)          !< (3, n) [length]
     real(DP), allocatable :: d_factor(:, :)        !< (3, n) of the logarithm of the factor of the row's shares [1/length]
-  end type row_rates_type
+  end type row_derivatives_type
 
   !> How the part changes that a slave node gives to others.
-  type :: fade_type
+  type :: transfer_derivative_type
     integer :: node = 0                            !< mesh node
     integer, allocatable :: at(:)                  !< (n) places of nodes of slave and master facet among those of the row
     real(DP), allocatable :: rate(:, :)            !< (3, n) [1/length]
-  end type fade_type
+  end type transfer_derivative_type
 
 contains
 
   !> How the row of a slave node changes with all nodes of the facets around it: as `mortar` fills it.
-  subroutine differentiate_row(mortar, master, x, j, facet_rates, rates)
+  subroutine differentiate_mortar_row(mortar, master, x, j, facet_derivatives, derivatives)
     type(mortar_type), intent(in) :: mortar        !< as integrated at x
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)                !< as for `integrate_mortar`
     integer, intent(in) :: j                       !< row, with a master in front
-    type(facet_rates_type), intent(inout) :: facet_rates(:)   !< (n_facets) those of the star of its vertex are made if they are not
-    type(row_rates_type), intent(out) :: rates
+    type(facet_derivatives_type), intent(inout) :: facet_derivatives(:)   !< (n_facets) those of the star of its vertex are made if
+                                                                          !! they are not
+    type(row_derivatives_type), intent(out) :: derivatives
     real(DP), allocatable :: sum_of(:, :, :)       ! of d_j T - M_ji, which is w_k times the area
     real(DP), allocatable :: own_area(:, :)
-    type(fade_type), allocatable :: fades(:)
-    real(DP) :: taken(MAX_FACE_NODES), d_taken(MAX_FACE_NODES, MAX_FACE_NODES), own_share
+    type(transfer_derivative_type), allocatable :: transfers(:)
+    real(DP) :: received(MAX_FACE_NODES), d_received(MAX_FACE_NODES, MAX_FACE_NODES), own_fraction
     integer, allocatable :: at(:)
     integer :: s, f, own, i, k
     associate (slave => mortar%slave, v => mortar%places(j)%vertex)
       do s = slave%star_first(v), slave%star_first(v + 1) - 1
         f = slave%star_facet(s)
-        if (.not. facet_rates(f)%is_made) call differentiate_cuts(slave, f, master, x, mortar%cuts%covers(f), facet_rates(f))
+        if (.not. facet_derivatives(f)%is_made) call differentiate_segmentation(slave, f, master, x, mortar%cuts%covers(f), &
+          facet_derivatives(f))
       end do
     end associate
-    call gather_star(mortar, j, facet_rates, rates%nodes)
-    call gather_fades(mortar, master, x, j, rates%nodes, fades)
-    k = size(rates%nodes)
-    allocate (sum_of(size(mortar%rows(j)%nodes), 3, k), rates%d_area(3, k), own_area(3, k), source=0.0_DP)
-    own_share = 0.0_DP
+    call collect_row_nodes(mortar, j, facet_derivatives, derivatives%nodes)
+    call collect_transfers(mortar, master, x, j, derivatives%nodes, transfers)
+    k = size(derivatives%nodes)
+    allocate (sum_of(size(mortar%rows(j)%nodes), 3, k), derivatives%d_area(3, k), own_area(3, k), source=0.0_DP)
+    own_fraction = 0.0_DP
     associate (slave => mortar%slave, row => mortar%rows(j), area => mortar%places(j)%area)
       do s = slave%star_first(mortar%places(j)%vertex), slave%star_first(mortar%places(j)%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
-        if (size(facet_rates(f)%nodes) == facet_rates(f)%n_slave) cycle   ! nothing in front
-        call take_parts(slave%kind(f), own, mortar%beyond(mortar%place_of(slave%first(f):slave%first(f + 1) - 1)), taken, d_taken)
-        at = [(findloc(rates%nodes, facet_rates(f)%nodes(i), dim=1), i=1, size(facet_rates(f)%nodes))]
-        own_share = own_share + facet_rates(f)%share(own)
+        if (size(facet_derivatives(f)%nodes) == facet_derivatives(f)%n_slave) cycle   ! nothing in front
+        call redistribute_functions(slave%kind(f), own, &
+          mortar%transferred_fraction(mortar%row_of_entry(slave%first(f):slave%first(f + 1) - 1)), received, d_received)
+        at = [(findloc(derivatives%nodes, facet_derivatives(f)%nodes(i), dim=1), i=1, size(facet_derivatives(f)%nodes))]
+        own_fraction = own_fraction + facet_derivatives(f)%share(own)
         do i = 1, size(at)
-          own_area(:, at(i)) = own_area(:, at(i)) + facet_rates(f)%d_share(own, 3 * i - 2:3 * i)
+          own_area(:, at(i)) = own_area(:, at(i)) + facet_derivatives(f)%d_slave_integrals(own, 3 * i - 2:3 * i)
         end do
-        call add_facet(mortar, facet_rates(f), taken, at, row, sum_of, rates%d_area)
-        call add_fades(mortar, facet_rates(f), d_taken, fades, at, row, sum_of, rates%d_area)
+        call add_facet_derivatives(mortar, facet_derivatives(f), received, at, row, sum_of, derivatives%d_area)
+        call add_transfer_derivatives(mortar, facet_derivatives(f), d_received, transfers, at, row, sum_of, derivatives%d_area)
       end do
-      allocate (rates%d_weights, mold=sum_of)
+      allocate (derivatives%d_weights, mold=sum_of)
       do i = 1, size(row%nodes)
-        rates%d_weights(i, :, :) = (sum_of(i, :, :) - row%weights(i) * rates%d_area) / area
+        derivatives%d_weights(i, :, :) = (sum_of(i, :, :) - row%weights(i) * derivatives%d_area) / area
       end do
-      rates%d_factor = rates%d_area / area
-      if (.not. mortar%is_soft) rates%d_factor = rates%d_factor - own_area / own_share
+      derivatives%d_factor = derivatives%d_area / area
+      if (.not. mortar%is_compliant) derivatives%d_factor = derivatives%d_factor - own_area / own_fraction
     end associate
-  end subroutine differentiate_row
+  end subroutine differentiate_mortar_row
 
 
   !> The nodes of a row, then all others of the facets around it and of their masters.
-  pure subroutine gather_star(mortar, j, facet_rates, nodes)
+  pure subroutine collect_row_nodes(mortar, j, facet_derivatives, nodes)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: j
-    type(facet_rates_type), intent(in) :: facet_rates(:)
+    type(facet_derivatives_type), intent(in) :: facet_derivatives(:)
     integer, allocatable, intent(out) :: nodes(:)
     integer :: s, i
     nodes = mortar%rows(j)%nodes
     associate (slave => mortar%slave, v => mortar%places(j)%vertex)
       do s = slave%star_first(v), slave%star_first(v + 1) - 1
-        associate (others => facet_rates(slave%star_facet(s))%nodes)
+        associate (others => facet_derivatives(slave%star_facet(s))%nodes)
           do i = 1, size(others)
             if (all(nodes /= others(i))) nodes = [nodes, others(i)]
           end do
         end associate
       end do
     end associate
-  end subroutine gather_star
+  end subroutine collect_row_nodes
 
 
   !> How the parts change that nodes around a row give, with the distance of each beyond the edge of its master; nodes on which that
   !! depends are appended.
-  subroutine gather_fades(mortar, master, x, j, nodes, fades)
+  subroutine collect_transfers(mortar, master, x, j, nodes, transfers)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
     integer, intent(in) :: j                       !< row
     integer, allocatable, intent(inout) :: nodes(:)
-    type(fade_type), allocatable, intent(out) :: fades(:)
-    type(fade_type) :: fade
+    type(transfer_derivative_type), allocatable, intent(out) :: transfers(:)
+    type(transfer_derivative_type) :: transfer
     integer :: s, i, k, n
-    allocate (fades(0))
-    if (.not. mortar%is_soft) return
+    allocate (transfers(0))
+    if (.not. mortar%is_compliant) return
     associate (slave => mortar%slave, v => mortar%places(j)%vertex)
       do s = slave%star_first(v), slave%star_first(v + 1) - 1
         do i = slave%first(slave%star_facet(s)), slave%first(slave%star_facet(s) + 1) - 1
-          k = mortar%place_of(i)
-          if (mortar%beyond(k) <= 0.0_DP .or. mortar%beyond(k) >= 1.0_DP) cycle
-          if (any(fades%node == mortar%nodes(k))) cycle
-          call differentiate_fade(mortar, master, x, k, fade)
-          do n = 1, size(fade%at)                  ! mesh nodes to places
-            if (all(nodes /= fade%at(n))) nodes = [nodes, fade%at(n)]
-            fade%at(n) = findloc(nodes, fade%at(n), dim=1)
+          k = mortar%row_of_entry(i)
+          if (mortar%transferred_fraction(k) <= 0.0_DP .or. mortar%transferred_fraction(k) >= 1.0_DP) cycle
+          if (any(transfers%node == mortar%nodes(k))) cycle
+          call differentiate_transfer(mortar, master, x, k, transfer)
+          do n = 1, size(transfer%at)                  ! mesh nodes to places
+            if (all(nodes /= transfer%at(n))) nodes = [nodes, transfer%at(n)]
+            transfer%at(n) = findloc(nodes, transfer%at(n), dim=1)
           end do
-          fades = [fades, fade]
+          transfers = [transfers, transfer]
         end do
       end do
     end associate
-  end subroutine gather_fades
+  end subroutine collect_transfers
 
 
   !> How the part that a slave node gives changes with its slave facet and the master's edge beyond which it is.
-  subroutine differentiate_fade(mortar, master, x, k, fade)
+  subroutine differentiate_transfer(mortar, master, x, k, transfer)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
     integer, intent(in) :: k                       !< slave node
-    type(fade_type), intent(out) :: fade           !< at: mesh nodes
-    type(outline_type) :: own, front
-    type(plane_type) :: plane
-    real(DP) :: turn(MOST, 2), across(2), moved(MOST), rate(MOST)
+    type(transfer_derivative_type), intent(out) :: transfer           !< at: mesh nodes
+    type(facet_outline_type) :: own, front
+    type(projection_plane_type) :: plane
+    real(DP) :: d_normal(MAX_CUT_COORDINATES, 2), across(2), displacement_rate(MAX_CUT_COORDINATES), rate(MAX_CUT_COORDINATES)
     integer :: i, nd, n, nodes(MAX_FACE_NODES)
-    associate (f => mortar%edges(1, k), local => mortar%edges(2, k), g => mortar%edges(3, k), edge => mortar%edges(4, k))
-      call lay_plane(mortar%slave, f, x, plane)
-      turn = turn_of(mortar%slave, f, x, plane)
-      call lay_outline(mortar%slave, f, x, plane, turn, 0, .false., own)
-      call lay_outline(master, g, x, plane, turn, own%n, .true., front)
+    associate (f => mortar%transfer_edges(1, k), local => mortar%transfer_edges(2, k), g => mortar%transfer_edges(3, k), &
+      edge => mortar%transfer_edges(4, k))
+      call build_projection_plane(mortar%slave, f, x, plane)
+      d_normal = differentiate_plane_normal(mortar%slave, f, x, plane)
+      call build_facet_outline(mortar%slave, f, x, plane, d_normal, 0, .false., own)
+      call build_facet_outline(master, g, x, plane, d_normal, own%n, .true., front)
       nd = 3 * (own%n + front%n)
-      call move_edge(front, nd, edge, modulo(edge, front%n_corners) + 1, in_plane(plane, own%x(:, local)), across, moved)
+      call differentiate_edge(front, nd, edge, modulo(edge, front%n_corners) + 1, project_on_plane(plane, own%x(:, local)), &
+        across, displacement_rate)
       rate = 0.0_DP
       do i = 1, nd
-        rate(i) = fading(mortar%beyond(k)) / mortar%slave%edge_length(f) * (dot_product(across, own%d_flat(i, :, local)) - moved(i))
+        rate(i) = evaluate_transfer_slope(mortar%transferred_fraction(k)) / mortar%slave%edge_length(f) * (dot_product(across, &
+          own%d_flat(i, :, local)) - displacement_rate(i))
       end do
       call facet_nodes(mortar%slave, f, n, nodes)
-      fade%node = mortar%nodes(k)
-      fade%at = nodes(:n)
+      transfer%node = mortar%nodes(k)
+      transfer%at = nodes(:n)
       call facet_nodes(master, g, n, nodes)
-      fade%at = [fade%at, nodes(:n)]
-      fade%rate = reshape(rate(:nd), [3, nd / 3])
+      transfer%at = [transfer%at, nodes(:n)]
+      transfer%rate = reshape(rate(:nd), [3, nd / 3])
     end associate
-  end subroutine differentiate_fade
+  end subroutine differentiate_transfer
 
 
   !> What one facet gives to the derivative of a row since the parts change that the row takes.
-  subroutine add_fades(mortar, facet, d_taken, fades, at, row, sum_of, d_area)
+  subroutine add_transfer_derivatives(mortar, facet, d_received, transfers, at, row, sum_of, d_area)
     type(mortar_type), intent(in) :: mortar
-    type(facet_rates_type), intent(in) :: facet
-    real(DP), intent(in) :: d_taken(MAX_FACE_NODES, MAX_FACE_NODES)
-    type(fade_type), intent(in) :: fades(:)
+    type(facet_derivatives_type), intent(in) :: facet
+    real(DP), intent(in) :: d_received(MAX_FACE_NODES, MAX_FACE_NODES)
+    type(transfer_derivative_type), intent(in) :: transfers(:)
     integer, intent(in) :: at(:)                   !< places of the facet's nodes among those of the row's rates
     type(contact_row_type), intent(in) :: row
     real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
@@ -176,58 +183,59 @@ contains
     real(DP) :: values(size(row%nodes)), rate(3)
     integer :: i, j, k, q, local, node
     do i = 1, facet%n_slave
-      if (all(abs(d_taken(i, :)) <= 0.0_DP)) cycle
+      if (all(abs(d_received(i, :)) <= 0.0_DP)) cycle
       node = findloc(mortar%nodes, facet%nodes(i), dim=1)
-      call start_row(mortar%nodes(node), mortar%corners(:, node), part)
+      call fill_slave_part(mortar%nodes(node), mortar%corners(:, node), part)
       values = 0.0_DP                              ! what the row has of it
       do k = 1, size(part%nodes)
         where (row%nodes == part%nodes(k)) values = values + facet%share(i) * part%weights(k)
       end do
       do k = facet%n_slave + 1, size(facet%nodes)
-        if (at(k) <= size(values)) values(at(k)) = values(at(k)) - facet%block(i, k)
+        if (at(k) <= size(values)) values(at(k)) = values(at(k)) - facet%master_integrals(i, k)
       end do
-      do q = 1, size(fades)
-        local = findloc(facet%nodes(:facet%n_slave), fades(q)%node, dim=1)
+      do q = 1, size(transfers)
+        local = findloc(facet%nodes(:facet%n_slave), transfers(q)%node, dim=1)
         if (local == 0) cycle
-        do j = 1, size(fades(q)%at)
-          rate = d_taken(i, local) * fades(q)%rate(:, j)
-          d_area(:, fades(q)%at(j)) = d_area(:, fades(q)%at(j)) + facet%share(i) * rate
-          sum_of(:, :, fades(q)%at(j)) = sum_of(:, :, fades(q)%at(j)) + spread(values, 2, 3) * spread(rate, 1, size(values))
+        do j = 1, size(transfers(q)%at)
+          rate = d_received(i, local) * transfers(q)%rate(:, j)
+          d_area(:, transfers(q)%at(j)) = d_area(:, transfers(q)%at(j)) + facet%share(i) * rate
+          sum_of(:, :, transfers(q)%at(j)) = sum_of(:, :, transfers(q)%at(j)) + spread(values, 2, 3) * spread(rate, 1, size(values))
         end do
       end do
     end do
-  end subroutine add_fades
+  end subroutine add_transfer_derivatives
 
 
   !> What one facet gives to a row: d_i T_i for the functions that the row takes, less the master's part.
-  subroutine add_facet(mortar, facet, taken, at, row, sum_of, d_area)
+  subroutine add_facet_derivatives(mortar, facet, received, at, row, sum_of, d_area)
     type(mortar_type), intent(in) :: mortar
-    type(facet_rates_type), intent(in) :: facet
-    real(DP), intent(in) :: taken(MAX_FACE_NODES)
+    type(facet_derivatives_type), intent(in) :: facet
+    real(DP), intent(in) :: received(MAX_FACE_NODES)
     integer, intent(in) :: at(:)                   !< places of the facet's nodes among those of the row's rates
     type(contact_row_type), intent(in) :: row
     real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
     type(contact_row_type) :: part
     integer :: i, j, k, q, node
     do i = 1, facet%n_slave
-      if (taken(i) <= 0.0_DP) cycle
+      if (received(i) <= 0.0_DP) cycle
       node = findloc(mortar%nodes, facet%nodes(i), dim=1)
-      call start_row(mortar%nodes(node), mortar%corners(:, node), part)
+      call fill_slave_part(mortar%nodes(node), mortar%corners(:, node), part)
       do j = 1, size(facet%nodes)
-        d_area(:, at(j)) = d_area(:, at(j)) + taken(i) * facet%d_share(i, 3 * j - 2:3 * j)
+        d_area(:, at(j)) = d_area(:, at(j)) + received(i) * facet%d_slave_integrals(i, 3 * j - 2:3 * j)
         do q = 1, size(part%nodes)
           k = findloc(row%nodes, part%nodes(q), dim=1)
-          if (k > 0) sum_of(k, :, at(j)) = sum_of(k, :, at(j)) + taken(i) * part%weights(q) * facet%d_share(i, 3 * j - 2:3 * j)
+          if (k > 0) sum_of(k, :, at(j)) = sum_of(k, :, at(j)) + received(i) * part%weights(q) * facet%d_slave_integrals(i, &
+            3 * j - 2:3 * j)
         end do
       end do
       do k = facet%n_slave + 1, size(facet%nodes)
         q = at(k)                                  ! masters of the row stand among its nodes
         if (q > size(row%nodes)) cycle
         do j = 1, size(facet%nodes)
-          sum_of(q, :, at(j)) = sum_of(q, :, at(j)) - taken(i) * facet%d_block(i, k, 3 * j - 2:3 * j)
+          sum_of(q, :, at(j)) = sum_of(q, :, at(j)) - received(i) * facet%d_master_integrals(i, k, 3 * j - 2:3 * j)
         end do
       end do
     end do
-  end subroutine add_facet
+  end subroutine add_facet_derivatives
 
 end module amontons_mortar_linearization

@@ -8,104 +8,110 @@ module amontons_mortar_segmentation
   use amontons_tensor, only: cross_product
   use amontons_topology, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line
-  use amontons_facet_search, only: search_type, near_facets
-  use amontons_polygon_clipping, only: place_on_flat, clip_polygon, polygon_area, polygon_points, MAX_CORNERS, MAX_CUT_POINTS
-  use amontons_dual_shape_functions, only: transform_shapes, transform_nodes, dual_functions
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet
+  use amontons_facet_search, only: facet_search_type, find_near_facets
+  use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
+    MAX_POLYGON_CORNERS, MAX_CUT_POINTS
+  use amontons_dual_shape_functions, only: transform_shape_functions, transform_nodal_positions, evaluate_dual_functions
   implicit none
   private
-  public :: plane_type, segment_type, points_type, cover_type, find_segments, lay_plane, in_plane, corners_in, is_in_sight, &
-    depth_at, integrate_segments, order_for, natural_place
+  public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
+    build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, &
+    find_depth, integrate_segments, choose_quadrature_order, find_natural_coordinates
 
-  real(DP), parameter :: FACING = 0.2_DP           !< a master facet is in front if its normal is this much against the slave's [-]
-  real(DP), parameter :: OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the other [-]
-  real(DP), parameter :: SLIVER = 1.0e-10_DP       !< cuts smaller than this part of the facet are nothing [-]
-  real(DP), parameter :: AFFINE = 1.0e-9_DP        !< a square whose corners miss a parallelogram by less than this part is one [-]
+  real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP           !< a master facet is in front if its normal is this much against the
+                                                              !! slave's [-]
+  real(DP), parameter :: MAX_SEGMENT_OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the
+                                                               !! other [-]
+  real(DP), parameter :: MIN_SEGMENT_AREA = 1.0e-10_DP       !< cuts smaller than this part of the facet are nothing [-]
+  real(DP), parameter :: TOL_AFFINE = 1.0e-9_DP        !< a square whose corners miss a parallelogram by less than this part is one
+                                                       !! [-]
 
   !> A flat frame through a slave facet.
-  type :: plane_type
+  type :: projection_plane_type
     real(DP) :: origin(3) = 0                      !< [length]
     real(DP) :: axes(3, 2) = 0                     !< unit vectors in the plane
     real(DP) :: normal(3) = 0                      !< unit vector, out of the slave
     real(DP) :: depth = 1                          !< of a line: thickness [length], -1: the full circle
-  end type plane_type
+  end type projection_plane_type
 
   !> The part that a slave and a master facet have in common.
-  type :: segment_type
+  type :: mortar_segment_type
     integer :: slave = 0                           !< facet
     integer :: master = 0                          !< facet; 0: nothing in common
     integer :: first = 0, last = 0                 !< its points
-    real(DP) :: block(MAX_FACE_NODES, MAX_FACE_NODES) = 0   !< integral of phi_j N_i [length^2]
+    real(DP) :: master_integrals(MAX_FACE_NODES, MAX_FACE_NODES) = 0   !< integral of phi_j N_i [length^2]
     real(DP) :: share(MAX_FACE_NODES) = 0          !< integral of N~_j [length^2]
     real(DP) :: centre(2) = 0                      !< mean natural coordinates on the master facet [-]
     integer :: n = 0                               !< corners of the cut
-    real(DP) :: cut(2, MAX_CORNERS) = 0            !< in the plane of the slave facet [length]
+    real(DP) :: cut(2, MAX_POLYGON_CORNERS) = 0            !< in the plane of the slave facet [length]
     real(DP) :: distance = 0                       !< mean, positive where the facets are apart [length]
-  end type segment_type
+  end type mortar_segment_type
 
   !> Points of the integral over one slave facet.
-  type :: points_type
+  type :: segment_points_type
     integer :: n = 0
     real(DP), allocatable :: weight(:)             !< [length^2]
     real(DP), allocatable :: at(:, :)              !< (2, :) in the plane [length]
     real(DP), allocatable :: xi(:, :), eta(:, :)   !< (2, :) natural coordinates on the slave and on the master facet [-]
     real(DP), allocatable :: on_slave(:, :)        !< (MAX_FACE_NODES, :) N~_j [-]
     real(DP), allocatable :: on_master(:, :)       !< (MAX_FACE_NODES, :) N_i [-]
-  end type points_type
+  end type segment_points_type
 
   !> All that a slave facet has in common with its masters. Once integrated it has no functions any more, which take the most room.
-  type :: cover_type
-    type(plane_type) :: plane
-    type(points_type) :: points
+  type :: segmentation_type
+    type(projection_plane_type) :: plane
+    type(segment_points_type) :: points
     integer :: n = 0
-    type(segment_type), allocatable :: segments(:) !< the first n are set
-  end type cover_type
+    type(mortar_segment_type), allocatable :: segments(:) !< the first n are set
+  end type segmentation_type
 
 contains
 
   !> All that a slave facet has in common with the masters in front of it; where masters lie one behind the other, the nearest.
-  subroutine find_segments(slave, f, depth, master, search, x, reach, cover)
+  subroutine build_segmentation(slave, f, depth, master, search, x, search_distance, segmentation)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
     real(DP), intent(in) :: depth                  !< of a line: as plane%depth
-    type(search_type), intent(in) :: search        !< of the master's facets
+    type(facet_search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
-    type(cover_type), intent(out) :: cover
-    type(segment_type) :: segment
+    real(DP), intent(in) :: search_distance                  !< facets farther apart do not see each other [length]
+    type(segmentation_type), intent(out) :: segmentation
+    type(mortar_segment_type) :: segment
     integer, allocatable :: list(:)
     real(DP) :: corners(2, 4)
     integer :: k, n_list, n_corners
-    call lay_plane(slave, f, x, cover%plane)
-    cover%plane%depth = depth
-    call near_facets(search, cover%plane%origin, list, n_list)
-    allocate (cover%segments(8))
+    call build_projection_plane(slave, f, x, segmentation%plane)
+    segmentation%plane%depth = depth
+    call find_near_facets(search, segmentation%plane%origin, list, n_list)
+    allocate (segmentation%segments(8))
     do k = 1, n_list
-      call cut_with(slave, f, master, list(k), x, reach, cover%plane, cover%points, segment)
+      call intersect_facets(slave, f, master, list(k), x, search_distance, segmentation%plane, segmentation%points, segment)
       if (segment%master == 0) cycle
-      if (cover%n == size(cover%segments)) cover%segments = [cover%segments, cover%segments]
-      cover%n = cover%n + 1
-      cover%segments(cover%n) = segment
+      if (segmentation%n == size(segmentation%segments)) segmentation%segments = [segmentation%segments, segmentation%segments]
+      segmentation%n = segmentation%n + 1
+      segmentation%segments(segmentation%n) = segment
     end do
-    if (cover%n == 0) return
-    call corners_in(cover%plane, slave, f, x, corners, n_corners)
-    call drop_behind(cover%segments(:cover%n), polygon_area(corners(:, :n_corners)), cover%points)
-  end subroutine find_segments
+    if (segmentation%n == 0) return
+    call project_facet_corners(segmentation%plane, slave, f, x, corners, n_corners)
+    call drop_hidden_segments(segmentation%segments(:segmentation%n), signed_polygon_area(corners(:, :n_corners)), &
+      segmentation%points)
+  end subroutine build_segmentation
 
 
   !> Where masters lie one behind the other (a fold), the nearest takes the place: what overlaps with a nearer one is dropped.
-  subroutine drop_behind(segments, area, points)
-    type(segment_type), intent(inout) :: segments(:)   !< of one slave facet
+  subroutine drop_hidden_segments(segments, area, points)
+    type(mortar_segment_type), intent(inout) :: segments(:)   !< of one slave facet
     real(DP), intent(in) :: area                   !< of the slave facet in its plane [length^2]
-    type(points_type), intent(inout) :: points     !< those of dropped segments lose their weight
+    type(segment_points_type), intent(inout) :: points     !< those of dropped segments lose their weight
     logical :: is_done(size(segments)), is_kept(size(segments))
-    real(DP) :: common(2, MAX_CORNERS), covered
+    real(DP) :: common(2, MAX_POLYGON_CORNERS), covered
     integer :: i, j, k, n
     covered = 0.0_DP
     do i = 1, size(segments)
-      covered = covered + polygon_area(segments(i)%cut(:, :segments(i)%n))
+      covered = covered + signed_polygon_area(segments(i)%cut(:, :segments(i)%n))
     end do
-    if (covered <= (1 + OVERLAP) * area) return
+    if (covered <= (1 + MAX_SEGMENT_OVERLAP) * area) return
     is_done = .false.
     is_kept = .false.
     do k = 1, size(segments)
@@ -115,28 +121,28 @@ contains
       do j = 1, size(segments)
         if (.not. is_kept(j) .or. j == i) cycle
         call clip_polygon(segments(i)%cut(:, :segments(i)%n), segments(j)%cut(:, :segments(j)%n), common, n)
-        if (n >= 3) is_kept(i) = is_kept(i) .and. polygon_area(common(:, :n)) <= OVERLAP * area
+        if (n >= 3) is_kept(i) = is_kept(i) .and. signed_polygon_area(common(:, :n)) <= MAX_SEGMENT_OVERLAP * area
       end do
       if (.not. is_kept(i)) points%weight(segments(i)%first:segments(i)%last) = 0.0_DP
     end do
-  end subroutine drop_behind
+  end subroutine drop_hidden_segments
 
 
   !> The depth of a line at a point: its thickness, or the length of the circle; 1 for faces.
-  pure real(DP) function depth_at(plane, point) result(depth)
-    type(plane_type), intent(in) :: plane
+  pure real(DP) function find_depth(plane, point) result(depth)
+    type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: point(3)               !< [length]
     depth = plane%depth
     if (depth < 0.0_DP) depth = 2 * PI * point(1)
-  end function depth_at
+  end function find_depth
 
 
   !> The plane through the middle of the corners of a facet, normal to its mean normal. A line's plane stands across the model.
-  pure subroutine lay_plane(facets, f, x, plane)
+  pure subroutine build_projection_plane(facets, f, x, plane)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
     real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(out) :: plane
+    type(projection_plane_type), intent(out) :: plane
     type(facet_kind_type) :: shape
     integer :: n, m, nodes(MAX_FACE_NODES)
     call facet_nodes(facets, f, n, nodes)
@@ -156,21 +162,21 @@ contains
     plane%axes(:, 1) = plane%axes(:, 1) - dot_product(plane%normal, plane%axes(:, 1)) * plane%normal
     plane%axes(:, 1) = plane%axes(:, 1) / max(norm2(plane%axes(:, 1)), tiny(1.0_DP))
     plane%axes(:, 2) = cross_product(plane%normal, plane%axes(:, 1))
-  end subroutine lay_plane
+  end subroutine build_projection_plane
 
 
   !> A point in the coordinates of the plane.
-  pure function in_plane(plane, point) result(p)
-    type(plane_type), intent(in) :: plane
+  pure function project_on_plane(plane, point) result(p)
+    type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: point(3)               !< [length]
     real(DP) :: p(2)                               !< [length]
     p = matmul(point - plane%origin, plane%axes)
-  end function in_plane
+  end function project_on_plane
 
 
   !> The corners of a facet in the coordinates of a plane; a line is a rectangle of depth 1.
-  pure subroutine corners_in(plane, facets, f, x, corners, n)
-    type(plane_type), intent(in) :: plane
+  pure subroutine project_facet_corners(plane, facets, f, x, corners, n)
+    type(projection_plane_type), intent(in) :: plane
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
     real(DP), intent(in) :: x(:, :)
@@ -183,72 +189,73 @@ contains
     n = shape%n_corners
     corners = 0.0_DP
     do i = 1, n
-      corners(:, i) = in_plane(plane, x(:, nodes(i)))
+      corners(:, i) = project_on_plane(plane, x(:, nodes(i)))
     end do
     if (n > 2) return
     n = 4
     corners(2, :2) = 0.0_DP
     corners(:, 3) = [corners(1, 2), 1.0_DP]
     corners(:, 4) = [corners(1, 1), 1.0_DP]
-  end subroutine corners_in
+  end subroutine project_facet_corners
 
 
   !> Whether a master facet is in front of a slave's plane: its normal is against that of the plane, and its middle is not too far.
-  pure logical function is_in_sight(plane, master, g, x, reach)
-    type(plane_type), intent(in) :: plane
+  pure logical function is_facing_plane(plane, master, g, x, search_distance)
+    type(projection_plane_type), intent(in) :: plane
     type(facets_type), intent(in) :: master
     integer, intent(in) :: g                       !< master facet
     real(DP), intent(in) :: x(:, :)
-    real(DP), intent(in) :: reach                  !< from the plane [length]
-    type(plane_type) :: other
-    call lay_plane(master, g, x, other)
-    is_in_sight = dot_product(other%normal, plane%normal) <= -FACING .and. &
-      abs(dot_product(other%origin - plane%origin, plane%normal)) <= reach
-  end function is_in_sight
+    real(DP), intent(in) :: search_distance                  !< from the plane [length]
+    type(projection_plane_type) :: other
+    call build_projection_plane(master, g, x, other)
+    is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_FACING_COSINE .and. &
+      abs(dot_product(other%origin - plane%origin, plane%normal)) <= search_distance
+  end function is_facing_plane
 
 
   !> Cuts a slave facet with one master facet and appends the points of the cut. After: segment%master = 0 if there is none.
-  subroutine cut_with(slave, f, master, g, x, reach, plane, points, segment)
+  subroutine intersect_facets(slave, f, master, g, x, search_distance, plane, points, segment)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f, g                    !< slave and master facet
-    real(DP), intent(in) :: x(:, :), reach
-    type(plane_type), intent(in) :: plane
-    type(points_type), intent(inout) :: points
-    type(segment_type), intent(out) :: segment
-    real(DP) :: own(2, 4), front(2, 4), cut(2, MAX_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
+    real(DP), intent(in) :: x(:, :), search_distance
+    type(projection_plane_type), intent(in) :: plane
+    type(segment_points_type), intent(inout) :: points
+    type(mortar_segment_type), intent(out) :: segment
+    real(DP) :: own(2, 4), projected_master(2, 4), cut(2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
     integer :: n, m, k, q, before
-    if (.not. is_in_sight(plane, master, g, x, huge(1.0_DP))) return
-    call corners_in(plane, slave, f, x, own, n)
-    call corners_in(plane, master, g, x, front, m)
-    front(:, :m) = front(:, m:1:-1)                ! seen from the slave it runs the other way round
-    if (any(minval(own(:, :n), dim=2) > maxval(front(:, :m), dim=2))) return
-    if (any(maxval(own(:, :n), dim=2) < minval(front(:, :m), dim=2))) return
-    call clip_polygon(own(:, :n), front(:, :m), cut, k)
+    if (.not. is_facing_plane(plane, master, g, x, huge(1.0_DP))) return
+    call project_facet_corners(plane, slave, f, x, own, n)
+    call project_facet_corners(plane, master, g, x, projected_master, m)
+    projected_master(:, :m) = projected_master(:, m:1:-1)                ! seen from the slave it runs the other way round
+    if (any(minval(own(:, :n), dim=2) > maxval(projected_master(:, :m), dim=2))) return
+    if (any(maxval(own(:, :n), dim=2) < minval(projected_master(:, :m), dim=2))) return
+    call clip_polygon(own(:, :n), projected_master(:, :m), cut, k)
     if (k < 3) return
-    if (polygon_area(cut(:, :k)) <= SLIVER * polygon_area(own(:, :n))) return
-    call polygon_points(cut(:, :k), is_line(slave%kind(f)), max(order_for(slave%kind(f), own), &
-      order_for(master%kind(g), front)), q, at, weight)
+    if (signed_polygon_area(cut(:, :k)) <= MIN_SEGMENT_AREA * signed_polygon_area(own(:, :n))) return
+    call set_polygon_quadrature(cut(:, :k), is_line_facet(slave%kind(f)), max(choose_quadrature_order(slave%kind(f), own), &
+      choose_quadrature_order(master%kind(g), projected_master)), q, at, weight)
     before = points%n
     segment%slave = f
     segment%master = g
     segment%first = before + 1
     segment%n = k
     segment%cut = cut
-    call append_points(slave, master, x, plane, at(:, :q), weight(:q), points, segment)
+    call append_segment_points(slave, master, x, plane, at(:, :q), weight(:q), points, segment)
     segment%last = points%n
-    if (abs(segment%distance) <= reach) return
+    if (abs(segment%distance) <= search_distance) return
     points%n = before
-    segment = segment_type()
-  end subroutine cut_with
+    segment = mortar_segment_type()
+  end subroutine intersect_facets
 
 
   !> The order of the rule that a facet wants. Its functions are polynomials in the plane for triangles with straight edges and for
   !! parallelograms, and the rule is exact; else they are not, and the error falls fast with the order.
-  pure integer function order_for(kind, corners) result(order)
+  pure integer function choose_quadrature_order(kind, corners) result(order)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: corners(2, 4)          !< in the plane [length]
     logical :: is_skew
-    is_skew = norm2(corners(:, 1) - corners(:, 2) + corners(:, 3) - corners(:, 4)) > AFFINE * norm2(corners(:, 3) - corners(:, 1))
+    is_skew = norm2(corners(:, 1) - corners(:, 2) + corners(:, 3) - corners(:, 4)) > TOL_AFFINE * norm2(corners(:, &
+      3) - corners(:, 1))
     select case (kind)
     case (FACET_QUAD4)
       order = merge(5, 3, is_skew)
@@ -259,83 +266,83 @@ contains
     case default
       order = 3
     end select
-  end function order_for
+  end function choose_quadrature_order
 
 
   !> The points of a cut with the functions of both facets there, and their mean distance, positive where the facets are apart.
-  subroutine append_points(slave, master, x, plane, at, weight, points, segment)
+  subroutine append_segment_points(slave, master, x, plane, at, weight, points, segment)
     type(facets_type), intent(in) :: slave, master
     real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(in) :: plane
+    type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: at(:, :), weight(:)    !< (2, n), (n) in the plane
-    type(points_type), intent(inout) :: points
-    type(segment_type), intent(inout) :: segment   !< in: its facets; out: centre, distance
+    type(segment_points_type), intent(inout) :: points
+    type(mortar_segment_type), intent(inout) :: segment   !< in: its facets; out: centre, distance
     real(DP) :: xi(2), eta(2), N(MAX_FACE_NODES), M(MAX_FACE_NODES), tangents(3, 2), normal(3)
     integer :: q, n_slave, n_master, nodes(MAX_FACE_NODES), fronts(MAX_FACE_NODES)
     call facet_nodes(slave, segment%slave, n_slave, nodes)
     call facet_nodes(master, segment%master, n_master, fronts)
-    call reserve(points, points%n + size(weight))
+    call reserve_points(points, points%n + size(weight))
     do q = 1, size(weight)
-      call natural_place(slave%kind(segment%slave), plane, x(:, nodes(:n_slave)), at(:, q), xi, N)
-      call natural_place(master%kind(segment%master), plane, x(:, fronts(:n_master)), at(:, q), eta, M)
+      call find_natural_coordinates(slave%kind(segment%slave), plane, x(:, nodes(:n_slave)), at(:, q), xi, N)
+      call find_natural_coordinates(master%kind(segment%master), plane, x(:, fronts(:n_master)), at(:, q), eta, M)
       call facet_tangents(slave, x, segment%slave, xi, tangents)
       normal = cross_product(tangents(:, 1), tangents(:, 2))
       points%n = points%n + 1
       points%at(:, points%n) = at(:, q)
       points%weight(points%n) = weight(q) * norm2(normal) / max(dot_product(normal, plane%normal), 0.1_DP * norm2(normal)) &
-        * depth_at(plane, matmul(x(:, nodes(:n_slave)), N(:n_slave)))
+        * find_depth(plane, matmul(x(:, nodes(:n_slave)), N(:n_slave)))
       points%xi(:, points%n) = xi
       points%eta(:, points%n) = eta
       points%on_master(:, points%n) = M
       segment%distance = segment%distance + weight(q) * dot_product(plane%normal, matmul(x(:, fronts(:n_master)), M(:n_master)) &
         - matmul(x(:, nodes(:n_slave)), N(:n_slave)))
       segment%centre = segment%centre + weight(q) * eta
-      call transform_shapes(slave%kind(segment%slave), N)
+      call transform_shape_functions(slave%kind(segment%slave), N)
       points%on_slave(:, points%n) = N
     end do
     segment%centre = segment%centre / sum(weight)
     segment%distance = segment%distance / sum(weight)
-  end subroutine append_points
+  end subroutine append_segment_points
 
 
   !> Room for n points.
-  pure subroutine reserve(points, n)
-    type(points_type), intent(inout) :: points
+  pure subroutine reserve_points(points, n)
+    type(segment_points_type), intent(inout) :: points
     integer, intent(in) :: n
-    real(DP), allocatable :: longer(:)
-    integer :: room, m
+    real(DP), allocatable :: larger_values(:)
+    integer :: capacity, m
     m = points%n
     if (.not. allocated(points%weight)) allocate (points%weight(0), points%at(2, 0), points%xi(2, 0), points%eta(2, 0), &
       points%on_slave(MAX_FACE_NODES, 0), points%on_master(MAX_FACE_NODES, 0))
     if (n <= size(points%weight)) return
-    room = max(n, 2 * size(points%weight), 128)
-    allocate (longer(room))
-    longer(:m) = points%weight(:m)
-    call move_alloc(longer, points%weight)
-    call widen(points%at)
-    call widen(points%xi)
-    call widen(points%eta)
-    call widen(points%on_slave)
-    call widen(points%on_master)
+    capacity = max(n, 2 * size(points%weight), 128)
+    allocate (larger_values(capacity))
+    larger_values(:m) = points%weight(:m)
+    call move_alloc(larger_values, points%weight)
+    call grow_columns(points%at)
+    call grow_columns(points%xi)
+    call grow_columns(points%eta)
+    call grow_columns(points%on_slave)
+    call grow_columns(points%on_master)
 
   contains
 
     !> More columns.
-    pure subroutine widen(values)
+    pure subroutine grow_columns(values)
       real(DP), allocatable, intent(inout) :: values(:, :)
       real(DP), allocatable :: wider(:, :)
-      allocate (wider(size(values, 1), room))
+      allocate (wider(size(values, 1), capacity))
       wider(:, :m) = values(:, :m)
       call move_alloc(wider, values)
-    end subroutine widen
+    end subroutine grow_columns
 
-  end subroutine reserve
+  end subroutine reserve_points
 
 
   !> The natural coordinates of the point of a facet that is over a point of the plane.
-  pure subroutine natural_place(kind, plane, x, at, xi, N)
+  pure subroutine find_natural_coordinates(kind, plane, x, at, xi, N)
     integer, intent(in) :: kind                    !< FACET_...
-    type(plane_type), intent(in) :: plane
+    type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: x(:, :)                !< (3, n) nodes of the facet [length]
     real(DP), intent(in) :: at(2)                  !< in the plane [length]
     real(DP), intent(out) :: xi(2)                 !< [-]
@@ -343,10 +350,10 @@ contains
     real(DP) :: flat(2, size(x, 2))
     integer :: i
     do i = 1, size(x, 2)
-      flat(:, i) = in_plane(plane, x(:, i))
+      flat(:, i) = project_on_plane(plane, x(:, i))
     end do
-    call place_on_flat(kind, flat, at, xi, N)
-  end subroutine natural_place
+    call find_flat_coordinates(kind, flat, at, xi, N)
+  end subroutine find_natural_coordinates
 
 
   !> The integrals of all segments of one slave facet, with the dual functions of what they cover together.
@@ -354,27 +361,27 @@ contains
     type(facets_type), intent(in) :: slave
     integer, intent(in) :: f
     real(DP), intent(in) :: x(:, :)
-    type(plane_type), intent(in) :: plane
+    type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: area                   !< of the slave facet [length^2]
-    type(points_type), intent(in) :: points
-    type(segment_type), intent(inout) :: segments(:)
+    type(segment_points_type), intent(in) :: points
+    type(mortar_segment_type), intent(inout) :: segments(:)
     real(DP), allocatable :: phi(:, :)
     real(DP) :: at_node(2, MAX_FACE_NODES), d(MAX_FACE_NODES)
     integer :: n, i, k, q, nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n, nodes)
     do i = 1, n
-      at_node(:, i) = in_plane(plane, x(:, nodes(i)))
+      at_node(:, i) = project_on_plane(plane, x(:, nodes(i)))
     end do
-    call transform_nodes(slave%kind(f), at_node(:, :n))
+    call transform_nodal_positions(slave%kind(f), at_node(:, :n))
     allocate (phi(n, points%n))
     associate (w => points%weight, N_j => points%on_slave, N_i => points%on_master)
-      call dual_functions(slave%kind(f), area, at_node(:, :n), w(:points%n), points%at(:, :points%n), N_j(:n, :points%n), &
+      call evaluate_dual_functions(slave%kind(f), area, at_node(:, :n), w(:points%n), points%at(:, :points%n), N_j(:n, :points%n), &
         phi, d(:n))
       do k = 1, size(segments)
         do q = segments(k)%first, segments(k)%last
           segments(k)%share(:n) = segments(k)%share(:n) + w(q) * N_j(:n, q)
           do i = 1, MAX_FACE_NODES
-            segments(k)%block(:n, i) = segments(k)%block(:n, i) + w(q) * N_i(i, q) * phi(:, q)
+            segments(k)%master_integrals(:n, i) = segments(k)%master_integrals(:n, i) + w(q) * N_i(i, q) * phi(:, q)
           end do
         end do
       end do

@@ -5,17 +5,18 @@ module amontons_polygon_clipping
   use amontons_kinds, only: DP, PI
   use amontons_topology, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_quadrature, facet_shapes, MAX_FACET_POINTS
-  use amontons_facets, only: is_line
+  use amontons_facets, only: is_line_facet
   implicit none
   private
-  public :: clip_polygon, polygon_area, polygon_points, beyond_polygon, place_on_flat
-  public :: MAX_CORNERS, MAX_CUT_POINTS
+  public :: clip_polygon, signed_polygon_area, set_polygon_quadrature, find_polygon_excess, find_flat_coordinates
+  public :: MAX_POLYGON_CORNERS, MAX_CUT_POINTS
 
-  integer, parameter :: MAX_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
-  real(DP), parameter :: ON_EDGE = 1.0e-11_DP      !< a corner that is nearer to an edge than this times its polygon is on it [-]
-  integer, parameter :: MOST_ITERATIONS = 30       !< of Newton for the natural coordinates of a point
-  integer, parameter :: MOST_RULE = 36             !< points of the finest rule on a triangle
-  integer, parameter :: MAX_CUT_POINTS = MOST_RULE * (MAX_CORNERS - 2)   !< points of an integral over a cut
+  integer, parameter :: MAX_POLYGON_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
+  real(DP), parameter :: TOL_ON_POLYGON_EDGE = 1.0e-11_DP      !< a corner that is nearer to an edge than this times its polygon is
+                                                               !! on it [-]
+  integer, parameter :: MAX_INVERSE_ITERATIONS = 30       !< of Newton for the natural coordinates of a point
+  integer, parameter :: MAX_RULE_POINTS = 36             !< points of the finest rule on a triangle
+  integer, parameter :: MAX_CUT_POINTS = MAX_RULE_POINTS * (MAX_POLYGON_CORNERS - 2)   !< points of an integral over a cut
 
 contains
 
@@ -24,14 +25,14 @@ contains
   pure subroutine clip_polygon(subject, window, cut, n, lines)
     real(DP), intent(in) :: subject(:, :)          !< (2, :) corners, counter-clockwise [length]
     real(DP), intent(in) :: window(:, :)           !< (2, :) corners of a convex polygon, counter-clockwise [length]
-    real(DP), intent(out) :: cut(2, MAX_CORNERS)   !< corners of the cut, the first n are set [length]
+    real(DP), intent(out) :: cut(2, MAX_POLYGON_CORNERS)   !< corners of the cut, the first n are set [length]
     integer, intent(out) :: n                      !< less than 3: nothing in common
-    integer, intent(out), optional :: lines(MAX_CORNERS)   !< the line of the edge before each corner: j: before corner j of
+    integer, intent(out), optional :: lines(MAX_POLYGON_CORNERS)   !< the line of the edge before each corner: j: before corner j of
                                                    !< the subject; size(subject, 2) + k: after corner k of the window
-    real(DP) :: before(2, MAX_CORNERS), side(MAX_CORNERS), a(2), edge(2), extent
-    integer :: line(MAX_CORNERS), line_before(MAX_CORNERS), k, i, j, m, window_line
+    real(DP) :: previous(2, MAX_POLYGON_CORNERS), side(MAX_POLYGON_CORNERS), a(2), edge(2), extent
+    integer :: line(MAX_POLYGON_CORNERS), line_before(MAX_POLYGON_CORNERS), k, i, j, m, window_line
     n = size(subject, 2)
-    line = [(k, k=1, MAX_CORNERS)]
+    line = [(k, k=1, MAX_POLYGON_CORNERS)]
     extent = norm2(maxval(subject, dim=2) - minval(subject, dim=2))
     cut(:, :n) = subject
     cut(:, n + 1:) = 0.0_DP
@@ -39,20 +40,20 @@ contains
       a = window(:, k)
       edge = window(:, modulo(k, size(window, 2)) + 1) - a
       m = n
-      before = cut
+      previous = cut
       line_before = line
       window_line = size(subject, 2) + k
       do i = 1, m
-        side(i) = edge(1) * (before(2, i) - a(2)) - edge(2) * (before(1, i) - a(1))   ! positive: inside
-        if (abs(side(i)) <= ON_EDGE * extent * norm2(edge)) side(i) = 0.0_DP
+        side(i) = edge(1) * (previous(2, i) - a(2)) - edge(2) * (previous(1, i) - a(1))   ! positive: inside
+        if (abs(side(i)) <= TOL_ON_POLYGON_EDGE * extent * norm2(edge)) side(i) = 0.0_DP
       end do
       n = 0
       do j = 1, m                                  ! each corner after what comes between the last one and it
         i = modulo(j - 2, m) + 1
         if ((side(i) > 0.0_DP .and. side(j) < 0.0_DP) .or. (side(i) < 0.0_DP .and. side(j) > 0.0_DP)) &
-          call append_corner(before(:, i) + side(i) / (side(i) - side(j)) * (before(:, j) - before(:, i)), &
+          call append_corner(previous(:, i) + side(i) / (side(i) - side(j)) * (previous(:, j) - previous(:, i)), &
             merge(window_line, line_before(j), side(i) < 0.0_DP), cut, line, n)
-        if (side(j) >= 0.0_DP) call append_corner(before(:, j), merge(window_line, line_before(j), side(j) <= 0.0_DP .and. &
+        if (side(j) >= 0.0_DP) call append_corner(previous(:, j), merge(window_line, line_before(j), side(j) <= 0.0_DP .and. &
           side(i) < 0.0_DP), cut, line, n)
       end do
       if (n < 3) exit
@@ -65,10 +66,10 @@ contains
   pure subroutine append_corner(corner, line_of_edge, cut, line, n)
     real(DP), intent(in) :: corner(2)              !< [length]
     integer, intent(in) :: line_of_edge            !< before the corner
-    real(DP), intent(inout) :: cut(2, MAX_CORNERS)
-    integer, intent(inout) :: line(MAX_CORNERS)
+    real(DP), intent(inout) :: cut(2, MAX_POLYGON_CORNERS)
+    integer, intent(inout) :: line(MAX_POLYGON_CORNERS)
     integer, intent(inout) :: n
-    if (n == MAX_CORNERS) return
+    if (n == MAX_POLYGON_CORNERS) return
     n = n + 1
     cut(:, n) = corner
     line(n) = line_of_edge
@@ -76,7 +77,7 @@ contains
 
 
   !> Area of a polygon, positive if its corners run counter-clockwise.
-  pure real(DP) function polygon_area(corners) result(area)
+  pure real(DP) function signed_polygon_area(corners) result(area)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) [length]
     real(DP) :: a(2), b(2)
     integer :: k
@@ -86,11 +87,11 @@ contains
       b = corners(:, k + 1) - corners(:, 1)
       area = area + 0.5_DP * (a(1) * b(2) - a(2) * b(1))
     end do
-  end function polygon_area
+  end function signed_polygon_area
 
 
   !> How far a point is beyond the edge of a convex polygon that it is beyond most; negative inside.
-  pure subroutine beyond_polygon(corners, point, beyond, edge)
+  pure subroutine find_polygon_excess(corners, point, beyond, edge)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
     real(DP), intent(in) :: point(2)               !< [length]
     real(DP), intent(out) :: beyond                !< [length]
@@ -108,7 +109,7 @@ contains
       beyond = distance
       edge = k
     end do
-  end subroutine beyond_polygon
+  end subroutine find_polygon_excess
 
 
   !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner; over the rectangle of a
@@ -117,23 +118,23 @@ contains
   !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg.
   !! 7 (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle), along
   !! a line of degree 2n - 1 with any order n.
-  pure subroutine polygon_points(corners, is_band, order, n, point, weight, corner, place)
+  pure subroutine set_polygon_quadrature(corners, is_rectangle, order, n, point, weight, corner, barycentric)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
-    logical, intent(in) :: is_band                 !< the polygon stands across a line
+    logical, intent(in) :: is_rectangle                 !< the polygon stands across a line
     integer, intent(in) :: order                   !< at most 6
     integer, intent(out) :: n
     real(DP), intent(out) :: point(2, MAX_CUT_POINTS)   !< the first n are set [length]
     real(DP), intent(out) :: weight(MAX_CUT_POINTS)     !< the first n are set [length^2]
     integer, intent(out), optional :: corner(MAX_CUT_POINTS)     !< k of the triangle 1, k, k + 1 in which a point is
-    real(DP), intent(out), optional :: place(2, MAX_CUT_POINTS)  !< the parts that k and k + 1 have of a point [-]
-    real(DP) :: xi(2, MOST_RULE), w(MOST_RULE), a(2), b(2), twice
+    real(DP), intent(out), optional :: barycentric(2, MAX_CUT_POINTS)  !< the parts that k and k + 1 have of a point [-]
+    real(DP) :: xi(2, MAX_RULE_POINTS), w(MAX_RULE_POINTS), a(2), b(2), twice
     integer :: k, q, n_rule
-    if (is_band .and. size(corners, 2) == 4) then
-      call band_points(corners, order, n, point, weight, corner, place)
+    if (is_rectangle .and. size(corners, 2) == 4) then
+      call set_rectangle_quadrature(corners, order, n, point, weight, corner, barycentric)
       return
     end if
     if (order > 3) then
-      call collapsed_rule(order, n_rule, xi, w)
+      call set_collapsed_rule(order, n_rule, xi, w)
     else
       call facet_quadrature(FACET_TRI6, n_rule, xi(:, :MAX_FACET_POINTS), w(:MAX_FACET_POINTS))
     end if
@@ -148,21 +149,21 @@ contains
         point(:, n) = corners(:, 1) + xi(1, q) * a + xi(2, q) * b
         weight(n) = w(q) * twice
         if (present(corner)) corner(n) = k
-        if (present(place)) place(:, n) = xi(:, q)
+        if (present(barycentric)) barycentric(:, n) = xi(:, q)
       end do
     end do
-  end subroutine polygon_points
+  end subroutine set_polygon_quadrature
 
 
   !> The same over a rectangle whose sides are along the axes, the first along the line. All points count as of its first triangle,
   !! also those that are beyond its third side.
-  pure subroutine band_points(corners, order, n, point, weight, corner, place)
+  pure subroutine set_rectangle_quadrature(corners, order, n, point, weight, corner, barycentric)
     real(DP), intent(in) :: corners(2, 4)          !< counter-clockwise [length]
     integer, intent(in) :: order
     integer, intent(out) :: n
     real(DP), intent(out) :: point(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
     integer, intent(out), optional :: corner(MAX_CUT_POINTS)
-    real(DP), intent(out), optional :: place(2, MAX_CUT_POINTS)
+    real(DP), intent(out), optional :: barycentric(2, MAX_CUT_POINTS)
     real(DP) :: x(order), w(order), y(2), v(2), a(2), b(2), area, part(2)
     integer :: i, j
     n = 0
@@ -170,8 +171,8 @@ contains
     b = corners(:, 4) - corners(:, 1)
     area = a(1) * b(2) - a(2) * b(1)
     if (area <= 0.0_DP) return
-    call gauss_rule(x, w)
-    call gauss_rule(y, v)
+    call set_gauss_rule(x, w)
+    call set_gauss_rule(y, v)
     do j = 1, 2
       do i = 1, order
         n = n + 1
@@ -180,21 +181,21 @@ contains
         point(:, n) = corners(:, 1) + part(1) * a + part(2) * b
         weight(n) = w(i) * v(j) * area
         if (present(corner)) corner(n) = 2
-        if (present(place)) place(:, n) = [part(1) - part(2), part(2)]   ! of a and of the diagonal a + b
+        if (present(barycentric)) barycentric(:, n) = [part(1) - part(2), part(2)]   ! of a and of the diagonal a + b
       end do
     end do
-  end subroutine band_points
+  end subroutine set_rectangle_quadrature
 
 
   !> A rule on the triangle (0, 0), (1, 0), (0, 1) from two Gauss rules: exact for degree 2 order - 2.
-  pure subroutine collapsed_rule(order, n, xi, w)
+  pure subroutine set_collapsed_rule(order, n, xi, w)
     integer, intent(in) :: order
     integer, intent(out) :: n                      !< order * order
     real(DP), intent(out) :: xi(:, :)              !< (2, :) the first n are set [-]
     real(DP), intent(out) :: w(:)                  !< the first n are set; sum 1/2 [-]
     real(DP) :: x(order), a(order)
     integer :: i, j
-    call gauss_rule(x, a)
+    call set_gauss_rule(x, a)
     n = 0
     do j = 1, order
       do i = 1, order
@@ -203,11 +204,11 @@ contains
         w(n) = a(i) * a(j) * (1 - x(j))
       end do
     end do
-  end subroutine collapsed_rule
+  end subroutine set_collapsed_rule
 
 
   !> The Gauss-Legendre rule on (0, 1): Newton for the zeros of the Legendre polynomial.
-  pure subroutine gauss_rule(x, a)
+  pure subroutine set_gauss_rule(x, a)
     real(DP), intent(out) :: x(:)                  !< (n) points [-]
     real(DP), intent(out) :: a(:)                  !< (n) weights, sum 1 [-]
     real(DP) :: z, p(0:2), slope
@@ -227,12 +228,12 @@ contains
       x(i) = 0.5_DP * (1 - z)
       a(i) = 1 / ((1 - z**2) * slope**2)
     end do
-  end subroutine gauss_rule
+  end subroutine set_gauss_rule
 
 
   !> The natural coordinates of a point of the plane in a facet whose nodes lie in it: Newton, two equations. A line is drawn out
   !! across.
-  pure subroutine place_on_flat(kind, flat, at, xi, N)
+  pure subroutine find_flat_coordinates(kind, flat, at, xi, N)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: flat(:, :)             !< (2, n) nodes of the facet in the plane [length]
     real(DP), intent(in) :: at(2)                  !< the point [length]
@@ -241,13 +242,13 @@ contains
     real(DP) :: x(2, size(flat, 2)), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), r(2), step(2), det
     integer :: iteration
     x = flat
-    if (is_line(kind)) x(2, :) = at(2)
+    if (is_line_facet(kind)) x(2, :) = at(2)
     xi = merge(1.0_DP / 3, 0.0_DP, kind == FACET_TRI3 .or. kind == FACET_TRI6)
-    do iteration = 1, MOST_ITERATIONS
+    do iteration = 1, MAX_INVERSE_ITERATIONS
       call facet_shapes(kind, xi, N, dN, ddN)
       r = at - matmul(x, N(:size(x, 2)))
       J = matmul(x, transpose(dN(:, :size(x, 2))))
-      if (is_line(kind)) J(2, 2) = 1.0_DP
+      if (is_line_facet(kind)) J(2, 2) = 1.0_DP
       det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
       if (abs(det) <= tiny(1.0_DP)) return
       step = [J(2, 2) * r(1) - J(1, 2) * r(2), J(1, 1) * r(2) - J(2, 1) * r(1)] / det
@@ -256,6 +257,6 @@ contains
       if (maxval(abs(step)) < 1.0e-13_DP) exit
     end do
     call facet_shapes(kind, xi, N, dN, ddN)
-  end subroutine place_on_flat
+  end subroutine find_flat_coordinates
 
 end module amontons_polygon_clipping

@@ -12,40 +12,44 @@ module amontons_contact_subproblem
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type, SEARCH_AUTO
-  use amontons_state, only: state_type, slave_type
-  use amontons_active_set_history, only: forensics_type, note_slaves, find_cycle, DEPTH
-  use amontons_active_set_cycling, only: keep_to_edges, walk_type
-  use amontons_equilibrium, only: system_type, place_type, place_of, foresee, return_to, TROUBLE_NONE
-  use amontons_newton_step, only: correct_direction
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO
+  use amontons_state, only: state_type, slave_state_type
+  use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, HISTORY_DEPTH
+  use amontons_active_set_cycling, only: extend_master_edges, facet_track_type
+  use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_linearized, &
+    restore_configuration, OUTCOME_OK
+  use amontons_newton_step, only: solve_correction
   implicit none
   private
-  public :: settle_contact
+  public :: solve_contact_subproblem
 
-  integer, parameter :: MOST_ROUNDS = 30           !< corrections of one direction
-  integer, parameter :: MOST_HALVINGS = 4          !< of a correction
-  real(DP), parameter :: SETTLED = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
-  real(DP), parameter :: NO_BETTER = 0.99_DP       !< of the merit before: not less [-]
-  real(DP), parameter :: NEGLIGIBLE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any case [-]
-  real(DP), parameter :: ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u had none [-]
+  integer, parameter :: MAX_SUBPROBLEM_ITERATIONS = 30           !< corrections of one direction
+  integer, parameter :: MAX_CORRECTION_HALVINGS = 4          !< of a correction
+  real(DP), parameter :: TOL_MERIT_RATIO = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
+  real(DP), parameter :: STAGNATION_MERIT_RATIO = 0.99_DP       !< of the merit before: not less [-]
+  real(DP), parameter :: NEWTON_TOLERANCE_SHARE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any
+                                                               !! case [-]
+  real(DP), parameter :: TOL_MERIT_ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u
+                                                             !! had none [-]
 
-  real(DP), parameter :: LESS = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for rounding [-]
+  real(DP), parameter :: MERIT_DECREASE_RATIO = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for
+                                                                     !! rounding [-]
 
-  integer, parameter :: MOST_IN_PORTION = 12       !< corrections of one portion of the way
-  integer, parameter :: FEW_IN_PORTION = 6         !< so many at most, and the next portion is twice as long
-  integer, parameter :: MOST_IN_PORTIONS = 60      !< corrections of all portions
-  real(DP), parameter :: FIRST_PORTION = 1.0_DP / 8.0_DP   !< of the way [-]
-  real(DP), parameter :: LEAST_PORTION = 1.0_DP / 64.0_DP  !< of the way [-]
+  integer, parameter :: MAX_ITERATIONS_PER_SUBSTEP = 12       !< corrections of one portion of the way
+  integer, parameter :: FAST_SUBSTEP_ITERATIONS = 6         !< so many at most, and the next portion is twice as long
+  integer, parameter :: MAX_ITERATIONS_ALL_SUBSTEPS = 60      !< corrections of all portions
+  real(DP), parameter :: INITIAL_SUBSTEP_LENGTH = 1.0_DP / 8.0_DP   !< of the way [-]
+  real(DP), parameter :: MIN_SUBSTEP_LENGTH = 1.0_DP / 64.0_DP  !< of the way [-]
 
   !> Where a direction ends.
-  type :: end_type
+  type :: subproblem_result_type
     real(DP) :: merit = huge(1.0_DP)
     real(DP), allocatable :: du(:, :)
-    type(slave_type), allocatable :: slaves(:)
-    integer :: n_rounds = 0                        !< corrections made
-    integer :: trouble = TROUBLE_NONE              !< of the last of them
-    logical :: is_settled = .false.
-  end type end_type
+    type(slave_state_type), allocatable :: slaves(:)
+    integer :: n_subproblem_iterations = 0                        !< corrections made
+    integer :: outcome = OUTCOME_OK              !< of the last of them
+    logical :: is_subproblem_solved = .false.
+  end type subproblem_result_type
 
 contains
 
@@ -53,230 +57,235 @@ contains
   !!
   !! Only AUTO does so, and only with the condensed interface: the slides' line searches are to be seen as they are.
   !! After: du, and the memory of the slave nodes with which u + du is to be evaluated; the state stands at u as before.
-  subroutine settle_contact(system, model, step, state, du, slaves, error)
-    type(system_type), intent(inout), target :: system   !< with the direction's factor
+  subroutine solve_contact_subproblem(system, model, step, state, du, slaves, error)
+    type(equilibrium_type), intent(inout), target :: system   !< with the direction's factor
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< evaluated at u
     real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
-    type(slave_type), allocatable, intent(out) :: slaves(:)
+    type(slave_state_type), allocatable, intent(out) :: slaves(:)
     type(error_type), allocatable, intent(out) :: error
-    type(place_type) :: start
-    type(end_type) :: best, there
-    logical :: is_condensed, is_unheld             ! where the whole direction ends
+    type(configuration_type) :: start
+    type(subproblem_result_type) :: best, candidate
+    logical :: is_schur_active, is_interface_singular             ! where the whole direction ends
     slaves = state%new%slaves
-    if (step%line_search /= SEARCH_AUTO .or. .not. system%is_condensed) return
-    start = place_of(system, state)
-    call settle_at_once(system, model, step, start, state, du, best, error)
+    if (step%line_search /= LINE_SEARCH_AUTO .or. .not. system%is_schur_active) return
+    start = save_configuration(system, state)
+    call solve_whole_step(system, model, step, start, state, du, best, error)
     if (allocated(error)) return
-    system%n_rounds = system%n_rounds + best%n_rounds
-    if (.not. best%is_settled .and. system%carry <= 0.0_DP) then
-      is_condensed = system%is_condensed
-      is_unheld = system%is_unheld
-      call settle_in_portions(system, model, step, start, state, there, error)
+    system%n_subproblem_iterations = system%n_subproblem_iterations + best%n_subproblem_iterations
+    if (.not. best%is_subproblem_solved .and. system%proximal_shift <= 0.0_DP) then
+      is_schur_active = system%is_schur_active
+      is_interface_singular = system%is_interface_singular
+      call solve_by_substeps(system, model, step, start, state, candidate, error)
       if (allocated(error)) return
-      system%n_rounds = system%n_rounds + there%n_rounds
-      if (there%is_settled) best = there
-      system%is_condensed = is_condensed .or. there%is_settled   ! whatever trouble there was on the way
-      system%is_unheld = is_unheld .and. .not. there%is_settled
+      system%n_subproblem_iterations = system%n_subproblem_iterations + candidate%n_subproblem_iterations
+      if (candidate%is_subproblem_solved) best = candidate
+      system%is_schur_active = is_schur_active .or. candidate%is_subproblem_solved   ! whatever trouble there was on the way
+      system%is_interface_singular = is_interface_singular .and. .not. candidate%is_subproblem_solved
     end if
     du = best%du
     slaves = best%slaves
-    system%is_settled = best%is_settled            ! if not, the factor may be gone
-    call return_to(system, model, step, start, state, error)
-  end subroutine settle_contact
+    system%is_subproblem_solved = best%is_subproblem_solved            ! if not, the factor may be gone
+    call restore_configuration(system, model, step, start, state, error)
+  end subroutine solve_contact_subproblem
 
 
   !> All corrections at the end of the whole direction; the best of the places found.
-  subroutine settle_at_once(system, model, step, start, state, du, best, error)
-    type(system_type), intent(inout), target :: system
+  subroutine solve_whole_step(system, model, step, start, state, du, best, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(place_type), intent(inout) :: start       !< u; out: nodes that keep to their edges are marked
+    type(configuration_type), intent(inout) :: start       !< u; out: nodes that keep to their edges are marked
     type(state_type), intent(inout) :: state
     real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
-    type(end_type), intent(out) :: best
+    type(subproblem_result_type), intent(out) :: best
     type(error_type), allocatable, intent(out) :: error
-    type(forensics_type) :: rounds
-    real(DP), allocatable :: correction(:, :), first(:, :)
-    type(walk_type) :: walks(size(start%slaves))   ! of the slave nodes
-    real(DP) :: largest
-    logical :: is_kept, is_round
-    is_round = .false.
-    largest = 0.0_DP
-    first = du
+    type(active_set_history_type) :: active_set_history
+    real(DP), allocatable :: correction(:, :), initial_du(:, :)
+    type(facet_track_type) :: facet_tracks(size(start%slaves))   ! of the slave nodes
+    real(DP) :: largest_merit
+    logical :: is_extended, is_cycle_found
+    is_cycle_found = .false.
+    largest_merit = 0.0_DP
+    initial_du = du
     best%du = du
     best%slaves = start%slaves
     allocate (correction, mold=du)
-    call foresee(system, model, start, du, state)
+    call evaluate_linearized(system, model, start, du, state)
     do
-      call keep_to_edges(system%contact, start%slaves, state%new%slaves, walks, is_kept)
-      if (is_kept .and. best%n_rounds < MOST_ROUNDS) then   ! from the start, with the nodes that keep to their edges
-        du = first
+      call extend_master_edges(system%contact, start%slaves, state%new%slaves, facet_tracks, is_extended)
+      if (is_extended .and. best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS) then   ! from the start, with the nodes that
+                                                                                             ! keep to their edges
+        du = initial_du
         best%merit = huge(1.0_DP)                  ! the next place is the best one
         state%new%slaves = start%slaves
-        best%n_rounds = best%n_rounds + 1
-        call foresee(system, model, start, du, state)
+        best%n_subproblem_iterations = best%n_subproblem_iterations + 1
+        call evaluate_linearized(system, model, start, du, state)
       end if
-      call note_best(system, state, du, best)
-      call note_slaves(rounds, state%new%slaves, system%merit)
-      largest = max(largest, system%merit)
-      if (is_in_balance(system, step, start, largest)) exit
-      is_round = comes_round(rounds)
-      if (best%n_rounds == MOST_ROUNDS .or. is_round) exit
-      best%n_rounds = best%n_rounds + 1
-      call correct_direction(system, model, step, state, 1.0_DP, correction, best%trouble, error)
+      call record_best(system, state, du, best)
+      call record_active_set(active_set_history, state%new%slaves, system%merit)
+      largest_merit = max(largest_merit, system%merit)
+      if (has_subproblem_converged(system, step, start, largest_merit)) exit
+      is_cycle_found = is_cycling(active_set_history)
+      if (best%n_subproblem_iterations == MAX_SUBPROBLEM_ITERATIONS .or. is_cycle_found) exit
+      best%n_subproblem_iterations = best%n_subproblem_iterations + 1
+      call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error)
       if (allocated(error)) return
-      if (best%trouble /= TROUBLE_NONE .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
-      call advance(system, model, start, correction, state, du)
+      if (best%outcome /= OUTCOME_OK .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
+      call apply_damped_correction(system, model, start, correction, state, du)
     end do
-    best%is_settled = best%n_rounds < MOST_ROUNDS .and. .not. is_round .and. best%trouble == TROUBLE_NONE
-  end subroutine settle_at_once
+    best%is_subproblem_solved = best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS .and. .not. is_cycle_found &
+      .and. best%outcome == OUTCOME_OK
+  end subroutine solve_whole_step
 
 
   !> The way in portions. At the part t of it the prescribed displacements have gone t of what they missed at u, and a force on
   !! every node makes up for the rest of what was not in balance there. Contact settles at the end of each portion and goes on from
   !! there; where it does not, the portion is halved.
-  subroutine settle_in_portions(system, model, step, start, state, here, error)
-    type(system_type), intent(inout), target :: system
+  subroutine solve_by_substeps(system, model, step, start, state, accepted, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(place_type), intent(in) :: start          !< u
+    type(configuration_type), intent(in) :: start          !< u
     type(state_type), intent(inout) :: state
-    type(end_type), intent(out) :: here            !< settled only if that is at the end of the way
+    type(subproblem_result_type), intent(out) :: accepted            !< settled only if that is at the end of the way
     type(error_type), allocatable, intent(out) :: error
-    type(end_type) :: there
-    real(DP), allocatable :: applied(:, :)         ! (3, n_nodes) [force]
-    real(DP) :: t, portion
+    type(subproblem_result_type) :: candidate
+    real(DP), allocatable :: total_applied_force(:, :)         ! (3, n_nodes) [force]
+    real(DP) :: t, substep_length
     integer :: n_rounds
-    applied = state%new%applied_force
-    allocate (here%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
-    here%slaves = start%slaves
+    total_applied_force = state%new%applied_force
+    allocate (accepted%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
+    accepted%slaves = start%slaves
     t = 0.0_DP
     n_rounds = 0
-    portion = FIRST_PORTION
-    do while (t < 1.0_DP .and. portion >= LEAST_PORTION .and. n_rounds < MOST_IN_PORTIONS)
-      there = here
-      state%new%applied_force = applied - (1.0_DP - t - portion) * start%residual
-      call settle_portion(system, model, step, start, portion / (1.0_DP - t), state, there, error)
+    substep_length = INITIAL_SUBSTEP_LENGTH
+    do while (t < 1.0_DP .and. substep_length >= MIN_SUBSTEP_LENGTH .and. n_rounds < MAX_ITERATIONS_ALL_SUBSTEPS)
+      candidate = accepted
+      state%new%applied_force = total_applied_force - (1.0_DP - t - substep_length) * start%residual
+      call solve_substep(system, model, step, start, substep_length / (1.0_DP - t), state, candidate, error)
       if (allocated(error)) return
-      n_rounds = n_rounds + there%n_rounds
-      if (there%is_settled) then
-        here = there
-        t = t + portion                            ! sums of powers of two: exact
-        portion = min(1.0_DP - t, merge(2.0_DP, 1.0_DP, there%n_rounds <= FEW_IN_PORTION) * portion)
+      n_rounds = n_rounds + candidate%n_subproblem_iterations
+      if (candidate%is_subproblem_solved) then
+        accepted = candidate
+        t = t + substep_length                            ! sums of powers of two: exact
+        substep_length = min(1.0_DP - t, merge(2.0_DP, 1.0_DP, candidate%n_subproblem_iterations <= FAST_SUBSTEP_ITERATIONS) &
+          * substep_length)
       else
-        portion = 0.5_DP * portion
+        substep_length = 0.5_DP * substep_length
       end if
     end do
-    state%new%applied_force = applied
-    here%n_rounds = n_rounds
-    here%is_settled = t >= 1.0_DP
-  end subroutine settle_in_portions
+    state%new%applied_force = total_applied_force
+    accepted%n_subproblem_iterations = n_rounds
+    accepted%is_subproblem_solved = t >= 1.0_DP
+  end subroutine solve_by_substeps
 
 
   !> One portion: the whole of the first correction, which moves the supports, then as along the whole way.
-  subroutine settle_portion(system, model, step, start, share, state, there, error)
-    type(system_type), intent(inout), target :: system
+  subroutine solve_substep(system, model, step, start, offset_fraction, state, candidate, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(place_type), intent(in) :: start          !< u
-    real(DP), intent(in) :: share                  !< the portion over what is left of the way [-]
+    type(configuration_type), intent(in) :: start          !< u
+    real(DP), intent(in) :: offset_fraction                  !< the portion over what is left of the way [-]
     type(state_type), intent(inout) :: state       !< with the applied forces at its end
-    type(end_type), intent(inout) :: there         !< in: where it begins; out: where it ends
+    type(subproblem_result_type), intent(inout) :: candidate         !< in: where it begins; out: where it ends
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: correction(:, :)
-    type(forensics_type) :: rounds
-    real(DP) :: largest
+    type(active_set_history_type) :: active_set_history
+    real(DP) :: largest_merit
     integer :: n
-    there%is_settled = .false.
-    largest = 0.0_DP
-    allocate (correction, mold=there%du)
-    state%new%slaves = there%slaves
-    call foresee(system, model, start, there%du, state)
-    do n = 1, MOST_IN_PORTION
-      there%n_rounds = n
-      call correct_direction(system, model, step, state, merge(share, 0.0_DP, n == 1), correction, there%trouble, error)
-      if (allocated(error) .or. there%trouble /= TROUBLE_NONE) return
+    candidate%is_subproblem_solved = .false.
+    largest_merit = 0.0_DP
+    allocate (correction, mold=candidate%du)
+    state%new%slaves = candidate%slaves
+    call evaluate_linearized(system, model, start, candidate%du, state)
+    do n = 1, MAX_ITERATIONS_PER_SUBSTEP
+      candidate%n_subproblem_iterations = n
+      call solve_correction(system, model, step, state, merge(offset_fraction, 0.0_DP, n == 1), correction, candidate%outcome, &
+        error)
+      if (allocated(error) .or. candidate%outcome /= OUTCOME_OK) return
       if (n == 1) then
-        there%du = there%du + correction
-        call foresee(system, model, start, there%du, state)
+        candidate%du = candidate%du + correction
+        call evaluate_linearized(system, model, start, candidate%du, state)
       else
-        call advance(system, model, start, correction, state, there%du)
+        call apply_damped_correction(system, model, start, correction, state, candidate%du)
       end if
-      largest = max(largest, system%merit)
-      call note_slaves(rounds, state%new%slaves, system%merit)
-      there%is_settled = is_in_balance(system, step, start, largest) .or. all(correction == 0.0_DP)
-      if (there%is_settled .or. comes_round(rounds)) exit
+      largest_merit = max(largest_merit, system%merit)
+      call record_active_set(active_set_history, state%new%slaves, system%merit)
+      candidate%is_subproblem_solved = has_subproblem_converged(system, step, start, largest_merit) .or. all(correction == 0.0_DP)
+      if (candidate%is_subproblem_solved .or. is_cycling(active_set_history)) exit
     end do
-    there%slaves = state%new%slaves
-  end subroutine settle_portion
+    candidate%slaves = state%new%slaves
+  end subroutine solve_substep
 
 
   !> Whether no status changes and hardly anything is left of the merit.
-  pure logical function is_in_balance(system, step, start, largest)
-    type(system_type), intent(in) :: system        !< as foreseen
+  pure logical function has_subproblem_converged(system, step, start, largest_merit)
+    type(equilibrium_type), intent(in) :: system        !< as foreseen
     type(step_type), intent(in) :: step
-    type(place_type), intent(in) :: start          !< u
-    real(DP), intent(in) :: largest                !< merit of the rounds [force]
-    is_in_balance = system%contact%n_changed == 0 .and. system%merit <= max(SETTLED * start%merit, ROUNDING * largest, &
-      NEGLIGIBLE * step%controls%r_n * system%largest_force, system%rounding * sqrt(real(size(start%u), DP)))
-  end function is_in_balance
+    type(configuration_type), intent(in) :: start          !< u
+    real(DP), intent(in) :: largest_merit                !< merit of the rounds [force]
+    has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(TOL_MERIT_RATIO * start%merit, &
+      TOL_MERIT_ROUNDING * largest_merit, &
+      NEWTON_TOLERANCE_SHARE * step%controls%r_n * system%largest_force, system%force_rounding * sqrt(real(size(start%u), DP)))
+  end function has_subproblem_converged
 
 
   !> Whether the rounds have gone twice through the same statuses and stand no better than before: they would go on so.
-  pure logical function comes_round(rounds)
-    type(forensics_type), intent(in) :: rounds
+  pure logical function is_cycling(active_set_history)
+    type(active_set_history_type), intent(in) :: active_set_history
     integer :: k
-    k = find_cycle(rounds)
-    comes_round = k > 0 .and. 2 * k < min(rounds%n, DEPTH)
-    if (comes_round) comes_round = rounds%hash(1 + 2 * k) == rounds%hash(1) .and. &
-      rounds%merit(1) >= NO_BETTER * rounds%merit(1 + 2 * k)
-  end function comes_round
+    k = find_cycle(active_set_history)
+    is_cycling = k > 0 .and. 2 * k < min(active_set_history%n, HISTORY_DEPTH)
+    if (is_cycling) is_cycling = active_set_history%hash(1 + 2 * k) == active_set_history%hash(1) .and. &
+      active_set_history%merit(1) >= STAGNATION_MERIT_RATIO * active_set_history%merit(1 + 2 * k)
+  end function is_cycling
 
 
   !> Keeps the place if its merit is the least so far; of equal ones the first.
-  subroutine note_best(system, state, du, best)
-    type(system_type), intent(in) :: system
+  subroutine record_best(system, state, du, best)
+    type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)
-    type(end_type), intent(inout) :: best
-    if (.not. system%merit < LESS * best%merit) return
+    type(subproblem_result_type), intent(inout) :: best
+    if (.not. system%merit < MERIT_DECREASE_RATIO * best%merit) return
     best%merit = system%merit
     best%du = du
     best%slaves = state%new%slaves
-  end subroutine note_best
+  end subroutine record_best
 
 
   !> Goes along a correction as far as the merit does not grow, else to the best of the lengths tried; of equal ones to the longest.
-  subroutine advance(system, model, start, correction, state, du)
-    type(system_type), intent(inout), target :: system
+  subroutine apply_damped_correction(system, model, start, correction, state, du)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
-    type(place_type), intent(in) :: start
+    type(configuration_type), intent(in) :: start
     real(DP), intent(in) :: correction(:, :)
     type(state_type), intent(inout) :: state
     real(DP), intent(inout) :: du(:, :)
-    type(slave_type), allocatable :: slaves(:)
-    real(DP) :: before, least, length, chosen
+    type(slave_state_type), allocatable :: slaves(:)
+    real(DP) :: start_merit, least_merit, length, best_length
     integer :: halving
-    before = system%merit
+    start_merit = system%merit
     slaves = state%new%slaves
-    least = huge(1.0_DP)
-    chosen = 1.0_DP
+    least_merit = huge(1.0_DP)
+    best_length = 1.0_DP
     length = 1.0_DP
-    do halving = 0, MOST_HALVINGS
+    do halving = 0, MAX_CORRECTION_HALVINGS
       length = 0.5_DP**halving
       state%new%slaves = slaves
-      call foresee(system, model, start, du + length * correction, state)
-      if (system%merit < LESS * least) chosen = length
-      least = min(least, system%merit)
-      if (LESS * system%merit <= before) exit
+      call evaluate_linearized(system, model, start, du + length * correction, state)
+      if (system%merit < MERIT_DECREASE_RATIO * least_merit) best_length = length
+      least_merit = min(least_merit, system%merit)
+      if (MERIT_DECREASE_RATIO * system%merit <= start_merit) exit
     end do
-    if (chosen < length .or. chosen > length) then
+    if (best_length < length .or. best_length > length) then
       state%new%slaves = slaves
-      call foresee(system, model, start, du + chosen * correction, state)
+      call evaluate_linearized(system, model, start, du + best_length * correction, state)
     end if
-    du = du + chosen * correction
-  end subroutine advance
+    du = du + best_length * correction
+  end subroutine apply_damped_correction
 
 end module amontons_contact_subproblem

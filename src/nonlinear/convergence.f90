@@ -5,29 +5,31 @@ module amontons_convergence
   use amontons_steps, only: controls_type
   implicit none
   private
-  public :: progress_type, judge, judge_early
-  public :: VERDICT_GO_ON, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
+  public :: convergence_measures_type, assess_convergence, assess_early
+  public :: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
 
-  integer, parameter :: VERDICT_GO_ON = 0
+  integer, parameter :: VERDICT_CONTINUE = 0
   integer, parameter :: VERDICT_CONVERGED = 1
   integer, parameter :: VERDICT_DIVERGES = 2       !< the residual grows in two consecutive iterations
   integer, parameter :: VERDICT_TOO_SLOW = 3       !< the iterations allowed will not do
 
-  integer, parameter :: EARLY = 4                  !< iterations
-  real(DP), parameter :: LOST = 0.1_DP             !< of the largest force [-]
-  real(DP), parameter :: FALLING = 0.25_DP         !< an imbalance that fell by this factor over two iterations falls well [-]
-  real(DP), parameter :: FAR_OFF = 0.5_DP          !< of the largest force: only a much shorter increment will do [-]
+  integer, parameter :: EARLY_CHECK_ITERATION = 4                  !< iterations
+  real(DP), parameter :: MIN_LOST_RESIDUAL = 0.1_DP             !< of the largest force [-]
+  real(DP), parameter :: SUFFICIENT_DECREASE = 0.25_DP         !< an imbalance that fell by this factor over two iterations falls
+                                                               !! well [-]
+  real(DP), parameter :: DIVERGED_RESIDUAL = 0.5_DP          !< of the largest force: only a much shorter increment will do [-]
 
   !> What the verdict looks at, after each iteration.
-  type :: progress_type
+  type :: convergence_measures_type
     integer :: iteration = 0
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
-    real(DP) :: law = 0                            !< residual with compliant laws where their nodes are, over the largest force [-]
+    real(DP) :: residual_at_gap = 0                            !< residual with compliant laws where their nodes are, over the
+                                                               !! largest force [-]
     real(DP) :: correction = 0                     !< over the largest increment of displacement [-]
     real(DP) :: gap = 0                            !< worst violation of a closed node over the facet's edge [-]
     logical :: is_whole_step = .true.              !< the last step had length 1
-    logical :: is_arrived = .true.                 !< no prescribed displacement is still missing
-  end type progress_type
+    logical :: is_displacement_complete = .true.                 !< no prescribed displacement is still missing
+  end type convergence_measures_type
 
 contains
 
@@ -38,55 +40,57 @@ contains
   !! correction is at most c_n. The last correction is the error of the iterate *before*; that of this one is, to first
   !! order, the correction that the residual now would give: last correction times residual now over residual before.
   !! The smaller of the two counts. A residual below r_l needs no correction.
-  pure integer function judge(controls, progress) result(verdict)
+  pure integer function assess_convergence(controls, measures) result(verdict)
     type(controls_type), intent(in) :: controls
-    type(progress_type), intent(in) :: progress
-    real(DP) :: tolerance, correction, left
-    tolerance = merge(controls%r_p, controls%r_n, progress%iteration > controls%i_p)
-    left = max(progress%residual(0), progress%law)
-    correction = progress%correction
-    if (progress%is_whole_step .and. progress%residual(0) < progress%residual(1)) &
-      correction = correction * progress%residual(0) / progress%residual(1)
-    verdict = VERDICT_GO_ON
-    if (progress%is_arrived .and. left <= tolerance .and. progress%gap <= controls%gap_tolerance .and. &
-      (correction <= controls%c_n .or. left <= controls%r_l)) then
+    type(convergence_measures_type), intent(in) :: measures
+    real(DP) :: tolerance, correction, residual_left
+    tolerance = merge(controls%r_p, controls%r_n, measures%iteration > controls%i_p)
+    residual_left = max(measures%residual(0), measures%residual_at_gap)
+    correction = measures%correction
+    if (measures%is_whole_step .and. measures%residual(0) < measures%residual(1)) &
+      correction = correction * measures%residual(0) / measures%residual(1)
+    verdict = VERDICT_CONTINUE
+    if (measures%is_displacement_complete .and. residual_left <= tolerance .and. measures%gap <= controls%gap_tolerance .and. &
+      (correction <= controls%c_n .or. residual_left <= controls%r_l)) then
       verdict = VERDICT_CONVERGED
-    else if (progress%iteration >= controls%i_c) then
+    else if (measures%iteration >= controls%i_c) then
       verdict = VERDICT_TOO_SLOW
-    else if (progress%iteration > controls%i_0 .and. progress%residual(0) > progress%residual(1) .and. &
-      progress%residual(1) > progress%residual(2)) then
+    else if (measures%iteration > controls%i_0 .and. measures%residual(0) > measures%residual(1) .and. &
+      measures%residual(1) > measures%residual(2)) then
       verdict = VERDICT_DIVERGES
-    else if (progress%iteration > controls%i_r) then
-      if (iterations_needed(progress, tolerance) > real(controls%i_c, DP)) verdict = VERDICT_TOO_SLOW
+    else if (measures%iteration > controls%i_r) then
+      if (estimate_iterations(measures, tolerance) > real(controls%i_c, DP)) verdict = VERDICT_TOO_SLOW
     end if
-  end function judge
+  end function assess_convergence
 
 
-  !> An attempt with contact that may be cut back ends early where what is known by experience says that it is lost: after EARLY
-  !! iterations the imbalance is still more than LOST of the largest force and falls slowly. Of such attempts four in five
+  !> An attempt with contact that may be cut back ends early where what is known by experience says that it is lost: after
+  !! EARLY_CHECK_ITERATION
+  !! iterations the imbalance is still more than MIN_LOST_RESIDUAL of the largest force and falls slowly. Of such attempts four in
+  !! five
   !! failed, after eleven iterations in the mean.
-  pure subroutine judge_early(progress, verdict)
-    type(progress_type), intent(in) :: progress
+  pure subroutine assess_early(measures, verdict)
+    type(convergence_measures_type), intent(in) :: measures
     integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES where it is far off, VERDICT_TOO_SLOW where it is nearer
-    if (progress%iteration < EARLY .or. progress%residual(0) < LOST .or. &
-      progress%residual(0) < FALLING * progress%residual(2)) return
-    verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, progress%residual(0) > FAR_OFF)
-  end subroutine judge_early
+    if (measures%iteration < EARLY_CHECK_ITERATION .or. measures%residual(0) < MIN_LOST_RESIDUAL .or. &
+      measures%residual(0) < SUFFICIENT_DECREASE * measures%residual(2)) return
+    verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, measures%residual(0) > DIVERGED_RESIDUAL)
+  end subroutine assess_early
 
 
   !> Iterations until the tolerance if the residual goes on falling by the same factor as over the last two iterations.
-  pure real(DP) function iterations_needed(progress, tolerance) result(total)
-    type(progress_type), intent(in) :: progress
+  pure real(DP) function estimate_iterations(measures, tolerance) result(total)
+    type(convergence_measures_type), intent(in) :: measures
     real(DP), intent(in) :: tolerance              !< [-]
     real(DP) :: rate
-    total = real(progress%iteration, DP)
-    if (progress%residual(0) <= tolerance) return
-    rate = progress%residual(0) / max(progress%residual(2), tiny(1.0_DP))
+    total = real(measures%iteration, DP)
+    if (measures%residual(0) <= tolerance) return
+    rate = measures%residual(0) / max(measures%residual(2), tiny(1.0_DP))
     if (rate >= 1.0_DP) then
       total = huge(1.0_DP)
     else
-      total = total + 2.0_DP * log(tolerance / progress%residual(0)) / log(rate)
+      total = total + 2.0_DP * log(tolerance / measures%residual(0)) / log(rate)
     end if
-  end function iterations_needed
+  end function estimate_iterations
 
 end module amontons_convergence

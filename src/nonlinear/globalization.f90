@@ -8,151 +8,158 @@ module amontons_globalization
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type, SEARCH_AUTO
-  use amontons_state, only: state_type, slave_type
-  use amontons_convergence, only: progress_type
-  use amontons_contact_subproblem, only: settle_contact
-  use amontons_proximal_step, only: is_carried_off, find_carried_direction, find_snap_direction
-  use amontons_equilibrium, only: system_type, TROUBLE_NONE
-  use amontons_newton_step, only: find_direction
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO
+  use amontons_state, only: state_type, slave_state_type
+  use amontons_convergence, only: convergence_measures_type
+  use amontons_contact_subproblem, only: solve_contact_subproblem
+  use amontons_proximal_step, only: is_motion_unrestrained, find_proximal_step, find_snap_through_step
+  use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK
+  use amontons_newton_step, only: solve_newton_step
   implicit none
   private
-  public :: course_type, way_type, be_patient, choose_way, is_lost, COURSE_NEWTON, COURSE_SNAP
+  public :: globalization_type, trial_step_type, delay_snap_through, choose_step, is_repeatedly_unsolved, STEP_KIND_NEWTON, &
+    STEP_KIND_SNAP_THROUGH
 
-  integer, parameter :: COURSE_NEWTON = 0          !< the direction is that of K
-  integer, parameter :: COURSE_CARRY = 1           !< a part of its stiffness holds every node: nothing holds a body yet
-  integer, parameter :: COURSE_SNAP = 2            !< the same, on the way from one balance to the next
+  integer, parameter :: STEP_KIND_NEWTON = 0          !< the direction is that of K
+  integer, parameter :: STEP_KIND_PROXIMAL = 1           !< a part of its stiffness holds every node: nothing holds a body yet
+  integer, parameter :: STEP_KIND_SNAP_THROUGH = 2            !< the same, on the way from one balance to the next
 
-  integer, parameter :: AT_ONCE = 0, LATE = 2, NEVER = huge(1)   !< for patience
+  integer, parameter :: UNSOLVED_LIMIT_NONE = 0, UNSOLVED_LIMIT_DELAYED = 2, UNSOLVED_LIMIT_INFINITE = huge(1)   !< for patience
 
-  real(DP), parameter :: HELD_MORE = 36.0_DP       !< of the part that holds drifting bodies: six times the last iteration [-]
+  real(DP), parameter :: DRIFT_SHIFT_FACTOR = 36.0_DP       !< of the part that holds drifting bodies: six times the last iteration
+                                                            !! [-]
 
   !> The course of an attempt.
-  type :: course_type
-    integer :: now = COURSE_NEWTON                 !< COURSE_... of the last iteration
-    integer :: n_carried = 0                       !< iterations in which a part of its stiffness held every node
-    integer :: n_snapped = 0                       !< of them, those from one balance to the next
-    logical :: is_refused = .false.                !< no length of the last direction was any good
-    integer, private :: n_astray = 0               !< last directions running that lead to no balance
-    integer, private :: patience = AT_ONCE         !< more directions astray than these, and bodies are carried on
-    real(DP), private :: carried_part = 0          !< part of their stiffness that is expected to carry bodies [-]
-    real(DP), private :: snap_part = 0             !< part of their stiffness that held nodes through a snap [-]
-  end type course_type
+  type :: globalization_type
+    integer :: step_kind = STEP_KIND_NEWTON                 !< COURSE_... of the last iteration
+    integer :: n_proximal = 0                       !< iterations in which a part of its stiffness held every node
+    integer :: n_snap_through = 0                       !< of them, those from one balance to the next
+    logical :: is_rejected = .false.                !< no length of the last direction was any good
+    integer, private :: n_unsolved = 0               !< last directions running that lead to no balance
+    integer, private :: unsolved_limit = UNSOLVED_LIMIT_NONE         !< more directions astray than these, and bodies are carried on
+    real(DP), private :: proximal_shift = 0          !< part of their stiffness that is expected to carry bodies [-]
+    real(DP), private :: snap_shift = 0             !< part of their stiffness that held nodes through a snap [-]
+  end type globalization_type
 
   !> Where an iteration goes.
-  type :: way_type
+  type :: trial_step_type
     real(DP), allocatable :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_type), allocatable :: ahead(:)      !< memory of the slave nodes at its end
-  end type way_type
+    type(slave_state_type), allocatable :: predicted_slaves(:)      !< memory of the slave nodes at its end
+  end type trial_step_type
 
 contains
 
   !> Bodies are carried on only after several directions astray: the attempt may be cut back instead.
-  pure subroutine be_patient(course)
-    type(course_type), intent(inout) :: course
-    course%patience = LATE
-  end subroutine be_patient
+  pure subroutine delay_snap_through(strategy)
+    type(globalization_type), intent(inout) :: strategy
+    strategy%unsolved_limit = UNSOLVED_LIMIT_DELAYED
+  end subroutine delay_snap_through
 
 
   !> Whether more than one direction led to no balance.
-  pure logical function is_lost(course)
-    type(course_type), intent(in) :: course
-    is_lost = max(course%n_astray, course%n_snapped) > 1
-  end function is_lost
+  pure logical function is_repeatedly_unsolved(strategy)
+    type(globalization_type), intent(in) :: strategy
+    is_repeatedly_unsolved = max(strategy%n_unsolved, strategy%n_snap_through) > 1
+  end function is_repeatedly_unsolved
 
 
   !> The way. Where too many directions led to no balance, running, bodies are carried on to the next one. That the next direction
   !! will not do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that
   !! hardly anything holds.
-  subroutine choose_way(course, system, model, step, progress, state, way, trouble, error)
-    type(course_type), intent(inout) :: course
-    type(system_type), intent(inout) :: system
+  subroutine choose_step(strategy, system, model, step, measures, state, trial_step, outcome, error)
+    type(globalization_type), intent(inout) :: strategy
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(progress_type), intent(in) :: progress
+    type(convergence_measures_type), intent(in) :: measures
     type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
-    type(way_type), intent(out) :: way
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(trial_step_type), intent(out) :: trial_step
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    logical :: is_drifting, is_hopeless
-    trouble = TROUBLE_NONE
-    allocate (way%du, mold=state%new%u)
-    is_drifting = drifts(course, step, progress, state)
-    if (is_drifting) course%snap_part = course%snap_part * HELD_MORE
-    is_hopeless = is_drifting .or. (course%is_refused .and. course%patience <= LATE)
-    course%is_refused = .false.
-    if (is_hopeless) then
-      course%n_astray = max(course%n_astray, course%patience) + 1
+    logical :: is_drifting, is_newton_skipped
+    outcome = OUTCOME_OK
+    allocate (trial_step%du, mold=state%new%u)
+    is_drifting = is_body_drifting(strategy, step, measures, state)
+    if (is_drifting) strategy%snap_shift = strategy%snap_shift * DRIFT_SHIFT_FACTOR
+    is_newton_skipped = is_drifting .or. (strategy%is_rejected .and. strategy%unsolved_limit <= UNSOLVED_LIMIT_DELAYED)
+    strategy%is_rejected = .false.
+    if (is_newton_skipped) then
+      strategy%n_unsolved = max(strategy%n_unsolved, strategy%unsolved_limit) + 1
     else
-      call find_newton_way(course, system, model, step, state, way, trouble, error)
-      if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-      course%n_astray = merge(course%n_astray + 1, 0, is_astray(course, system, step))
+      call try_newton_step(strategy, system, model, step, state, trial_step, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
+      strategy%n_unsolved = merge(strategy%n_unsolved + 1, 0, is_step_unsolved(strategy, system, step))
     end if
-    if (course%n_astray > course%patience) call find_snap_way(course, system, model, step, state, way, trouble, error)
-  end subroutine choose_way
+    if (strategy%n_unsolved > strategy%unsolved_limit) call take_snap_through_step(strategy, system, model, step, state, &
+      trial_step, outcome, error)
+  end subroutine choose_step
 
 
   !> Newton's direction, with contact settled at its end; where nothing holds a body there, one that carries it.
-  subroutine find_newton_way(course, system, model, step, state, way, trouble, error)
-    type(course_type), intent(inout) :: course
-    type(system_type), intent(inout) :: system
+  subroutine try_newton_step(strategy, system, model, step, state, trial_step, outcome, error)
+    type(globalization_type), intent(inout) :: strategy
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
-    type(way_type), intent(inout) :: way
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(trial_step_type), intent(inout) :: trial_step
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    logical :: is_off
-    call find_direction(system, model, step, state, way%du, trouble, error)
+    logical :: is_unrestrained
+    call solve_newton_step(system, model, step, state, trial_step%du, outcome, error)
     if (allocated(error)) return
-    is_off = is_carried_off(system, model, way%du, trouble)
-    if (trouble == TROUBLE_NONE .and. .not. is_off) then
-      call settle_contact(system, model, step, state, way%du, way%ahead, error)
+    is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)
+    if (outcome == OUTCOME_OK .and. .not. is_unrestrained) then
+      call solve_contact_subproblem(system, model, step, state, trial_step%du, trial_step%predicted_slaves, error)
       if (allocated(error)) return
-      is_off = is_carried_off(system, model, way%du, trouble)   ! where it slips nothing may hold it
+      is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)   ! where it slips nothing may hold it
     end if
-    course%now = merge(COURSE_CARRY, COURSE_NEWTON, is_off)
-    if (is_off) call find_carried_direction(system, model, step, state, course%carried_part, way%du, way%ahead, trouble, error)
-  end subroutine find_newton_way
+    strategy%step_kind = merge(STEP_KIND_PROXIMAL, STEP_KIND_NEWTON, is_unrestrained)
+    if (is_unrestrained) call find_proximal_step(system, model, step, state, strategy%proximal_shift, trial_step%du, &
+      trial_step%predicted_slaves, outcome, error)
+  end subroutine try_newton_step
 
 
   !> A direction towards the next balance. Where contact does not settle along it, there is no other one in this attempt.
-  subroutine find_snap_way(course, system, model, step, state, way, trouble, error)
-    type(course_type), intent(inout) :: course
-    type(system_type), intent(inout) :: system
+  subroutine take_snap_through_step(strategy, system, model, step, state, trial_step, outcome, error)
+    type(globalization_type), intent(inout) :: strategy
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
-    type(way_type), intent(inout) :: way
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(trial_step_type), intent(inout) :: trial_step
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    call find_snap_direction(system, model, step, state, course%snap_part, way%du, way%ahead, trouble, error)
-    course%patience = merge(AT_ONCE, NEVER, system%is_settled)
-    course%now = COURSE_SNAP
-    course%n_snapped = course%n_snapped + 1
-  end subroutine find_snap_way
+    call find_snap_through_step(system, model, step, state, strategy%snap_shift, trial_step%du, trial_step%predicted_slaves, &
+      outcome, error)
+    strategy%unsolved_limit = merge(UNSOLVED_LIMIT_NONE, UNSOLVED_LIMIT_INFINITE, system%is_subproblem_solved)
+    strategy%step_kind = STEP_KIND_SNAP_THROUGH
+    strategy%n_snap_through = strategy%n_snap_through + 1
+  end subroutine take_snap_through_step
 
 
   !> Whether a body drifts: it is in balance, but the corrections do not end.
-  pure logical function drifts(course, step, progress, state)
-    type(course_type), intent(in) :: course
+  pure logical function is_body_drifting(strategy, step, measures, state)
+    type(globalization_type), intent(in) :: strategy
     type(step_type), intent(in) :: step
-    type(progress_type), intent(in) :: progress
+    type(convergence_measures_type), intent(in) :: measures
     type(state_type), intent(in) :: state
     integer :: oldest
-    oldest = merge(0, 2, course%n_snapped > 0)
-    drifts = step%line_search == SEARCH_AUTO .and. size(state%new%slaves) > 0 .and. course%patience <= LATE .and. &
-      progress%iteration > 3 .and. all(progress%residual(0:oldest) <= step%controls%r_n)
-  end function drifts
+    oldest = merge(0, 2, strategy%n_snap_through > 0)
+    is_body_drifting = step%line_search == LINE_SEARCH_AUTO .and. size(state%new%slaves) > 0 &
+      .and. strategy%unsolved_limit <= UNSOLVED_LIMIT_DELAYED .and. &
+      measures%iteration > 3 .and. all(measures%residual(0:oldest) <= step%controls%r_n)
+  end function is_body_drifting
 
 
   !> Whether the direction leads to no balance: contact did not settle along it.
-  pure logical function is_astray(course, system, step)
-    type(course_type), intent(in) :: course
-    type(system_type), intent(in) :: system
+  pure logical function is_step_unsolved(strategy, system, step)
+    type(globalization_type), intent(in) :: strategy
+    type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    is_astray = step%line_search == SEARCH_AUTO .and. system%is_condensed .and. .not. system%is_settled .and. &
-      course%now == COURSE_NEWTON .and. size(system%contact%view) > 0
-  end function is_astray
+    is_step_unsolved = step%line_search == LINE_SEARCH_AUTO .and. system%is_schur_active .and. .not. system%is_subproblem_solved &
+      .and. &
+      strategy%step_kind == STEP_KIND_NEWTON .and. size(system%contact%slip_data) > 0
+  end function is_step_unsolved
 
 end module amontons_globalization

@@ -4,28 +4,29 @@
 !! The rules and the names of the numbers are those of CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
 module amontons_increment_control
   use amontons_kinds, only: DP
-  use amontons_steps, only: step_type, next_stop
+  use amontons_steps, only: step_type, next_time_point
   use amontons_convergence, only: VERDICT_DIVERGES
   implicit none
   private
-  public :: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, may_cut
-  public :: STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
+  public :: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, reject_increment, can_cut_back
+  public :: OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_NO_INCREMENTS_LEFT, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
 
-  integer, parameter :: STEP_GOES_ON = 0           !< after an accepted increment: more to come in this step
-  integer, parameter :: STEP_DONE = 1              !< the end of the step is reached
-  integer, parameter :: STEP_OUT_OF_INCREMENTS = 2 !< INC increments were not enough
-  integer, parameter :: CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
-  integer, parameter :: GIVE_UP = 4                !< no smaller increment is allowed
+  integer, parameter :: OUTCOME_CONTINUE = 0           !< after an accepted increment: more to come in this step
+  integer, parameter :: OUTCOME_STEP_DONE = 1              !< the end of the step is reached
+  integer, parameter :: OUTCOME_NO_INCREMENTS_LEFT = 2 !< INC increments were not enough
+  integer, parameter :: OUTCOME_CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
+  integer, parameter :: OUTCOME_GIVE_UP = 4                !< no smaller increment is allowed
 
-  integer, parameter :: FEW = 4                    !< iterations
-  real(DP), parameter :: SNAP = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there [-]
+  integer, parameter :: MAX_QUICK_ITERATIONS = 4                    !< iterations
+  real(DP), parameter :: TOL_STOP_TIME = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there
+                                                            !! [-]
 
   !> What happened in an attempt that converged.
-  type :: effort_type
+  type :: attempt_effort_type
     integer :: n_iterations = 0
-    integer :: n_unforeseen = 0                    !< slave nodes whose status at the end was not that after the first iteration
-    integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
-  end type effort_type
+    integer :: n_status_changes = 0                    !< slave nodes whose status at the end was not that after the first iteration
+    integer :: n_cycles_treated = 0                        !< cycles of slave nodes that were acted on
+  end type attempt_effort_type
 
   !> Where the job is in time. Times are those committed.
   type :: stepper_type
@@ -35,36 +36,36 @@ module amontons_increment_control
     real(DP) :: step_time = 0                      !< [time]
     real(DP) :: total_time = 0                     !< [time]
     real(DP) :: dt = 0                             !< wanted for the next increment [time]
-    integer :: n_fast = 0                          !< increments running that converged within i_g iterations
+    integer :: n_fast_increments = 0                          !< increments running that converged within i_g iterations
     logical :: has_failed = .false.                !< an attempt failed in this step
   end type stepper_type
 
 contains
 
   !> The next step begins.
-  pure subroutine open_step(stepper, step)
+  pure subroutine begin_stepping(stepper, step)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
     stepper%step = stepper%step + 1
     stepper%increment = 1
     stepper%attempt = 1
     stepper%step_time = 0.0_DP
-    if (step%is_clock_set) stepper%total_time = step%clock
+    if (step%is_total_time_set) stepper%total_time = step%clock
     stepper%dt = min(step%dt_initial, step%period)
-    stepper%n_fast = 0
+    stepper%n_fast_increments = 0
     stepper%has_failed = .false.
-  end subroutine open_step
+  end subroutine begin_stepping
 
 
   !> Length of the next attempt: as wanted, but ending at the end of the step or at a time point if that is near.
-  pure real(DP) function propose_time(stepper, step) result(dt)
+  pure real(DP) function propose_increment(stepper, step) result(dt)
     type(stepper_type), intent(in) :: stepper
     type(step_type), intent(in) :: step
-    real(DP) :: left
-    left = next_stop(step, stepper%step_time) - stepper%step_time
+    real(DP) :: time_left
+    time_left = next_time_point(step, stepper%step_time) - stepper%step_time
     dt = stepper%dt
-    if (dt >= left - SNAP * step%period) dt = left
-  end function propose_time
+    if (dt >= time_left - TOL_STOP_TIME * step%period) dt = time_left
+  end function propose_increment
 
 
   !> A converged increment: time goes on, and the next one may be longer or shorter.
@@ -72,46 +73,47 @@ contains
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
-    type(effort_type), intent(in) :: effort
+    type(attempt_effort_type), intent(in) :: effort
     integer, intent(out) :: outcome                !< STEP_...
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
-    if (abs(step%period - stepper%step_time) <= SNAP * step%period) stepper%step_time = step%period
-    if (.not. step%is_direct) call adapt(stepper, step, effort)
+    if (abs(step%period - stepper%step_time) <= TOL_STOP_TIME * step%period) stepper%step_time = step%period
+    if (.not. step%is_direct) call adapt_increment(stepper, step, effort)
     stepper%attempt = 1
-    outcome = STEP_DONE
+    outcome = OUTCOME_STEP_DONE
     if (stepper%step_time >= step%period) return
     stepper%increment = stepper%increment + 1
-    outcome = merge(STEP_OUT_OF_INCREMENTS, STEP_GOES_ON, stepper%increment > step%max_increments)
+    outcome = merge(OUTCOME_NO_INCREMENTS_LEFT, OUTCOME_CONTINUE, stepper%increment > step%max_increments)
   end subroutine accept_increment
 
 
   !> Length of the next increment from what happened in the last one. It grows after two fast ones running, and shrinks after a slow
   !! one. After cycles it does not grow, nor, in a step in which an attempt failed, where contact was not as foreseen: statuses
   !! changed after the first iteration, and it took more than a FEW.
-  pure subroutine adapt(stepper, step, effort)
+  pure subroutine adapt_increment(stepper, step, effort)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
-    type(effort_type), intent(in) :: effort
-    logical :: is_fast, is_foreseen
-    is_foreseen = effort%n_unforeseen == 0 .or. effort%n_iterations <= FEW
-    is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles == 0 .and. (is_foreseen .or. .not. stepper%has_failed)
-    stepper%n_fast = merge(stepper%n_fast + 1, 0, is_fast)
+    type(attempt_effort_type), intent(in) :: effort
+    logical :: is_fast, is_contact_predicted
+    is_contact_predicted = effort%n_status_changes == 0 .or. effort%n_iterations <= MAX_QUICK_ITERATIONS
+    is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles_treated == 0 .and. (is_contact_predicted &
+      .or. .not. stepper%has_failed)
+    stepper%n_fast_increments = merge(stepper%n_fast_increments + 1, 0, is_fast)
     if (effort%n_iterations > step%controls%i_l) then
       stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
-    else if (stepper%n_fast >= 2) then
+    else if (stepper%n_fast_increments >= 2) then
       stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
     end if
-  end subroutine adapt
+  end subroutine adapt_increment
 
 
   !> Whether an attempt that fails can be tried again with a smaller increment, and more than once.
-  pure logical function may_cut(stepper, step, dt)
+  pure logical function can_cut_back(stepper, step, dt)
     type(stepper_type), intent(in) :: stepper
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the attempt [time]
-    may_cut = .not. step%is_direct .and. stepper%attempt < step%controls%i_a .and. step%controls%d_f * dt > step%dt_min
-  end function may_cut
+    can_cut_back = .not. step%is_direct .and. stepper%attempt < step%controls%i_a .and. step%controls%d_f * dt > step%dt_min
+  end function can_cut_back
 
 
   !> A failed attempt: cut back, or give up when the step says DIRECT, after i_a cut-backs, or below the least increment.
@@ -120,18 +122,18 @@ contains
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the attempt [time]
     integer, intent(in) :: verdict                 !< VERDICT_...
-    integer, intent(out) :: outcome                !< CUT_BACK or GIVE_UP
-    outcome = GIVE_UP
+    integer, intent(out) :: outcome                !< OUTCOME_CUT_BACK or OUTCOME_GIVE_UP
+    outcome = OUTCOME_GIVE_UP
     if (step%is_direct .or. stepper%attempt > step%controls%i_a) return
     stepper%has_failed = .true.
     stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
     if (stepper%dt < step%dt_min) then
-      if (dt <= step%dt_min * (1.0_DP + SNAP)) return
+      if (dt <= step%dt_min * (1.0_DP + TOL_STOP_TIME)) return
       stepper%dt = step%dt_min
     end if
-    stepper%n_fast = 0
+    stepper%n_fast_increments = 0
     stepper%attempt = stepper%attempt + 1
-    outcome = CUT_BACK
+    outcome = OUTCOME_CUT_BACK
   end subroutine reject_increment
 
 end module amontons_increment_control

@@ -5,45 +5,49 @@ module amontons_newton
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type, SEARCH_AUTO
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_iteration_records, only: iteration_record_type
-  use amontons_state, only: state_type, slave_type, STATUS_OPEN
-  use amontons_tunnelling_check, only: farthest_travel, passed_through
-  use amontons_active_set_history, only: forensics_type, note_slaves
-  use amontons_active_set_cycling, only: act_on_cycle, release_nodes
-  use amontons_convergence, only: progress_type, judge, judge_early, VERDICT_GO_ON, VERDICT_DIVERGES, &
+  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
+  use amontons_tunnelling_check, only: largest_sliding, find_tunnelled_slave
+  use amontons_active_set_history, only: active_set_history_type, record_active_set
+  use amontons_active_set_cycling, only: break_cycle, release_frozen_nodes
+  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, VERDICT_CONTINUE, VERDICT_DIVERGES, &
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
-  use amontons_line_search, only: search_type, search_line
-  use amontons_globalization, only: course_type, way_type, choose_way, COURSE_NEWTON, COURSE_SNAP
-  use amontons_equilibrium, only: system_type, begin_increment, evaluate, residuals_beyond, components_of, &
-    TROUBLE_NONE, TROUBLE_ELEMENT, TROUBLE_FREE, TROUBLE_THROUGH
-  use amontons_newton_step, only: carry_bodies
+  use amontons_line_search, only: line_search_report_type, perform_line_search
+  use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_SNAP_THROUGH
+  use amontons_equilibrium, only: equilibrium_type, begin_increment, evaluate_equilibrium, residuals_above_rounding, &
+    max_components, &
+    OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
+  use amontons_newton_step, only: set_proximal_shift
   implicit none
   private
   public :: newton_type, begin_newton, iterate
 
-  real(DP), parameter :: FAR_OFF = 100.0_DP         !< a displacement of this many sizes of the model in an increment is none [-]
+  real(DP), parameter :: MAX_DISPLACEMENT_RATIO = 100.0_DP         !< a displacement of this many sizes of the model in an
+                                                                   !! increment is none [-]
 
-  real(DP), parameter :: CARRIED_OFF = 2.0_DP       !< so many sizes of the model are enough for a body that had to be carried [-]
+  real(DP), parameter :: MAX_PROXIMAL_RATIO = 2.0_DP       !< so many sizes of the model are enough for a body that had to be
+                                                           !! carried [-]
 
-  real(DP), parameter :: FORCE_MEMORY = 1.0e-3_DP   !< forces are at least this times force_scale [-]
-  real(DP), parameter :: ROUNDING = 1.0e-13_DP      !< of the largest force of the attempt: no residual is less [-]
-  real(DP), parameter :: FAR_TRAVEL = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its master [-]
+  real(DP), parameter :: MIN_FORCE_SCALE_RATIO = 1.0e-3_DP   !< forces are at least this times force_scale [-]
+  real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP      !< of the largest force of the attempt: no residual is less [-]
+  real(DP), parameter :: MAX_PREDICTED_SLIDING = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its
+                                                               !! master [-]
 
   !> An increment on its way.
   type :: newton_type
-    type(progress_type) :: progress
+    type(convergence_measures_type) :: measures
     type(iteration_record_type) :: record          !< of the last iteration
-    integer :: trouble = TROUBLE_NONE
-    integer :: farthest = 0                        !< the node that moved farthest, where bodies were carried or fly off
-    integer :: gone_through = 0                    !< the node that passed through its master
-    logical :: may_be_cut = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
-    type(course_type) :: course                    !< directions that lead nowhere, and what was done about them
-    integer :: n_uphill = 0                        !< iterations whose direction went against the imbalance
-    integer :: n_cycles = 0                        !< cycles of slave nodes that were acted on
+    integer :: outcome = OUTCOME_OK
+    integer :: farthest_node = 0                        !< the node that moved farthest, where bodies were carried or fly off
+    integer :: tunnelled_node = 0                    !< the node that passed through its master
+    logical :: can_be_cut_back = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
+    type(globalization_type) :: globalization                    !< directions that lead nowhere, and what was done about them
+    integer :: n_ascent_directions = 0                        !< iterations whose direction went against the imbalance
+    integer :: n_cycles_treated = 0                        !< cycles of slave nodes that were acted on
     integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
-    type(forensics_type) :: forensics
-    real(DP) :: largest_seen = 0                   !< largest force of the attempt [force]
+    type(active_set_history_type) :: active_set_history
+    real(DP) :: largest_attempt_force = 0                   !< largest force of the attempt [force]
     real(DP) :: force_scale = 0                    !< largest bulk force where increments began, force where they converged
   end type newton_type
 
@@ -53,32 +57,34 @@ contains
   !! increment. Slave nodes keep their status, unless they go so far that they may meet or leave their master.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
     type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else begins anew
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state       !< trial = committed, with the new times
-    real(DP) :: dt, travel
-    newton = newton_type(progress_type(), iteration_record_type(), forensics=forensics_type(), n_shifted=system%n_shifted, &
+    real(DP) :: dt, sliding
+    newton = newton_type(convergence_measures_type(), iteration_record_type(), active_set_history=active_set_history_type(), &
+      n_shifted=system%n_shifted, &
       force_scale=newton%force_scale)
-    if (system%carry > 0.0_DP) call carry_bodies(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst of it
+    if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst
+                                                                                                    ! of it
     call begin_increment(system, model, step, is_step_start, state)
-    newton%trouble = TROUBLE_ELEMENT
+    newton%outcome = OUTCOME_ELEMENT
     if (.not. is_step_start) then
       dt = state%new%total_time - state%old%total_time
-      travel = farthest_travel(system%contact, model, state%old%slaves, dt * state%old%v)
+      sliding = largest_sliding(system%contact, model, state%old%slaves, dt * state%old%v)
       state%new%u = state%old%u + dt * state%old%v
-      call evaluate(system, model, step, state, newton%trouble, is_frozen=travel < FAR_TRAVEL)
+      call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=sliding < MAX_PREDICTED_SLIDING)
     end if
-    if (newton%trouble /= TROUBLE_NONE) then
+    if (newton%outcome /= OUTCOME_OK) then
       state%new%u = state%old%u
       state%new%slaves = state%old%slaves
       call begin_increment(system, model, step, is_step_start, state)
-      call evaluate(system, model, step, state, newton%trouble, is_frozen=.true.)
+      call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.true.)
     end if
-    call note_slaves(newton%forensics, state%new%slaves, system%merit)
+    call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     newton%force_scale = max(newton%force_scale, system%bulk_force)   ! nodes go on into a stiff law with any force
-    call note_residual(newton, system, [system%largest_residual, maxval(components_of(system, system%lawful, -1))], &
+    call record_residual(newton, system, [system%largest_residual, maxval(max_components(system, system%residual_at_gap, -1))], &
       step%controls%r_n)                           ! K may not be there yet
   end subroutine begin_newton
 
@@ -86,83 +92,86 @@ contains
   !> One iteration: a direction along which contact settles, a step along it, and the verdict on where it leads.
   subroutine iterate(newton, system, model, step, state, verdict, error)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: verdict                !< VERDICT_...; newton%trouble tells more
+    integer, intent(out) :: verdict                !< VERDICT_...; newton%outcome tells more
     type(error_type), allocatable, intent(out) :: error
-    type(way_type) :: way
+    type(trial_step_type) :: trial_step
     integer :: n_krylov, n_rounds
     verdict = VERDICT_DIVERGES
-    if (newton%trouble /= TROUBLE_NONE) return
+    if (newton%outcome /= OUTCOME_OK) return
     n_krylov = system%n_krylov
-    n_rounds = system%n_rounds
-    call choose_way(newton%course, system, model, step, newton%progress, state, way, newton%trouble, error)
-    if (allocated(error) .or. newton%trouble /= TROUBLE_NONE) return
-    call go_along(newton, system, model, step, way, state)
-    if (newton%trouble /= TROUBLE_NONE) return
+    n_rounds = system%n_subproblem_iterations
+    call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
+    if (allocated(error) .or. newton%outcome /= OUTCOME_OK) return
+    call apply_trial_step(newton, system, model, step, trial_step, state)
+    if (newton%outcome /= OUTCOME_OK) return
     newton%record%n_krylov = system%n_krylov - n_krylov
-    newton%record%n_rounds = system%n_rounds - n_rounds
-    call judge_iterate(newton, system, model, step, state, verdict)
+    newton%record%n_subproblem_iterations = system%n_subproblem_iterations - n_rounds
+    call assess_iterate(newton, system, model, step, state, verdict)
   end subroutine iterate
 
 
   !> A step along the direction, of the length that the line search gives it, and what is noted where it ends.
-  subroutine go_along(newton, system, model, step, way, state)
+  subroutine apply_trial_step(newton, system, model, step, trial_step, state)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(way_type), intent(in) :: way
+    type(trial_step_type), intent(in) :: trial_step
     type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
-    type(search_type) :: search
+    type(line_search_report_type) :: report
     real(DP), allocatable :: u(:, :), residual(:, :)
     u = state%new%u
     residual = system%residual
-    call search_line(system, model, step, way%du, way%ahead, state, search, newton%trouble)
-    if (search%is_uphill .and. newton%progress%residual(0) > step%controls%r_n) newton%n_uphill = newton%n_uphill + 1
-    newton%course%is_refused = search%is_refused
-    if (newton%course%now /= COURSE_NEWTON) call put_down(newton, system, model, state, u, residual)
-    if (newton%trouble /= TROUBLE_NONE) return
-    call note_slaves(newton%forensics, state%new%slaves, system%merit)
-    call watch_bodies(newton, system, model, state)
-    if (newton%trouble /= TROUBLE_NONE) return
-    call note_residual(newton, system, residuals_beyond(system, state%new%u), step%controls%r_n)
-    call note_step(newton, system, state, search)
-  end subroutine go_along
+    call perform_line_search(system, model, step, trial_step%du, trial_step%predicted_slaves, state, report, newton%outcome)
+    if (report%is_ascent_direction .and. newton%measures%residual(0) > step%controls%r_n) newton%n_ascent_directions &
+      = newton%n_ascent_directions + 1
+    newton%globalization%is_rejected = report%is_rejected
+    if (newton%globalization%step_kind /= STEP_KIND_NEWTON) call end_proximal_step(newton, system, model, state, u, residual)
+    if (newton%outcome /= OUTCOME_OK) return
+    call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
+    call check_displacements(newton, system, model, state)
+    if (newton%outcome /= OUTCOME_OK) return
+    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls%r_n)
+    call record_step(newton, system, state, report)
+  end subroutine apply_trial_step
 
 
   !> The verdict on the iterate: by its residual and correction, by cycles of slave nodes, and by slave nodes that passed through
   !! their master.
-  subroutine judge_iterate(newton, system, model, step, state, verdict)
+  subroutine assess_iterate(newton, system, model, step, state, verdict)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...
-    logical :: is_contact                          ! what does not converge
-    is_contact = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
-      newton%forensics%hash(1) /= newton%forensics%hash(3))   ! bodies that begin to flow take their time
-    verdict = judge(step%controls, newton%progress)
-    if (newton%course%now == COURSE_SNAP .and. verdict /= VERDICT_CONVERGED .and. newton%progress%iteration < step%controls%i_c) &
-      verdict = VERDICT_GO_ON                      ! through a snap imbalances grow
-    if (verdict == VERDICT_GO_ON .and. newton%may_be_cut .and. is_contact .and. newton%course%now == COURSE_NEWTON) &
-      call judge_early(newton%progress, verdict)
+    logical :: is_contact_active                          ! what does not converge
+    is_contact_active = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
+      newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! bodies that begin to flow take their time
+    verdict = assess_convergence(step%controls, newton%measures)
+    if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
+      .and. newton%measures%iteration < step%controls%i_c) &
+      verdict = VERDICT_CONTINUE                      ! through a snap imbalances grow
+    if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. is_contact_active .and. newton%globalization%step_kind &
+      == STEP_KIND_NEWTON) &
+      call assess_early(newton%measures, verdict)
     if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! stick that friction does not hold: once more
-      verdict = merge(VERDICT_GO_ON, VERDICT_TOO_SLOW, newton%progress%iteration < step%controls%i_c)
-    if (step%line_search == SEARCH_AUTO) call watch_cycles(newton, system, model, step, state, verdict)
-    if (verdict == VERDICT_CONVERGED) call watch_masters(newton, system, model, state, verdict)
+      verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < step%controls%i_c)
+    if (step%line_search == LINE_SEARCH_AUTO) call treat_cycles(newton, system, model, step, state, verdict)
+    if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
-  end subroutine judge_iterate
+  end subroutine assess_iterate
 
 
   !> Cycles are acted on as they are found; nodes that were held for one are let go when all else is in balance, and the verdict
   !! waits for what they do.
-  subroutine watch_cycles(newton, system, model, step, state, verdict)
+  subroutine treat_cycles(newton, system, model, step, state, verdict)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
@@ -170,119 +179,120 @@ contains
     logical :: is_found, is_changed
     if (size(state%new%slaves) == 0) return
     if (verdict == VERDICT_CONVERGED) then
-      call release_nodes(system%contact, model%mesh%coordinates + state%new%u, state%new%slaves, is_changed)
+      call release_frozen_nodes(system%contact, model%mesh%coordinates + state%new%u, state%new%slaves, is_changed)
     else
-      call act_on_cycle(system%contact, newton%forensics, state%new%slaves, is_found, is_changed)
-      if (is_changed) newton%n_cycles = newton%n_cycles + 1
-      if (is_changed .and. newton%progress%iteration < step%controls%i_c) verdict = VERDICT_GO_ON
-      if (is_found .and. .not. is_changed .and. newton%may_be_cut .and. verdict == VERDICT_GO_ON) verdict = VERDICT_TOO_SLOW
+      call break_cycle(system%contact, newton%active_set_history, state%new%slaves, is_found, is_changed)
+      if (is_changed) newton%n_cycles_treated = newton%n_cycles_treated + 1
+      if (is_changed .and. newton%measures%iteration < step%controls%i_c) verdict = VERDICT_CONTINUE
+      if (is_found .and. .not. is_changed .and. newton%can_be_cut_back .and. verdict == VERDICT_CONTINUE) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return
-    call evaluate(system, model, step, state, newton%trouble, is_frozen=.false.)
-    call note_residual(newton, system, residuals_beyond(system, state%new%u), step%controls%r_n)
-    if (newton%trouble /= TROUBLE_NONE) then
+    call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.false.)
+    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls%r_n)
+    if (newton%outcome /= OUTCOME_OK) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. (system%contact%n_changed > 0 .or. &
-      newton%progress%residual(0) > step%controls%r_n)) then
-      verdict = VERDICT_GO_ON
+      newton%measures%residual(0) > step%controls%r_n)) then
+      verdict = VERDICT_CONTINUE
     end if
-  end subroutine watch_cycles
+  end subroutine treat_cycles
 
 
   !> After an iteration that carried bodies: K is as it is again; the work that the forces did which nothing balanced is added up.
-  subroutine put_down(newton, system, model, state, u, residual)
+  subroutine end_proximal_step(newton, system, model, state, u, residual)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) before the iteration [length]
     real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) there [force]
-    newton%course%n_carried = newton%course%n_carried + 1
-    call carry_bodies(system, model, state%new, 0.0_DP)
-    state%new%slaves%is_within = .false.           ! where they were carried to is not where they touched first
-    state%new%carried_work = state%new%carried_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
-  end subroutine put_down
+    newton%globalization%n_proximal = newton%globalization%n_proximal + 1
+    call set_proximal_shift(system, model, state%new, 0.0_DP)
+    state%new%slaves%is_in_law_range = .false.           ! where they were carried to is not where they touched first
+    state%new%proximal_work = state%new%proximal_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
+  end subroutine end_proximal_step
 
 
   !> A balance in which a slave node has passed through its master within the increment is none.
-  subroutine watch_masters(newton, system, model, state, verdict)
+  subroutine check_tunnelling(newton, system, model, state, verdict)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     integer, intent(inout) :: verdict
     integer :: s
-    s = passed_through(system%contact, model%mesh%coordinates + state%old%u, model%mesh%coordinates + state%new%u, &
+    s = find_tunnelled_slave(system%contact, model%mesh%coordinates + state%old%u, model%mesh%coordinates + state%new%u, &
       state%old%slaves, state%new%slaves)
     if (s == 0) return
-    newton%trouble = TROUBLE_THROUGH
-    newton%gone_through = state%new%slaves(s)%node
+    newton%outcome = OUTCOME_TUNNELLING
+    newton%tunnelled_node = state%new%slaves(s)%node
     verdict = VERDICT_DIVERGES
-  end subroutine watch_masters
+  end subroutine check_tunnelling
 
 
   !> A body that moves by many times the size of the model in one increment is held by nothing.
-  subroutine watch_bodies(newton, system, model, state)
+  subroutine check_displacements(newton, system, model, state)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
-    real(DP) :: most, moves(size(state%new%u, 2))  ! [length]
-    logical :: is_carried
-    moves = components_of(system, state%new%u - state%old%u, 1)
-    is_carried = newton%course%now /= COURSE_NEWTON
-    if (is_carried) newton%farthest = maxloc(moves, dim=1)
-    most = merge(CARRIED_OFF, FAR_OFF, is_carried) * mesh_extent(model%mesh)
-    if (maxval(moves) <= most) return
-    newton%trouble = TROUBLE_FREE
-    newton%farthest = maxloc(moves, dim=1)
-  end subroutine watch_bodies
+    real(DP) :: displacement_limit, displacement(size(state%new%u, 2))  ! [length]
+    logical :: is_proximal
+    displacement = max_components(system, state%new%u - state%old%u, 1)
+    is_proximal = newton%globalization%step_kind /= STEP_KIND_NEWTON
+    if (is_proximal) newton%farthest_node = maxloc(displacement, dim=1)
+    displacement_limit = merge(MAX_PROXIMAL_RATIO, MAX_DISPLACEMENT_RATIO, is_proximal) * mesh_extent(model%mesh)
+    if (maxval(displacement) <= displacement_limit) return
+    newton%outcome = OUTCOME_UNSUPPORTED
+    newton%farthest_node = maxloc(displacement, dim=1)
+  end subroutine check_displacements
 
 
   !> The residual over the largest force, and the two before it. What rounding makes of gaps and of displacements counts as no
   !! residual: bodies that only touch, or move without any force, have no larger force.
-  subroutine note_residual(newton, system, residual, tolerance)
+  subroutine record_residual(newton, system, residual, tolerance)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: residual(2)            !< the largest: R, and with laws where their nodes are [force]
     real(DP), intent(in) :: tolerance              !< of the residual [-]
     real(DP) :: scale
-    newton%largest_seen = max(newton%largest_seen, system%largest_force)
-    scale = max(system%largest_force, FORCE_MEMORY * newton%force_scale, ROUNDING / tolerance * newton%largest_seen, tiny(1.0_DP))
-    newton%progress%residual = [max(residual(1) - system%rounding, 0.0_DP) / scale, newton%progress%residual(0:1)]
-    newton%progress%law = max(residual(2) - system%rounding, 0.0_DP) / scale
-    newton%progress%gap = max(system%contact%worst_gap, system%violation)
-  end subroutine note_residual
+    newton%largest_attempt_force = max(newton%largest_attempt_force, system%largest_force)
+    scale = max(system%largest_force, MIN_FORCE_SCALE_RATIO * newton%force_scale, &
+      TOL_FORCE_ROUNDING / tolerance * newton%largest_attempt_force, tiny(1.0_DP))
+    newton%measures%residual = [max(residual(1) - system%force_rounding, 0.0_DP) / scale, newton%measures%residual(0:1)]
+    newton%measures%residual_at_gap = max(residual(2) - system%force_rounding, 0.0_DP) / scale
+    newton%measures%gap = max(system%contact%max_gap_error, system%mpc_violation)
+  end subroutine record_residual
 
 
   !> Correction and record of the iteration.
-  subroutine note_step(newton, system, state, search)
+  subroutine record_step(newton, system, state, report)
     type(newton_type), intent(inout) :: newton
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state
-    type(search_type), intent(in) :: search
+    type(line_search_report_type), intent(in) :: report
     real(DP) :: largest
     integer :: status
-    largest = max(maxval(components_of(system, state%new%u - state%old%u, 1)), tiny(1.0_DP))
-    newton%progress%iteration = newton%progress%iteration + 1
-    newton%progress%correction = search%correction / largest
-    newton%progress%is_whole_step = search%is_whole_step
-    newton%progress%is_arrived = search%is_arrived
+    largest = max(maxval(max_components(system, state%new%u - state%old%u, 1)), tiny(1.0_DP))
+    newton%measures%iteration = newton%measures%iteration + 1
+    newton%measures%correction = report%correction / largest
+    newton%measures%is_whole_step = report%is_whole_step
+    newton%measures%is_displacement_complete = report%is_displacement_complete
     associate (record => newton%record)
-      record%iteration = newton%progress%iteration
-      record%residual = max(newton%progress%residual(0), newton%progress%law)
-      record%correction = newton%progress%correction
+      record%iteration = newton%measures%iteration
+      record%residual = max(newton%measures%residual(0), newton%measures%residual_at_gap)
+      record%correction = newton%measures%correction
       record%n_status = [(count(state%new%slaves%status == status), status=0, 2)]
       record%n_closed = record%n_status(1) + record%n_status(2)
-      record%n_scenario = search%n_scenario
-      record%n_balanced = search%n_balanced
-      record%n_opened = search%n_opened
-      record%n_closed_now = search%n_closed
-      record%step_length = search%step_length
-      record%worst_gap = 0.0_DP
-      if (system%contact%worst_slave > 0) record%worst_gap = &
-        system%contact%worst_gap * system%contact%edge(state%new%slaves(system%contact%worst_slave)%pair)
+      record%n_scenario = report%n_scenario
+      record%n_slip_converged = report%n_slip_converged
+      record%n_newly_opened = report%n_newly_opened
+      record%n_newly_closed = report%n_closed
+      record%step_length = report%step_length
+      record%max_gap_error = 0.0_DP
+      if (system%contact%worst_slave > 0) record%max_gap_error = &
+        system%contact%max_gap_error * system%contact%edge(state%new%slaves(system%contact%worst_slave)%pair)
     end associate
-  end subroutine note_step
+  end subroutine record_step
 
 end module amontons_newton

@@ -14,134 +14,139 @@ module amontons_proximal_step
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
-  use amontons_state, only: state_type, slave_type, STATUS_OPEN
-  use amontons_contact_constraint_rows, only: contact_row_type, relative_position
-  use amontons_contact_pairs, only: touching_row
-  use amontons_contact_subproblem, only: settle_contact
-  use amontons_equilibrium, only: system_type, evaluate, components_of, sizes_of, TROUBLE_NONE, TROUBLE_SOLVER
-  use amontons_newton_step, only: find_direction, carry_bodies
+  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
+  use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
+  use amontons_contact_pairs, only: current_row
+  use amontons_contact_subproblem, only: solve_contact_subproblem
+  use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, max_components, nodal_norms, OUTCOME_OK, &
+    OUTCOME_LINEAR_SOLVER
+  use amontons_newton_step, only: solve_newton_step, set_proximal_shift
   implicit none
   private
-  public :: is_carried_off, find_carried_direction, find_snap_direction
+  public :: is_motion_unrestrained, find_proximal_step, find_snap_through_step
 
-  real(DP), parameter :: LEAST = 1.0e-9_DP         !< part of the stiffness that carries at first [-]
-  real(DP), parameter :: MOST = 1.0_DP             !< at most [-]
-  real(DP), parameter :: BEYOND = 10.0_DP          !< a body may go this many times the way to where it first touches [-]
-  real(DP), parameter :: IN_SIGHT = 2.5_DP         !< but not more than this many edges of a master [-]
-  real(DP), parameter :: ENOUGH = 2.0_DP           !< a direction may exceed its way by this [-]
-  integer, parameter :: MOST_TRIES = 6
-  real(DP), parameter :: LEAST_SNAP = 1.0e-3_DP    !< part of the stiffness that holds nodes through a snap, at first [-]
-  real(DP), parameter :: SNAP_RATIO = 6.0_DP       !< of one part tried to the next [-]
+  real(DP), parameter :: MIN_PROXIMAL_SHIFT = 1.0e-9_DP         !< part of the stiffness that carries at first [-]
+  real(DP), parameter :: MAX_PROXIMAL_SHIFT = 1.0_DP             !< at most [-]
+  real(DP), parameter :: MAX_APPROACH_RATIO = 10.0_DP          !< a body may go this many times the way to where it first touches
+                                                               !! [-]
+  real(DP), parameter :: MAX_STEP_EDGES = 2.5_DP         !< but not more than this many edges of a master [-]
+  real(DP), parameter :: MAX_LENGTH_EXCESS = 2.0_DP           !< a direction may exceed its way by this [-]
+  integer, parameter :: MAX_SHIFT_TRIALS = 6
+  real(DP), parameter :: INITIAL_SNAP_SHIFT = 1.0e-3_DP    !< part of the stiffness that holds nodes through a snap, at first [-]
+  real(DP), parameter :: SNAP_SHIFT_RATIO = 6.0_DP       !< of one part tried to the next [-]
 
 contains
 
   !> Whether a direction says that nothing holds a body: there is none, there was none when contact had settled along it, or it goes
   !! farther than the whole model.
-  logical function is_carried_off(system, model, du, trouble)
-    type(system_type), intent(in) :: system
+  logical function is_motion_unrestrained(system, model, du, outcome)
+    type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
-    integer, intent(in) :: trouble                 !< TROUBLE_... of the direction
-    real(DP) :: missing(size(du, 2))               ! prescribed displacements that are [length]
-    is_carried_off = trouble == TROUBLE_SOLVER .and. size(system%contact%view) > 0
-    if (trouble /= TROUBLE_NONE .or. size(system%contact%view) == 0) return
-    missing = components_of(system, reshape(system%base%offset, shape(du)), 1)
-    is_carried_off = .not. maxval(sizes_of(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP * maxval(missing)
-    is_carried_off = is_carried_off .or. system%is_unheld
-  end function is_carried_off
+    integer, intent(in) :: outcome                 !< TROUBLE_... of the direction
+    real(DP) :: missing_displacement(size(du, 2))               ! prescribed displacements that are [length]
+    is_motion_unrestrained = outcome == OUTCOME_LINEAR_SOLVER .and. size(system%contact%slip_data) > 0
+    if (outcome /= OUTCOME_OK .or. size(system%contact%slip_data) == 0) return
+    missing_displacement = max_components(system, reshape(system%base%offset, shape(du)), 1)
+    is_motion_unrestrained = .not. maxval(nodal_norms(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP &
+      * maxval(missing_displacement)
+    is_motion_unrestrained = is_motion_unrestrained .or. system%is_interface_singular
+  end function is_motion_unrestrained
 
 
   !> A direction with every node held by a part of its own stiffness, which is chosen so that bodies go where they touch; contact
   !! has settled at its end where it does.
-  subroutine find_carried_direction(system, model, step, state, part, du, ahead, trouble, error)
-    type(system_type), intent(inout), target :: system
+  subroutine find_proximal_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(inout) :: part                !< to try first, 0: none is known; out: to try in the next iteration [-]
+    real(DP), intent(inout) :: shift                !< to try first, 0: none is known; out: to try in the next iteration [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< memory of the slave nodes at its end
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: excess, too_small
+    real(DP) :: excess, insufficient_shift
     integer :: attempt
-    part = max(LEAST, part)
-    too_small = 0.0_DP
-    do attempt = 1, MOST_TRIES
-      call evaluate(system, model, step, state, trouble, is_frozen=.true.)   ! contact had settled elsewhere
-      if (trouble /= TROUBLE_NONE) return
-      call carry_bodies(system, model, state%new, part)
-      call find_direction(system, model, step, state, du, trouble, error)
+    shift = max(MIN_PROXIMAL_SHIFT, shift)
+    insufficient_shift = 0.0_DP
+    do attempt = 1, MAX_SHIFT_TRIALS
+      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! contact had settled elsewhere
+      if (outcome /= OUTCOME_OK) return
+      call set_proximal_shift(system, model, state%new, shift)
+      call solve_newton_step(system, model, step, state, du, outcome, error)
       if (allocated(error)) return
-      if (trouble == TROUBLE_SOLVER .and. part < MOST) then
-        part = min(MOST, 1.0e3_DP * part)
+      if (outcome == OUTCOME_LINEAR_SOLVER .and. shift < MAX_PROXIMAL_SHIFT) then
+        shift = min(MAX_PROXIMAL_SHIFT, 1.0e3_DP * shift)
         cycle
       end if
-      if (trouble /= TROUBLE_NONE) return
-      excess = maxval(sizes_of(system, du, 1)) / free_way(system, model, state, du)
-      if (excess <= ENOUGH .or. attempt == MOST_TRIES) then
-        call settle_contact(system, model, step, state, du, ahead, error)
+      if (outcome /= OUTCOME_OK) return
+      excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, state, du)
+      if (excess <= MAX_LENGTH_EXCESS .or. attempt == MAX_SHIFT_TRIALS) then
+        call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
         if (allocated(error)) return
-        excess = maxval(sizes_of(system, du, 1)) / free_way(system, model, state, du)
+        excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, state, du)
       end if
-      if (excess <= ENOUGH .or. part >= MOST) exit
-      too_small = part
-      part = min(MOST, part * excess)
+      if (excess <= MAX_LENGTH_EXCESS .or. shift >= MAX_PROXIMAL_SHIFT) exit
+      insufficient_shift = shift
+      shift = min(MAX_PROXIMAL_SHIFT, shift * excess)
     end do
-    part = max(part * min(1.0_DP, excess), sqrt(part * too_small))
-    if (.not. allocated(ahead)) ahead = state%new%slaves
-  end subroutine find_carried_direction
+    shift = max(shift * min(1.0_DP, excess), sqrt(shift * insufficient_shift))
+    if (.not. allocated(predicted_slaves)) predicted_slaves = state%new%slaves
+  end subroutine find_proximal_step
 
 
   !> A direction along which contact settles, where it does not with K as it is: friction lets go faster than the bodies follow, so
   !! that no balance is near. Each node is held by a part of its own stiffness, the least that is tried with which contact settles.
-  !! system%is_settled tells whether it does; the state stands at u in any case.
-  subroutine find_snap_direction(system, model, step, state, part, du, ahead, trouble, error)
-    type(system_type), intent(inout), target :: system
+  !! system%is_subproblem_solved tells whether it does; the state stands at u in any case.
+  subroutine find_snap_through_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
+    type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(inout) :: part                !< that was enough in the iteration before, 0: none; out: in this one [-]
+    real(DP), intent(inout) :: shift                !< that was enough in the iteration before, 0: none; out: in this one [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_type), allocatable, intent(out) :: ahead(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: trouble                !< TROUBLE_...
+    type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< memory of the slave nodes at its end
+    integer, intent(out) :: outcome                !< TROUBLE_...
     type(error_type), allocatable, intent(out) :: error
-    part = merge(max(LEAST, part / SNAP_RATIO), LEAST_SNAP, part > 0.0_DP)
+    shift = merge(max(MIN_PROXIMAL_SHIFT, shift / SNAP_SHIFT_RATIO), INITIAL_SNAP_SHIFT, shift > 0.0_DP)
     do
-      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
-      if (trouble /= TROUBLE_NONE) return
-      call carry_bodies(system, model, state%new, part)
-      call find_direction(system, model, step, state, du, trouble, error)
-      if (allocated(error) .or. trouble /= TROUBLE_NONE) return
-      call settle_contact(system, model, step, state, du, ahead, error)
+      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)
+      if (outcome /= OUTCOME_OK) return
+      call set_proximal_shift(system, model, state%new, shift)
+      call solve_newton_step(system, model, step, state, du, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
+      call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
       if (allocated(error)) return
-      if (system%is_settled .or. part >= MOST) exit
-      part = min(MOST, SNAP_RATIO * part)
+      if (system%is_subproblem_solved .or. shift >= MAX_PROXIMAL_SHIFT) exit
+      shift = min(MAX_PROXIMAL_SHIFT, SNAP_SHIFT_RATIO * shift)
     end do
-  end subroutine find_snap_direction
+  end subroutine find_snap_through_step
 
 
   !> How far a direction may go: to where the first slave node touches and some way beyond, and never out of sight.
-  real(DP) function free_way(system, model, state, du) result(way)
-    type(system_type), intent(in) :: system
+  real(DP) function allowed_step_length(system, model, state, du) result(allowed_length)
+    type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     type(contact_row_type) :: row
-    real(DP) :: closing, share
+    real(DP) :: approach, contact_fraction
     integer :: s
-    way = IN_SIGHT * minval(system%contact%edge)
-    share = huge(1.0_DP)
+    allowed_length = MAX_STEP_EDGES * minval(system%contact%edge)
+    contact_fraction = huge(1.0_DP)
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
         if (slave%facet == 0 .or. slave%status /= STATUS_OPEN) cycle
-        call touching_row(system%contact, slave, row)
-        closing = -dot_product(slave%normal, relative_position(row, du))
-        if (closing > 0.0_DP) share = min(share, max(slave%gap, 1.0e-3_DP * system%contact%edge(slave%pair)) / closing)
+        call current_row(system%contact, slave, row)
+        approach = -dot_product(slave%normal, evaluate_relative_position(row, du))
+        if (approach > 0.0_DP) contact_fraction = min(contact_fraction, max(slave%gap, &
+          1.0e-3_DP * system%contact%edge(slave%pair)) / approach)
       end associate
     end do
-    way = min(way, merge(BEYOND, 1.0_DP, system%is_condensed) * share * maxval(sizes_of(system, du, 1)))
-    way = max(way, 1.0e-6_DP * mesh_extent(model%mesh))
-  end function free_way
+    allowed_length = min(allowed_length, merge(MAX_APPROACH_RATIO, 1.0_DP, &
+      system%is_schur_active) * contact_fraction * maxval(nodal_norms(system, du, 1)))
+    allowed_length = max(allowed_length, 1.0e-6_DP * mesh_extent(model%mesh))
+  end function allowed_step_length
 
 end module amontons_proximal_step

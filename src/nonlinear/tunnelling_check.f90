@@ -4,104 +4,107 @@ module amontons_tunnelling_check
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_node_overrides, only: gives_way
-  use amontons_state, only: slave_type, STATUS_OPEN
-  use amontons_contact_constraint_rows, only: contact_row_type, facet_row, relative_position
-  use amontons_analytic_master, only: bending_at
-  use amontons_contact_pairs, only: contact_type, touching_row
+  use amontons_state, only: slave_state_type, STATUS_OPEN
+  use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
+  use amontons_analytic_master, only: evaluate_profile_bending
+  use amontons_contact_pairs, only: contact_type, current_row
   use amontons_tensor, only: cross_product
-  use amontons_facets, only: facets_type, facet_nodes, is_line
-  use amontons_facet_search, only: search_type, build_search, near_facets
+  use amontons_facets, only: facets_type, facet_nodes, is_line_facet
+  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_topology, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
   implicit none
   private
-  public :: farthest_travel, passed_through
+  public :: largest_sliding, find_tunnelled_slave
 
-  real(DP), parameter :: OUT_OF_SIGHT = 3.0_DP    !< a node deeper than this times the longest edge of its master is not found [-]
+  real(DP), parameter :: MAX_SEARCH_DEPTH = 3.0_DP    !< a node deeper than this times the longest edge of its master is not found
+                                                      !! [-]
 
-  real(DP), parameter :: ALONG = 0.25_DP           !< a way less steep than this that ends beyond the border led over it [-]
-  real(DP), parameter :: IN_FRONT = 1.0e-3_DP      !< nearer than this times its edge a point did not stand before it [-]
+  real(DP), parameter :: MIN_CROSSING_STEEPNESS = 0.25_DP           !< a way less steep than this that ends beyond the border led
+                                                                    !! over it [-]
+  real(DP), parameter :: MIN_FRONT_DISTANCE = 1.0e-3_DP      !< nearer than this times its edge a point did not stand before it [-]
 
 contains
 
   !> How far a change of displacement moves the slave nodes along their master, in facets, at most. A facet is as long as it is
   !! in the direction of the motion: a long and narrow one is crossed where it is narrow. On a profile half the radius of its
   !! curvature counts, so where it is flat there is no limit.
-  pure real(DP) function farthest_travel(contact, model, slaves, du) result(farthest)
+  pure real(DP) function largest_sliding(contact, model, slaves, du) result(largest)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     type(contact_row_type) :: row
     real(DP) :: d(3)
     integer :: s
-    farthest = 0.0_DP
+    largest = 0.0_DP
     do s = 1, size(slaves)
       associate (slave => slaves(s))
-        if (slave%facet == 0 .or. contact%is_small(slave%pair)) cycle
-        call touching_row(contact, slave, row)
-        d = relative_position(row, du)
+        if (slave%facet == 0 .or. contact%has_fixed_geometry(slave%pair)) cycle
+        call current_row(contact, slave, row)
+        d = evaluate_relative_position(row, du)
         d = d - dot_product(slave%normal, d) * slave%normal
         if (norm2(d) <= 0.0_DP) cycle
         associate (facets => contact%facets(slave%pair))
           if (allocated(facets%profile)) then
-            farthest = max(farthest, norm2(d) * bending_at(facets, slave%facet, slave%xi))
+            largest = max(largest, norm2(d) * evaluate_profile_bending(facets, slave%facet, slave%xi))
             cycle
           end if
-          farthest = max(farthest, norm2(d) / width_along(model%mesh%coordinates(:, facets%nodes(facets%first(slave%facet): &
+          largest = max(largest, norm2(d) / facet_width(model%mesh%coordinates(:, facets%nodes(facets%first(slave%facet): &
             facets%first(slave%facet + 1) - 1)), d / norm2(d), facets%edge_length(slave%facet)))
         end associate
       end associate
     end do
-  end function farthest_travel
+  end function largest_sliding
 
 
   !> The extent of points along a direction; another length where they have none.
-  pure real(DP) function width_along(points, direction, otherwise) result(width)
+  pure real(DP) function facet_width(points, direction, fallback_length) result(width)
     real(DP), intent(in) :: points(:, :)           !< (3, :) [length]
-    real(DP), intent(in) :: direction(3), otherwise
+    real(DP), intent(in) :: direction(3), fallback_length
     real(DP) :: along(size(points, 2))
     along = matmul(direction, points)
     width = maxval(along) - minval(along)
-    if (width <= 1.0e-6_DP * otherwise) width = otherwise
-  end function width_along
+    if (width <= 1.0e-6_DP * fallback_length) width = fallback_length
+  end function facet_width
 
 
   !> The first slave that has passed through its master within the increment; 0 if there is none. Two signs are looked for:
   !! a node that stood before its master and is now out of sight behind the point where it stood, deeper than the search looks
   !! (over the edge of the master too: the path between is not known); and a node that the search does not see, or sees
   !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front
-  !! (but for one that slides along the master and over its edge, see ALONG).
-  integer function passed_through(contact, x_old, x_new, old, new) result(found)
+  !! (but for one that slides along the master and over its edge, see MIN_CROSSING_STEEPNESS).
+  integer function find_tunnelled_slave(contact, x_old, x_new, old, new) result(tunnelled)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
-    type(slave_type), intent(in) :: old(:)         !< (n_slaves) at the start of the increment
-    type(slave_type), intent(in) :: new(:)         !< (n_slaves) at its end
+    type(slave_state_type), intent(in) :: old(:)         !< (n_slaves) at the start of the increment
+    type(slave_state_type), intent(in) :: new(:)         !< (n_slaves) at its end
     type(contact_row_type) :: row
-    type(search_type) :: search(size(contact%facets))
+    type(facet_search_type) :: search(size(contact%facets))
     integer :: s
-    do found = 1, size(new)
-      s = found
+    do tunnelled = 1, size(new)
+      s = tunnelled
       if (contact%is_removed(new(s)%pair)) cycle
       if (gives_way(new(s)%overrides)) cycle       ! the other side of a symmetric pair watches
       if (old(s)%facet > 0 .and. new(s)%facet == 0) then
-        call facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
-        if (dot_product(old(s)%normal, relative_position(row, x_new)) < -OUT_OF_SIGHT * contact%edge(old(s)%pair)) return
+        call fill_facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
+        if (dot_product(old(s)%normal, evaluate_relative_position(row, &
+          x_new)) < -MAX_SEARCH_DEPTH * contact%edge(old(s)%pair)) return
       end if
-      if (contact%is_small(new(s)%pair) .or. .not. is_suspect(old(s), new(s))) cycle
+      if (contact%has_fixed_geometry(new(s)%pair) .or. .not. may_have_crossed(old(s), new(s))) cycle
       associate (facets => contact%facets(new(s)%pair), near => search(new(s)%pair))
         if (allocated(facets%profile)) cycle       ! it has no facets of this kind; nothing crosses it here
-        if (.not. allocated(near%first)) call build_search(facets, x_new, &
-          farthest_way(facets, pack(new%node, new%pair == new(s)%pair), x_old, x_new), near)
-        if (has_crossed(facets, near, x_old, x_new, new(s)%node)) return
+        if (.not. allocated(near%first)) call build_facet_search(facets, x_new, &
+          crossing_reach(facets, pack(new%node, new%pair == new(s)%pair), x_old, x_new), near)
+        if (has_crossed_master(facets, near, x_old, x_new, new(s)%node)) return
       end associate
     end do
-    found = 0
-  end function passed_through
+    tunnelled = 0
+  end function find_tunnelled_slave
 
 
   !> How far from a facet a node may end at most that has crossed it: what both moved, apart from the mean motion of the facets, and
   !! what the mean planes of facets are beside their corners.
-  pure real(DP) function farthest_way(facets, nodes, x_old, x_new) result(farthest)
+  pure real(DP) function crossing_reach(facets, nodes, x_old, x_new) result(largest)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: nodes(:)                !< slave nodes
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) [length]
@@ -115,60 +118,60 @@ contains
         warp = max(warp, norm2(corner(:, 1) - corner(:, 2) + corner(:, 3) - corner(:, 4)) / 4)
       end associate
     end do
-    farthest = warp + longest_way(facets%nodes) + longest_way(nodes)
+    largest = warp + longest_displacement(facets%nodes) + longest_displacement(nodes)
 
   contains
 
     !> The longest way of some nodes beside the mean one.
-    pure real(DP) function longest_way(some) result(longest)
-      integer, intent(in) :: some(:)
+    pure real(DP) function longest_displacement(nodes_of_set) result(longest)
+      integer, intent(in) :: nodes_of_set(:)
       integer :: i
       longest = 0.0_DP
-      do i = 1, size(some)
-        longest = max(longest, norm2(x_new(:, some(i)) - x_old(:, some(i)) - mean))
+      do i = 1, size(nodes_of_set)
+        longest = max(longest, norm2(x_new(:, nodes_of_set(i)) - x_old(:, nodes_of_set(i)) - mean))
       end do
-    end function longest_way
+    end function longest_displacement
 
-  end function farthest_way
+  end function crossing_reach
 
 
   !> Whether a node may have passed through its master: it does not touch, and is not on the side where it stood.
-  pure logical function is_suspect(old, new)
-    type(slave_type), intent(in) :: old, new
-    is_suspect = new%status == STATUS_OPEN
-    if (old%facet > 0 .and. new%facet > 0) is_suspect = is_suspect .and. dot_product(old%normal, new%normal) < 0.0_DP
-  end function is_suspect
+  pure logical function may_have_crossed(old, new)
+    type(slave_state_type), intent(in) :: old, new
+    may_have_crossed = new%status == STATUS_OPEN
+    if (old%facet > 0 .and. new%facet > 0) may_have_crossed = may_have_crossed .and. dot_product(old%normal, new%normal) < 0.0_DP
+  end function may_have_crossed
 
 
   !> Whether a point stood clearly before a facet and has come behind it, through it: straight, as the facet moves with its middle.
-  logical function has_crossed(facets, search, x_old, x_new, node)
+  logical function has_crossed_master(facets, search, x_old, x_new, node)
     type(facets_type), intent(in) :: facets
-    type(search_type), intent(in) :: search        !< at x_new, with the margin `farthest_way`
+    type(facet_search_type), intent(in) :: search        !< at x_new, with the margin `crossing_reach`
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) coordinates [length]
     integer, intent(in) :: node                    !< the point
     integer, allocatable :: list(:)
     integer :: i, n
     real(DP) :: steepness
-    call near_facets(search, x_new(:, node), list, n)
-    has_crossed = .false.
+    call find_near_facets(search, x_new(:, node), list, n)
+    has_crossed_master = .false.
     do i = 1, n
-      steepness = crossing(facets, list(i), x_old, x_new, node)
+      steepness = crossing_steepness(facets, list(i), x_old, x_new, node)
       if (steepness <= 0.0_DP) cycle
-      if (steepness < ALONG .and. .not. is_over(facets, list(:n), x_new, node)) cycle
-      has_crossed = .true.
+      if (steepness < MIN_CROSSING_STEEPNESS .and. .not. projects_on_facets(facets, list(:n), x_new, node)) cycle
+      has_crossed_master = .true.
       return
     end do
-  end function has_crossed
+  end function has_crossed_master
 
 
   !> The same of one facet: through the mean plane of its corners, and behind it by more than the facet is bent or warped. The part
   !! of the way that leads along the normal [-]; 0 where it does not cross the facet.
-  pure real(DP) function crossing(facets, f, x_old, x_new, node) result(steepness)
+  pure real(DP) function crossing_steepness(facets, f, x_old, x_new, node) result(steepness)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)
     integer, intent(in) :: node
-    real(DP) :: start(3), way(3), normal(3), centre(3), before, behind, corner(3, 4)
+    real(DP) :: start(3), path(3), normal(3), centre(3), before, behind, corner(3, 4)
     integer :: n, m, nodes(MAX_FACE_NODES)
     steepness = 0.0_DP
     call facet_nodes(facets, f, n, nodes)
@@ -176,37 +179,38 @@ contains
     corner(:, :m) = x_new(:, nodes(:m))
     centre = sum(corner(:, :m), dim=2) / real(m, DP)
     start = x_old(:, node) + centre - sum(x_old(:, nodes(:m)), dim=2) / real(m, DP)
-    way = x_new(:, node) - start
-    if (norm2(start - centre) > norm2(way) + 2.0_DP * facets%edge_length(f)) return   ! out of reach
-    normal = plane_normal(corner(:, :m), is_line(facets%kind(f)))
+    path = x_new(:, node) - start
+    if (norm2(start - centre) > norm2(path) + 2.0_DP * facets%edge_length(f)) return   ! out of reach
+    normal = plane_normal(corner(:, :m), is_line_facet(facets%kind(f)))
     if (norm2(normal) <= 0.0_DP) return
     before = dot_product(normal, start - centre)
     behind = -dot_product(normal, x_new(:, node) - centre)
-    if (before <= IN_FRONT * facets%edge_length(f)) return
+    if (before <= MIN_FRONT_DISTANCE * facets%edge_length(f)) return
     if (behind <= maxval(abs(matmul(normal, x_new(:, nodes(:n)) - spread(centre, 2, n))))) return
-    if (is_inside(start + before / (before + behind) * way, corner(:, :m), normal, is_line(facets%kind(f)))) &
-      steepness = (before + behind) / norm2(way)
-  end function crossing
+    if (is_inside_facet(start + before / (before + behind) * path, corner(:, :m), normal, is_line_facet(facets%kind(f)))) &
+      steepness = (before + behind) / norm2(path)
+  end function crossing_steepness
 
 
   !> Whether a point is before or behind one of some facets: along its normal it meets the facet.
-  pure logical function is_over(facets, list, x, node)
+  pure logical function projects_on_facets(facets, list, x, node)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: list(:)
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer, intent(in) :: node                    !< the point
     real(DP) :: corner(3, 4)
     integer :: i, m, n, nodes(MAX_FACE_NODES)
-    is_over = .false.
+    projects_on_facets = .false.
     do i = 1, size(list)
       call facet_nodes(facets, list(i), n, nodes)
       m = n_corners(facets%kind(list(i)))
       corner(:, :m) = x(:, nodes(:m))
-      is_over = is_inside(x(:, node), corner(:, :m), plane_normal(corner(:, :m), is_line(facets%kind(list(i)))), &
-        is_line(facets%kind(list(i))))
-      if (is_over) return
+      projects_on_facets = is_inside_facet(x(:, node), corner(:, :m), plane_normal(corner(:, :m), &
+        is_line_facet(facets%kind(list(i)))), &
+        is_line_facet(facets%kind(list(i))))
+      if (projects_on_facets) return
     end do
-  end function is_over
+  end function projects_on_facets
 
 
   !> Unit normal of the mean plane of the corners, outward; 0 where they have no area [-].
@@ -231,12 +235,12 @@ contains
     integer, intent(in) :: kind                    !< FACET_...
     n_corners = 4
     if (kind == FACET_TRI3 .or. kind == FACET_TRI6) n_corners = 3
-    if (is_line(kind)) n_corners = 2
+    if (is_line_facet(kind)) n_corners = 2
   end function n_corners
 
 
   !> Whether a point of the plane of a facet is between its corners.
-  pure logical function is_inside(point, corner, normal, is_edge)
+  pure logical function is_inside_facet(point, corner, normal, is_edge)
     real(DP), intent(in) :: point(3)               !< [length]
     real(DP), intent(in) :: corner(:, :)           !< (3, n) [length]
     real(DP), intent(in) :: normal(3)              !< [-]
@@ -245,14 +249,14 @@ contains
     integer :: k
     if (is_edge) then
       side = corner(:, 2) - corner(:, 1)
-      is_inside = abs(dot_product(point - 0.5_DP * (corner(:, 1) + corner(:, 2)), side)) <= 0.5_DP * dot_product(side, side)
+      is_inside_facet = abs(dot_product(point - 0.5_DP * (corner(:, 1) + corner(:, 2)), side)) <= 0.5_DP * dot_product(side, side)
       return
     end if
-    is_inside = .true.
+    is_inside_facet = .true.
     do k = 1, size(corner, 2)
       side = corner(:, mod(k, size(corner, 2)) + 1) - corner(:, k)
-      is_inside = is_inside .and. dot_product(normal, cross_product(side, point - corner(:, k))) >= 0.0_DP
+      is_inside_facet = is_inside_facet .and. dot_product(normal, cross_product(side, point - corner(:, k))) >= 0.0_DP
     end do
-  end function is_inside
+  end function is_inside_facet
 
 end module amontons_tunnelling_check

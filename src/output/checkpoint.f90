@@ -6,25 +6,26 @@
 !! the same way: doc/developer/reliability.md has the list and the reasons.
 !!
 !! The checkpoint, job.restart, is one block of 64-bit words in the machine's own order: magic, version, length, checksum,
-!! then the words of `carry_all`. It is written under a temporary name, synced and renamed, so the one there is whole.
+!! then the words of `exchange_all`. It is written under a temporary name, synced and renamed, so the one there is whole.
 module amontons_checkpoint
   use amontons_kinds, only: DP, I8, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: checksum_of_text, checksum_of_words, write_whole_file
   use amontons_model, only: model_type
-  use amontons_hdf5_file, only: pages_type
-  use amontons_state, only: state_type, fields_type, slave_type
-  use amontons_equilibrium, only: system_type, begin_step
-  use amontons_reduced_system, only: forget_analysis
+  use amontons_hdf5_file, only: hdf5_pages_type
+  use amontons_state, only: state_type, fields_type, slave_state_type
+  use amontons_equilibrium, only: equilibrium_type, begin_step
+  use amontons_reduced_system, only: discard_analysis
   use amontons_newton, only: newton_type
   use amontons_increment_control, only: stepper_type
   implicit none
   private
-  public :: snapshot_type, files_type, take_snapshot, put_back, write_checkpoint, read_checkpoint, pack_state, unpack_state
+  public :: snapshot_type, output_lengths_type, take_snapshot, restore_snapshot, write_checkpoint, read_checkpoint, pack_state, &
+    unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
   integer(I64), parameter :: FORMAT_VERSION = 10
-  integer, parameter :: N_HEAD = 4                 !< words before those of carry_all
+  integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
   !> All that the next increment depends on.
   type :: snapshot_type
@@ -32,34 +33,35 @@ module amontons_checkpoint
     type(stepper_type) :: stepper
     logical :: is_step_start = .true.
     real(DP) :: force_scale = 0                    !< newton%force_scale [force]
-    real(DP) :: best_entries = 0                   !< system%reduced%best_entries
-    integer, allocatable :: node_order(:)          !< system%reduced%node_order
+    real(DP) :: best_entries = 0                   !< system%reduced_system%best_entries
+    integer, allocatable :: node_order(:)          !< system%reduced_system%node_order
     real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
     integer, allocatable :: interface(:)           !< (n_nodes) bits: the node is on the interface, its unknowns 1, 2, 3 are held,
-    !< NLGEOM (system%is_contact, is_held, is_bulk_nlgeom)
+    !< NLGEOM (system%is_interface_unknown, is_held, is_bulk_nlgeom)
     real(DP), allocatable :: driven(:, :)          !< (8, n) what a calling program has set (list_driven)
     real(DP), allocatable :: friction(:)           !< (n_interactions) the same of coefficients of friction [-]
-    real(DP), allocatable :: bulk_u(:, :)          !< system%bulk_u: the factor of the bulk is made again from it [length]
+    real(DP), allocatable :: bulk_factor_u(:, :)          !< system%bulk_factor_u: the factor of the bulk is made again from it
+                                                          !! [length]
   end type snapshot_type
 
   !> What the result files were at a snapshot.
-  type :: files_type
+  type :: output_lengths_type
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
     integer(I64) :: archive(3) = 0                 !< of .res: last state, bytes, step of it
     integer(I64) :: frd(3) = 0                     !< bytes, frames, blocks of .frd
-    type(pages_type) :: pages                      !< of .vtkhdf
-  end type files_type
+    type(hdf5_pages_type) :: pages                      !< of .vtkhdf
+  end type output_lengths_type
 
   !> Words on their way into a file or out of it.
-  type :: parcel_type
+  type :: packer_type
     logical :: is_packing = .true.
-    logical :: is_sound = .true.                   !< .false.: it does not hold what was asked for
+    logical :: is_valid = .true.                   !< .false.: it does not hold what was asked for
     integer(I64), allocatable :: words(:)
     integer(I64) :: n = 0                          !< words packed or taken out
   contains
-    generic :: carry => carry_integer, carry_long, carry_real, carry_logical, carry_vector, carry_matrix
-    procedure, private :: carry_integer, carry_long, carry_real, carry_logical, carry_vector, carry_matrix
-  end type parcel_type
+    generic :: exchange => exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
+    procedure, private :: exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
+  end type packer_type
 
 contains
 
@@ -67,7 +69,7 @@ contains
   subroutine take_snapshot(snapshot, state, system, newton, stepper, is_step_start)
     type(snapshot_type), intent(inout) :: snapshot
     type(state_type), intent(in) :: state          !< its committed fields are noted
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     type(newton_type), intent(in) :: newton
     type(stepper_type), intent(in) :: stepper
     logical, intent(in) :: is_step_start
@@ -75,37 +77,37 @@ contains
     snapshot%stepper = stepper
     snapshot%is_step_start = is_step_start
     snapshot%force_scale = newton%force_scale
-    snapshot%best_entries = system%reduced%best_entries
+    snapshot%best_entries = system%reduced_system%best_entries
     if (allocated(snapshot%node_order)) deallocate (snapshot%node_order)
-    if (allocated(system%reduced%node_order)) snapshot%node_order = system%reduced%node_order
+    if (allocated(system%reduced_system%node_order)) snapshot%node_order = system%reduced_system%node_order
     snapshot%u_start = system%u_start
-    call note_bulk(snapshot, system)
+    call save_bulk_factor(snapshot, system)
   end subroutine take_snapshot
 
 
   !> Where the factor of the bulk was made, and with which interface, if it may serve the next increment.
-  subroutine note_bulk(snapshot, system)
+  subroutine save_bulk_factor(snapshot, system)
     type(snapshot_type), intent(inout) :: snapshot
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     integer :: i
     if (allocated(snapshot%interface)) deallocate (snapshot%interface)
-    if (allocated(snapshot%bulk_u)) deallocate (snapshot%bulk_u)
-    if (.not. allocated(system%is_contact) .or. .not. allocated(system%is_held)) return
-    allocate (snapshot%interface(size(system%is_contact) / 3))
+    if (allocated(snapshot%bulk_factor_u)) deallocate (snapshot%bulk_factor_u)
+    if (.not. allocated(system%is_interface_unknown) .or. .not. allocated(system%is_held)) return
+    allocate (snapshot%interface(size(system%is_interface_unknown) / 3))
     do i = 1, size(snapshot%interface)
-      snapshot%interface(i) = merge(1, 0, system%is_contact(3 * i)) + &
+      snapshot%interface(i) = merge(1, 0, system%is_interface_unknown(3 * i)) + &
         dot_product([2, 4, 8], merge(1, 0, system%is_held(3 * i - 2:3 * i))) + merge(16, 0, system%is_bulk_nlgeom)
     end do
-    if (allocated(system%bulk_u)) snapshot%bulk_u = system%bulk_u
-  end subroutine note_bulk
+    if (allocated(system%bulk_factor_u)) snapshot%bulk_factor_u = system%bulk_factor_u
+  end subroutine save_bulk_factor
 
 
   !> Goes back to a snapshot. Errors: those of begin_step.
-  subroutine put_back(snapshot, model, state, system, newton, stepper, is_step_start, error)
+  subroutine restore_snapshot(snapshot, model, state, system, newton, stepper, is_step_start, error)
     type(snapshot_type), intent(in) :: snapshot
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(newton_type), intent(inout) :: newton
     type(stepper_type), intent(inout) :: stepper
     logical, intent(out) :: is_step_start
@@ -115,48 +117,48 @@ contains
     stepper = snapshot%stepper
     is_step_start = snapshot%is_step_start
     newton%force_scale = snapshot%force_scale
-    call put_order_back(snapshot, system)
+    call restore_node_order(snapshot, system)
     if (.not. is_step_start) call begin_step(system, model, model%steps(stepper%step), state, error)
     system%u_start = snapshot%u_start
-    call put_bulk_back(snapshot, system)
-  end subroutine put_back
+    call restore_bulk_factor(snapshot, system)
+  end subroutine restore_snapshot
 
 
   !> The interface as it was; the factor is made again when it is asked for, unless it is the same one still.
-  subroutine put_bulk_back(snapshot, system)
+  subroutine restore_bulk_factor(snapshot, system)
     type(snapshot_type), intent(in) :: snapshot
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     integer :: i
     logical :: is_same
-    is_same = allocated(snapshot%bulk_u) .and. allocated(system%bulk_u)
-    if (is_same) is_same = all(snapshot%bulk_u == system%bulk_u)
-    if (is_same .and. system%condensed%is_ready) return
-    system%condensed%is_ready = .false.
-    system%condensed%is_analysed = .false.
-    system%is_dense_wanted = .true.
-    if (allocated(system%bulk_u)) deallocate (system%bulk_u)
-    if (allocated(system%is_contact)) deallocate (system%is_contact)
+    is_same = allocated(snapshot%bulk_factor_u) .and. allocated(system%bulk_factor_u)
+    if (is_same) is_same = all(snapshot%bulk_factor_u == system%bulk_factor_u)
+    if (is_same .and. system%schur_interface%is_ready) return
+    system%schur_interface%is_ready = .false.
+    system%schur_interface%is_analysed = .false.
+    system%is_schur_allowed = .true.
+    if (allocated(system%bulk_factor_u)) deallocate (system%bulk_factor_u)
+    if (allocated(system%is_interface_unknown)) deallocate (system%is_interface_unknown)
     if (.not. allocated(snapshot%interface)) return
-    system%is_contact = [(btest(snapshot%interface((i + 2) / 3), 0), i=1, 3 * size(snapshot%interface))]
+    system%is_interface_unknown = [(btest(snapshot%interface((i + 2) / 3), 0), i=1, 3 * size(snapshot%interface))]
     system%is_held = [(btest(snapshot%interface((i + 2) / 3), 1 + mod(i - 1, 3)), i=1, 3 * size(snapshot%interface))]
     system%is_bulk_nlgeom = any(btest(snapshot%interface, 4))
-    if (allocated(snapshot%bulk_u)) system%bulk_u = snapshot%bulk_u
-  end subroutine put_bulk_back
+    if (allocated(snapshot%bulk_factor_u)) system%bulk_factor_u = snapshot%bulk_factor_u
+  end subroutine restore_bulk_factor
 
 
   !> The order of the nodes decides the rounding of the factor: a factor analysed in another one is forgotten.
-  subroutine put_order_back(snapshot, system)
+  subroutine restore_node_order(snapshot, system)
     type(snapshot_type), intent(in) :: snapshot
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     logical :: is_same
-    is_same = allocated(snapshot%node_order) .and. allocated(system%reduced%node_order)
-    if (is_same) is_same = all(snapshot%node_order == system%reduced%node_order)
+    is_same = allocated(snapshot%node_order) .and. allocated(system%reduced_system%node_order)
+    if (is_same) is_same = all(snapshot%node_order == system%reduced_system%node_order)
     if (is_same) return
-    call forget_analysis(system%reduced)
-    if (allocated(system%reduced%node_order)) deallocate (system%reduced%node_order)
-    if (allocated(snapshot%node_order)) system%reduced%node_order = snapshot%node_order
-    system%reduced%best_entries = snapshot%best_entries
-  end subroutine put_order_back
+    call discard_analysis(system%reduced_system)
+    if (allocated(system%reduced_system%node_order)) deallocate (system%reduced_system%node_order)
+    if (allocated(snapshot%node_order)) system%reduced_system%node_order = snapshot%node_order
+    system%reduced_system%best_entries = snapshot%best_entries
+  end subroutine restore_node_order
 
 
   !> Writes a checkpoint in place of the one before.
@@ -164,15 +166,15 @@ contains
     character(*), intent(in) :: path
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot   !< not changed
-    type(files_type), intent(inout) :: files         !< not changed
+    type(output_lengths_type), intent(inout) :: files         !< not changed
     type(error_type), allocatable, intent(out) :: error
-    type(parcel_type) :: parcel
-    allocate (parcel%words(4096 + size(files%pages%bytes, kind=I64) / 8 + 2 * size(snapshot%fields%stress, kind=I64)))
-    parcel%n = N_HEAD
-    call carry_all(parcel, model, snapshot, files)
-    parcel%words(:3) = [MAGIC, FORMAT_VERSION, parcel%n]
-    parcel%words(4) = checksum_of_words(parcel%words(N_HEAD + 1:parcel%n))
-    call write_whole_file(path, parcel%words(:parcel%n), error)
+    type(packer_type) :: packer
+    allocate (packer%words(4096 + size(files%pages%bytes, kind=I64) / 8 + 2 * size(snapshot%fields%stress, kind=I64)))
+    packer%n = N_HEADER_WORDS
+    call exchange_all(packer, model, snapshot, files)
+    packer%words(:3) = [MAGIC, FORMAT_VERSION, packer%n]
+    packer%words(4) = checksum_of_words(packer%words(N_HEADER_WORDS + 1:packer%n))
+    call write_whole_file(path, packer%words(:packer%n), error)
   end subroutine write_checkpoint
 
 
@@ -181,12 +183,12 @@ contains
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot   !< not changed
     integer(I64), allocatable, intent(out) :: words(:)
-    type(parcel_type) :: parcel
-    type(files_type) :: files
+    type(packer_type) :: packer
+    type(output_lengths_type) :: files
     allocate (files%pages%bytes(0, 0), files%pages%index(0))
-    allocate (parcel%words(4096 + 2 * size(snapshot%fields%stress, kind=I64)))
-    call carry_all(parcel, model, snapshot, files)
-    words = parcel%words(:parcel%n)
+    allocate (packer%words(4096 + 2 * size(snapshot%fields%stress, kind=I64)))
+    call exchange_all(packer, model, snapshot, files)
+    words = packer%words(:packer%n)
   end subroutine pack_state
 
 
@@ -197,13 +199,13 @@ contains
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot
     type(error_type), allocatable, intent(out) :: error
-    type(parcel_type) :: parcel
-    type(files_type) :: files
-    parcel%is_packing = .false.
-    call move_alloc(words, parcel%words)
-    call carry_all(parcel, model, snapshot, files)
-    if (parcel%n /= size(parcel%words, kind=I64)) parcel%is_sound = .false.
-    if (.not. parcel%is_sound) call set_error(error, EXIT_IO, 'The restart file ' // path // ' does not fit the model: it ' // &
+    type(packer_type) :: packer
+    type(output_lengths_type) :: files
+    packer%is_packing = .false.
+    call move_alloc(words, packer%words)
+    call exchange_all(packer, model, snapshot, files)
+    if (packer%n /= size(packer%words, kind=I64)) packer%is_valid = .false.
+    if (.not. packer%is_valid) call set_error(error, EXIT_IO, 'The restart file ' // path // ' does not fit the model: it ' // &
       'was written by another version of Amontons.')
   end subroutine unpack_state
 
@@ -215,30 +217,30 @@ contains
     character(*), intent(in) :: path
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot
-    type(files_type), intent(inout) :: files
+    type(output_lengths_type), intent(inout) :: files
     type(error_type), allocatable, intent(out) :: error
-    type(parcel_type) :: parcel
+    type(packer_type) :: packer
     integer(I64) :: deck
-    parcel%is_packing = .false.
-    call read_words(path, parcel, error)
+    packer%is_packing = .false.
+    call read_words(path, packer, error)
     if (allocated(error)) return
-    call parcel%carry(deck)
+    call packer%exchange(deck)
     if (deck /= checksum_of_text(model%deck_text)) then
       call set_error(error, EXIT_IO, 'The deck is not the one of the checkpoint ' // path // ': it has been changed ' // &
         'since the job was begun. Run the job from its start, without --resume.')
       return
     end if
-    parcel%n = N_HEAD
-    call carry_all(parcel, model, snapshot, files)
-    if (parcel%n /= size(parcel%words, kind=I64)) parcel%is_sound = .false.
-    if (.not. parcel%is_sound) call damaged(path, 'it does not fit the model', error)
+    packer%n = N_HEADER_WORDS
+    call exchange_all(packer, model, snapshot, files)
+    if (packer%n /= size(packer%words, kind=I64)) packer%is_valid = .false.
+    if (.not. packer%is_valid) call set_damaged_error(path, 'it does not fit the model', error)
   end subroutine read_checkpoint
 
 
   !> Reads the words of a file and checks that they are whole.
-  subroutine read_words(path, parcel, error)
+  subroutine read_words(path, packer, error)
     character(*), intent(in) :: path
-    type(parcel_type), intent(inout) :: parcel
+    type(packer_type), intent(inout) :: packer
     type(error_type), allocatable, intent(out) :: error
     integer :: unit, status
     integer(I64) :: n_bytes
@@ -247,310 +249,310 @@ contains
       call set_error(error, EXIT_IO, 'There is no checkpoint ' // path // ': the job was never begun, or has ended well.')
       return
     end if
-    if (n_bytes < 8_I64 * N_HEAD) then
-      call damaged(path, 'it is too short', error)
+    if (n_bytes < 8_I64 * N_HEADER_WORDS) then
+      call set_damaged_error(path, 'it is too short', error)
       return
     end if
-    allocate (parcel%words(n_bytes / 8_I64), source=0_I64)
+    allocate (packer%words(n_bytes / 8_I64), source=0_I64)
     open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', iostat=status)
-    if (status == 0) read (unit, iostat=status) parcel%words
+    if (status == 0) read (unit, iostat=status) packer%words
     if (status /= 0) then
       call set_error(error, EXIT_IO, 'Cannot read the checkpoint ' // path // '.')
       return
     end if
     close (unit)
-    associate (words => parcel%words)
+    associate (words => packer%words)
       if (words(1) /= MAGIC) then
-        call damaged(path, 'it does not begin as one', error)
+        call set_damaged_error(path, 'it does not begin as one', error)
       else if (words(2) /= FORMAT_VERSION) then
         call set_error(error, EXIT_IO, 'The checkpoint ' // path // ' is of another version of Amontons.')
       else if (words(3) /= size(words, kind=I64) .or. 8_I64 * words(3) /= n_bytes) then
-        call damaged(path, 'its length is not the one it was written with', error)
-      else if (words(4) /= checksum_of_words(words(N_HEAD + 1:))) then
-        call damaged(path, 'its checksum is wrong', error)
+        call set_damaged_error(path, 'its length is not the one it was written with', error)
+      else if (words(4) /= checksum_of_words(words(N_HEADER_WORDS + 1:))) then
+        call set_damaged_error(path, 'its checksum is wrong', error)
       end if
     end associate
-    parcel%n = N_HEAD
+    packer%n = N_HEADER_WORDS
   end subroutine read_words
 
 
   !> The error of a checkpoint that cannot be used.
-  subroutine damaged(path, reason, error)
+  subroutine set_damaged_error(path, reason, error)
     character(*), intent(in) :: path, reason
     type(error_type), allocatable, intent(out) :: error
     call set_error(error, EXIT_IO, 'The checkpoint ' // path // ' is damaged: ' // reason // '. The result files are ' // &
       'as they were; run the job from its start, without --resume.')
-  end subroutine damaged
+  end subroutine set_damaged_error
 
 
   !> The contents of a checkpoint, in the order of the file: into the parcel or out of it.
-  subroutine carry_all(parcel, model, snapshot, files)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_all(packer, model, snapshot, files)
+    type(packer_type), intent(inout) :: packer
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot
-    type(files_type), intent(inout) :: files
+    type(output_lengths_type), intent(inout) :: files
     integer(I64) :: deck
     deck = checksum_of_text(model%deck_text)
-    call parcel%carry(deck)
-    call carry_stepper(parcel, snapshot%stepper)
-    call parcel%carry(snapshot%is_step_start)
-    call parcel%carry(snapshot%force_scale)
-    call parcel%carry(snapshot%best_entries)
-    call carry_order(parcel, model%mesh%n_nodes, snapshot%node_order)
-    call parcel%carry(snapshot%u_start)
-    call carry_order(parcel, model%mesh%n_nodes, snapshot%interface)
-    call carry_bulk(parcel, model%mesh%n_nodes, snapshot%bulk_u)
-    call carry_table(parcel, 8, snapshot%driven)
-    call parcel%carry(snapshot%friction)
-    call carry_fields(parcel, snapshot%fields)
-    call carry_files(parcel, files)
-  end subroutine carry_all
+    call packer%exchange(deck)
+    call exchange_stepper(packer, snapshot%stepper)
+    call packer%exchange(snapshot%is_step_start)
+    call packer%exchange(snapshot%force_scale)
+    call packer%exchange(snapshot%best_entries)
+    call exchange_order(packer, model%mesh%n_nodes, snapshot%node_order)
+    call packer%exchange(snapshot%u_start)
+    call exchange_order(packer, model%mesh%n_nodes, snapshot%interface)
+    call exchange_bulk(packer, model%mesh%n_nodes, snapshot%bulk_factor_u)
+    call exchange_table(packer, 8, snapshot%driven)
+    call packer%exchange(snapshot%friction)
+    call exchange_fields(packer, snapshot%fields)
+    call exchange_files(packer, files)
+  end subroutine exchange_all
 
 
   !> Where the job is in time.
-  subroutine carry_stepper(parcel, stepper)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_stepper(packer, stepper)
+    type(packer_type), intent(inout) :: packer
     type(stepper_type), intent(inout) :: stepper
-    call parcel%carry(stepper%step)
-    call parcel%carry(stepper%increment)
-    call parcel%carry(stepper%attempt)
-    call parcel%carry(stepper%step_time)
-    call parcel%carry(stepper%total_time)
-    call parcel%carry(stepper%dt)
-    call parcel%carry(stepper%n_fast)
-    call parcel%carry(stepper%has_failed)
-  end subroutine carry_stepper
+    call packer%exchange(stepper%step)
+    call packer%exchange(stepper%increment)
+    call packer%exchange(stepper%attempt)
+    call packer%exchange(stepper%step_time)
+    call packer%exchange(stepper%total_time)
+    call packer%exchange(stepper%dt)
+    call packer%exchange(stepper%n_fast_increments)
+    call packer%exchange(stepper%has_failed)
+  end subroutine exchange_stepper
 
 
   !> A number for each node, if there are any: their order, or the interface.
-  subroutine carry_order(parcel, n_nodes, order)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_order(packer, n_nodes, order)
+    type(packer_type), intent(inout) :: packer
     integer, intent(in) :: n_nodes
     integer, allocatable, intent(inout) :: order(:)
     logical :: is_there
     integer :: i
     is_there = allocated(order)
-    call parcel%carry(is_there)
-    if (.not. is_there .or. .not. parcel%is_sound) return
+    call packer%exchange(is_there)
+    if (.not. is_there .or. .not. packer%is_valid) return
     if (.not. allocated(order)) allocate (order(n_nodes), source=0)
     do i = 1, n_nodes
-      call parcel%carry(order(i))
+      call packer%exchange(order(i))
     end do
-    parcel%is_sound = parcel%is_sound .and. all(order >= 0 .and. order <= max(n_nodes, 31))   ! 31: all bits of the interface
-  end subroutine carry_order
+    packer%is_valid = packer%is_valid .and. all(order >= 0 .and. order <= max(n_nodes, 31))   ! 31: all bits of the interface
+  end subroutine exchange_order
 
 
   !> A table whose rows are known and whose columns are not.
-  subroutine carry_table(parcel, n_rows, table)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_table(packer, n_rows, table)
+    type(packer_type), intent(inout) :: packer
     integer, intent(in) :: n_rows
     real(DP), allocatable, intent(inout) :: table(:, :)
     integer :: n
     n = 0
-    if (parcel%is_packing) n = size(table, 2)
-    call parcel%carry(n)
-    if (.not. parcel%is_packing) then
-      if (n < 0 .or. n > size(parcel%words)) parcel%is_sound = .false.
-      if (.not. parcel%is_sound) return
+    if (packer%is_packing) n = size(table, 2)
+    call packer%exchange(n)
+    if (.not. packer%is_packing) then
+      if (n < 0 .or. n > size(packer%words)) packer%is_valid = .false.
+      if (.not. packer%is_valid) return
       if (allocated(table)) deallocate (table)
       allocate (table(n_rows, n), source=0.0_DP)
     end if
-    call parcel%carry(table)
-  end subroutine carry_table
+    call packer%exchange(table)
+  end subroutine exchange_table
 
 
   !> Where the factor of the bulk was made, if there is one.
-  subroutine carry_bulk(parcel, n_nodes, u)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_bulk(packer, n_nodes, u)
+    type(packer_type), intent(inout) :: packer
     integer, intent(in) :: n_nodes
     real(DP), allocatable, intent(inout) :: u(:, :)
     logical :: is_there
     is_there = allocated(u)
-    call parcel%carry(is_there)
-    if (.not. is_there .or. .not. parcel%is_sound) return
+    call packer%exchange(is_there)
+    if (.not. is_there .or. .not. packer%is_valid) return
     if (.not. allocated(u)) allocate (u(3, n_nodes), source=0.0_DP)
-    call parcel%carry(u)
-  end subroutine carry_bulk
+    call packer%exchange(u)
+  end subroutine exchange_bulk
 
 
   !> The committed fields; those that are fixed come from the model.
-  subroutine carry_fields(parcel, fields)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_fields(packer, fields)
+    type(packer_type), intent(inout) :: packer
     type(fields_type), intent(inout) :: fields
     logical :: has_birth
-    call parcel%carry(fields%step)
-    call parcel%carry(fields%increment)
-    call parcel%carry(fields%time_increment)
-    call parcel%carry(fields%user_memory)
-    call parcel%carry(fields%step_time)
-    call parcel%carry(fields%total_time)
-    call parcel%carry(fields%creep_time)
-    call parcel%carry(fields%external_work)
-    call parcel%carry(fields%friction_work)
-    call parcel%carry(fields%plastic_work)
-    call parcel%carry(fields%carried_work)
-    call parcel%carry(fields%damping)
-    call parcel%carry(fields%damped_work)
-    call parcel%carry(fields%u)
-    call parcel%carry(fields%v)
-    call parcel%carry(fields%stress)
-    call parcel%carry(fields%strain)
-    call parcel%carry(fields%energy)
-    call parcel%carry(fields%dissipated)
-    call parcel%carry(fields%volume)
-    call parcel%carry(fields%history)
-    call parcel%carry(fields%temperature)
-    has_birth = allocated(fields%birth)
-    call parcel%carry(has_birth)
-    if (has_birth .and. .not. allocated(fields%birth)) parcel%is_sound = .false.
-    if (has_birth .and. parcel%is_sound) call parcel%carry(fields%birth)
-    call parcel%carry(fields%internal_force)
-    call parcel%carry(fields%applied_force)
-    call parcel%carry(fields%contact_force)
-    call parcel%carry(fields%reaction_force)
-    call carry_slaves(parcel, fields%slaves)
-  end subroutine carry_fields
+    call packer%exchange(fields%step)
+    call packer%exchange(fields%increment)
+    call packer%exchange(fields%time_increment)
+    call packer%exchange(fields%user_memory)
+    call packer%exchange(fields%step_time)
+    call packer%exchange(fields%total_time)
+    call packer%exchange(fields%creep_time)
+    call packer%exchange(fields%external_work)
+    call packer%exchange(fields%friction_work)
+    call packer%exchange(fields%plastic_work)
+    call packer%exchange(fields%proximal_work)
+    call packer%exchange(fields%damping)
+    call packer%exchange(fields%stabilization_work)
+    call packer%exchange(fields%u)
+    call packer%exchange(fields%v)
+    call packer%exchange(fields%stress)
+    call packer%exchange(fields%strain)
+    call packer%exchange(fields%energy)
+    call packer%exchange(fields%dissipated)
+    call packer%exchange(fields%volume)
+    call packer%exchange(fields%history)
+    call packer%exchange(fields%temperature)
+    has_birth = allocated(fields%birth_displacement)
+    call packer%exchange(has_birth)
+    if (has_birth .and. .not. allocated(fields%birth_displacement)) packer%is_valid = .false.
+    if (has_birth .and. packer%is_valid) call packer%exchange(fields%birth_displacement)
+    call packer%exchange(fields%internal_force)
+    call packer%exchange(fields%applied_force)
+    call packer%exchange(fields%contact_force)
+    call packer%exchange(fields%reaction_force)
+    call exchange_slaves(packer, fields%slaves)
+  end subroutine exchange_fields
 
 
   !> The memory of the slave nodes as it lies in the machine: a component that is added later is carried too.
-  subroutine carry_slaves(parcel, slaves)
-    type(parcel_type), intent(inout) :: parcel
-    type(slave_type), allocatable, intent(inout) :: slaves(:)
+  subroutine exchange_slaves(packer, slaves)
+    type(packer_type), intent(inout) :: packer
+    type(slave_state_type), allocatable, intent(inout) :: slaves(:)
     integer(I64), allocatable :: words(:)
     integer :: n_words, n
     n = size(slaves)
-    call parcel%carry(n)
-    if (.not. parcel%is_packing .and. parcel%is_sound .and. n /= size(slaves)) then   ! points of slave faces come and go
+    call packer%exchange(n)
+    if (.not. packer%is_packing .and. packer%is_valid .and. n /= size(slaves)) then   ! points of slave faces come and go
       deallocate (slaves)
       allocate (slaves(n))
     end if
     n_words = size(transfer(slaves, [0_I64]))
     allocate (words(n_words))
-    if (parcel%is_packing) words = transfer(slaves, [0_I64])
-    call carry_words(parcel, words)
-    if (.not. parcel%is_packing .and. parcel%is_sound .and. n_words > 0) slaves = transfer(words, slaves)
-  end subroutine carry_slaves
+    if (packer%is_packing) words = transfer(slaves, [0_I64])
+    call exchange_words(packer, words)
+    if (.not. packer%is_packing .and. packer%is_valid .and. n_words > 0) slaves = transfer(words, slaves)
+  end subroutine exchange_slaves
 
 
   !> What the result files were.
-  subroutine carry_files(parcel, files)
-    type(parcel_type), intent(inout) :: parcel
-    type(files_type), intent(inout) :: files
+  subroutine exchange_files(packer, files)
+    type(packer_type), intent(inout) :: packer
+    type(output_lengths_type), intent(inout) :: files
     integer(I64) :: shape_of(2)
     integer(I64), allocatable :: words(:)
     integer :: i
     do i = 1, 3
-      call parcel%carry(files%lengths(i))
-      call parcel%carry(files%frd(i))
-      call parcel%carry(files%archive(i))
+      call packer%exchange(files%lengths(i))
+      call packer%exchange(files%frd(i))
+      call packer%exchange(files%archive(i))
     end do
     associate (pages => files%pages)
-      call parcel%carry(pages%end)
+      call packer%exchange(pages%end)
       shape_of = 0
-      if (parcel%is_packing) shape_of = shape(pages%bytes, kind=I64)
-      call parcel%carry(shape_of(1))
-      call parcel%carry(shape_of(2))
-      if (.not. parcel%is_packing) then
-        if (any(shape_of < 0) .or. shape_of(2) > size(parcel%words, kind=I64)) parcel%is_sound = .false.
-        if (shape_of(1) > huge(1) .or. .not. parcel%is_sound) return
+      if (packer%is_packing) shape_of = shape(pages%bytes, kind=I64)
+      call packer%exchange(shape_of(1))
+      call packer%exchange(shape_of(2))
+      if (.not. packer%is_packing) then
+        if (any(shape_of < 0) .or. shape_of(2) > size(packer%words, kind=I64)) packer%is_valid = .false.
+        if (shape_of(1) > huge(1) .or. .not. packer%is_valid) return
         allocate (pages%index(shape_of(2)), pages%bytes(shape_of(1), shape_of(2)))
       end if
       allocate (words(shape_of(1) * shape_of(2) / 8_I64))
-      if (parcel%is_packing) words = transfer(pages%bytes, words, size(words))
-      call carry_words(parcel, pages%index)
-      call carry_words(parcel, words)
-      if (.not. parcel%is_packing .and. parcel%is_sound) pages%bytes = reshape(transfer(words, pages%bytes), &
+      if (packer%is_packing) words = transfer(pages%bytes, words, size(words))
+      call exchange_words(packer, pages%index)
+      call exchange_words(packer, words)
+      if (.not. packer%is_packing .and. packer%is_valid) pages%bytes = reshape(transfer(words, pages%bytes), &
         shape(pages%bytes))
     end associate
-  end subroutine carry_files
+  end subroutine exchange_files
 
 
   !> Words into the parcel or out of it. A parcel that is too short is not sound, and gives nothing.
-  subroutine carry_words(parcel, words)
-    type(parcel_type), intent(inout) :: parcel
+  subroutine exchange_words(packer, words)
+    type(packer_type), intent(inout) :: packer
     integer(I64), intent(inout) :: words(:)
     integer(I64), allocatable :: larger(:)
     integer(I64) :: n
     n = size(words, kind=I64)
-    if (parcel%is_packing) then
-      if (parcel%n + n > size(parcel%words, kind=I64)) then
-        allocate (larger(2 * (parcel%n + n)))
-        larger(:parcel%n) = parcel%words(:parcel%n)
-        call move_alloc(larger, parcel%words)
+    if (packer%is_packing) then
+      if (packer%n + n > size(packer%words, kind=I64)) then
+        allocate (larger(2 * (packer%n + n)))
+        larger(:packer%n) = packer%words(:packer%n)
+        call move_alloc(larger, packer%words)
       end if
-      parcel%words(parcel%n + 1:parcel%n + n) = words
+      packer%words(packer%n + 1:packer%n + n) = words
     else
-      if (parcel%n + n > size(parcel%words, kind=I64)) parcel%is_sound = .false.
-      if (.not. parcel%is_sound) return
-      words = parcel%words(parcel%n + 1:parcel%n + n)
+      if (packer%n + n > size(packer%words, kind=I64)) packer%is_valid = .false.
+      if (.not. packer%is_valid) return
+      words = packer%words(packer%n + 1:packer%n + n)
     end if
-    parcel%n = parcel%n + n
-  end subroutine carry_words
+    packer%n = packer%n + n
+  end subroutine exchange_words
 
 
   !> One long integer.
-  subroutine carry_long(self, value)
-    class(parcel_type), intent(inout) :: self
+  subroutine exchange_long(self, value)
+    class(packer_type), intent(inout) :: self
     integer(I64), intent(inout) :: value
     integer(I64) :: word(1)
     word = value
-    call carry_words(self, word)
+    call exchange_words(self, word)
     value = word(1)
-  end subroutine carry_long
+  end subroutine exchange_long
 
 
   !> One integer.
-  subroutine carry_integer(self, value)
-    class(parcel_type), intent(inout) :: self
+  subroutine exchange_integer(self, value)
+    class(packer_type), intent(inout) :: self
     integer, intent(inout) :: value
     integer(I64) :: word(1)
     word = int(value, I64)
-    call carry_words(self, word)
+    call exchange_words(self, word)
     value = int(word(1))
-  end subroutine carry_integer
+  end subroutine exchange_integer
 
 
   !> One logical.
-  subroutine carry_logical(self, value)
-    class(parcel_type), intent(inout) :: self
+  subroutine exchange_logical(self, value)
+    class(packer_type), intent(inout) :: self
     logical, intent(inout) :: value
     integer(I64) :: word(1)
     word = merge(1_I64, 0_I64, value)
-    call carry_words(self, word)
+    call exchange_words(self, word)
     value = word(1) /= 0
-  end subroutine carry_logical
+  end subroutine exchange_logical
 
 
   !> One real.
-  subroutine carry_real(self, value)
-    class(parcel_type), intent(inout) :: self
+  subroutine exchange_real(self, value)
+    class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: value
     integer(I64) :: word(1)
     word = transfer(value, word)
-    call carry_words(self, word)
+    call exchange_words(self, word)
     value = transfer(word(1), value)
-  end subroutine carry_real
+  end subroutine exchange_real
 
 
   !> A list of reals, whose length is known.
-  subroutine carry_vector(self, values)
-    class(parcel_type), intent(inout) :: self
+  subroutine exchange_vector(self, values)
+    class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:)
     integer(I64), allocatable :: words(:)
     words = transfer(values, [0_I64])
-    call carry_words(self, words)
+    call exchange_words(self, words)
     if (.not. self%is_packing) values = transfer(words, values)
-  end subroutine carry_vector
+  end subroutine exchange_vector
 
 
   !> A matrix of reals, whose shape is known.
-  subroutine carry_matrix(self, values)
-    class(parcel_type), intent(inout) :: self
+  subroutine exchange_matrix(self, values)
+    class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:, :)
     integer(I64), allocatable :: words(:)
     words = transfer(values, [0_I64])
-    call carry_words(self, words)
+    call exchange_words(self, words)
     if (.not. self%is_packing) values = reshape(transfer(words, [0.0_DP]), shape(values))
-  end subroutine carry_matrix
+  end subroutine exchange_matrix
 
 end module amontons_checkpoint

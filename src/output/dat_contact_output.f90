@@ -7,18 +7,19 @@ module amontons_dat_contact_output
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product
   use amontons_topology, only: N_SOLID_KINDS
-  use amontons_postprocess, only: measure_section, pair_sums_type, section_type, sector_share, shown_energy, shown_slip, sum_pair
+  use amontons_postprocess, only: integrate_section, pair_sums_type, section_type, sector_share, printed_contact_energy, &
+    printed_slip, sum_pair_forces
   use amontons_steps, only: print_request_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN
   implicit none
   private
-  public :: print_contact_variable, print_surface, block_of, contact_axes
+  public :: print_contact_variable, print_section_sums, block_name, contact_axes
 
-  character(*), parameter :: NODE_FORM = '(i10,1p,3(1x,e13.6))'
-  character(*), parameter :: SIDE_FORM = '(i10,1x,i10,1p,8(1x,e13.6))'     !< a row of a point of an element's face
-  character(*), parameter :: TOTAL_FORM = '(6x,1p,3(1x,e13.6))'
-  character(*), parameter :: STATISTICS_FORM = '(2x,1p,6(1x,e13.6))'
+  character(*), parameter :: NODE_FORMAT = '(i10,1p,3(1x,e13.6))'
+  character(*), parameter :: FACE_FORMAT = '(i10,1x,i10,1p,8(1x,e13.6))'     !< a row of a point of an element's face
+  character(*), parameter :: TOTAL_FORMAT = '(6x,1p,3(1x,e13.6))'
+  character(*), parameter :: STATISTICS_FORMAT = '(2x,1p,6(1x,e13.6))'
 
 contains
 
@@ -33,14 +34,14 @@ contains
     type(fields_type), intent(in) :: fields
     type(print_request_type), intent(in) :: request
     character(*), intent(in) :: variable
-    type(slave_type), allocatable :: slaves(:)
+    type(slave_state_type), allocatable :: slaves(:)
     character(:), allocatable :: label
     real(DP) :: share                              ! of the circle
     integer :: i
     slaves = chosen_slaves(model, fields%slaves, request)
     share = sector_share(model)
     label = 'slave node'
-    if (any(slaves%side > 0)) label = 'slave element+face'
+    if (any(slaves%slave_facet > 0)) label = 'slave element+face'
     select case (variable)
     case ('CDIS')
       call print_contact_head(unit, 'relative contact displacement (' // label // ',normal,tang1,tang2)', fields%total_time)
@@ -59,11 +60,12 @@ contains
     case ('CELS')
       call print_contact_head(unit, 'contact spring energy (' // label // ',energy)', fields%total_time)
       do i = 1, size(slaves)
-        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [share * shown_energy(model, slaves(i))])
+        if (slaves(i)%status /= STATUS_OPEN) call print_slave(unit, model, slaves(i), [share * printed_contact_energy(model, &
+          slaves(i))])
       end do
       if (.not. (request%is_totals .or. request%is_only_totals)) return
       write (unit, '(/a,e14.7/)') ' total contact spring energy for time ', fields%total_time
-      write (unit, TOTAL_FORM) share * sum([(shown_energy(model, slaves(i)), i=1, size(slaves))])
+      write (unit, TOTAL_FORMAT) share * sum([(printed_contact_energy(model, slaves(i)), i=1, size(slaves))])
     case ('CNUM')
       write (unit, '(/a,e14.7/)') ' total number of contact elements for time ', fields%total_time
       write (unit, '(6x,1x,i10)') count(slaves%status /= STATUS_OPEN)
@@ -77,7 +79,7 @@ contains
 
 
   !> The block that holds a sum over a pair: Abaqus has a name for each part of it.
-  elemental function block_of(variable) result(name)
+  elemental function block_name(variable) result(name)
     character(*), intent(in) :: variable
     character(4) :: name
     select case (variable)
@@ -90,7 +92,7 @@ contains
     case default
       name = variable
     end select
-  end function block_of
+  end function block_name
 
 
   !> Whether a CONTACT PRINT is of a pair.
@@ -106,9 +108,9 @@ contains
   !> The slave nodes that a CONTACT PRINT is of.
   pure function chosen_slaves(model, slaves, request) result(chosen)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(print_request_type), intent(in) :: request
-    type(slave_type), allocatable :: chosen(:)
+    type(slave_state_type), allocatable :: chosen(:)
     logical, allocatable :: is_wanted(:)           ! (n_nodes)
     integer :: s
     allocate (is_wanted(model%mesh%n_nodes), source=request%set == 0)
@@ -122,7 +124,7 @@ contains
   subroutine print_slave_rows(unit, model, slaves, is_stress)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_stress
     real(DP) :: axes(3, 3), row(3)
     integer :: i
@@ -134,7 +136,7 @@ contains
           row = matmul(slave%force - slave%shear, axes)
           if (slave%area > 0) row = row / slave%area
         else
-          row = matmul(shown_slip(model, slave), axes)
+          row = matmul(printed_slip(model, slave), axes)
           row(1) = slave%gap
         end if
         call print_slave(unit, model, slave, row)
@@ -148,17 +150,17 @@ contains
   subroutine print_slave(unit, model, slave, values)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: values(:)
     integer :: face
-    if (slave%side == 0) then
-      write (unit, NODE_FORM) model%mesh%node_label(slave%node), values
+    if (slave%slave_facet == 0) then
+      write (unit, NODE_FORMAT) model%mesh%node_label(slave%node), values
       return
     end if
     associate (surface => model%surfaces(model%pairs(slave%pair)%slave))
-      face = surface%face(slave%side)
-      if (model%mesh%kind(surface%element(slave%side)) > N_SOLID_KINDS) face = face + 2
-      write (unit, SIDE_FORM) model%mesh%element_label(surface%element(slave%side)), face, values
+      face = surface%face(slave%slave_facet)
+      if (model%mesh%kind(surface%element(slave%slave_facet)) > N_SOLID_KINDS) face = face + 2
+      write (unit, FACE_FORMAT) model%mesh%element_label(surface%element(slave%slave_facet)), face, values
     end associate
   end subroutine print_slave
 
@@ -185,7 +187,7 @@ contains
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    type(slave_type), intent(in) :: slaves(:)      !< of the pair
+    type(slave_state_type), intent(in) :: slaves(:)      !< of the pair
     integer, intent(in) :: i_pair
     character(*), intent(in) :: variable           !< CF all forces, CFN the normal ones, CFS the tangential ones
     character(:), allocatable :: part
@@ -204,7 +206,7 @@ contains
       counts(1) = 0
       k = 2
     end if
-    call sum_pair(model, fields%u, slaves, sums)
+    call sum_pair_forces(model, fields%u, slaves, sums)
     counts = sector_share(model) * counts
     sums%area = sector_share(model) * sums%area
     force = matmul(sums%force, counts)
@@ -216,10 +218,10 @@ contains
       sums%normal, sums%area))
     normal_force = dot_product(force, sums%normal)
     write (unit, '(/a/)') '   area,  normal force (+ = tension) and shear force (size)'
-    write (unit, STATISTICS_FORM) sums%area, normal_force, norm2(force - normal_force * sums%normal)
+    write (unit, STATISTICS_FORMAT) sums%area, normal_force, norm2(force - normal_force * sums%normal)
     if (model%dialect == DIALECT_CALCULIX) return
     write (unit, '(/a/)') '   center of the ' // part // 'force'
-    write (unit, STATISTICS_FORM) sums%place(:, k)
+    write (unit, STATISTICS_FORMAT) sums%place(:, k)
   end subroutine print_statistics
 
 
@@ -229,16 +231,16 @@ contains
     character(*), intent(in) :: title
     type(section_type), intent(in) :: s
     write (unit, '(/3a/)') '   ', title, ' (fx,fy,fz) and moment about the origin (mx,my,mz)'
-    write (unit, STATISTICS_FORM) s%force, s%moment
+    write (unit, STATISTICS_FORMAT) s%force, s%moment
     write (unit, '(/a/)') '   center of gravity and mean normal'
-    write (unit, STATISTICS_FORM) s%center, s%normal
+    write (unit, STATISTICS_FORMAT) s%center, s%normal
     write (unit, '(/a/)') '   moment about the center of gravity(mx,my,mz)'
-    write (unit, STATISTICS_FORM) s%moment - cross_product(s%center, s%force)
+    write (unit, STATISTICS_FORMAT) s%moment - cross_product(s%center, s%force)
   end subroutine print_sums
 
 
   !> SECTION PRINT: the sums over a surface.
-  subroutine print_surface(unit, model, fields, surface, is_nlgeom)
+  subroutine print_section_sums(unit, model, fields, surface, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
@@ -246,7 +248,7 @@ contains
     logical, intent(in) :: is_nlgeom
     type(section_type) :: s
     real(DP) :: tension, torque, moment(3)
-    call measure_section(model%mesh, model%surfaces(surface), fields, is_nlgeom, model%dialect == DIALECT_CALCULIX, s)
+    call integrate_section(model%mesh, model%surfaces(surface), fields, is_nlgeom, model%dialect == DIALECT_CALCULIX, s)
     write (unit, '(//3a,e14.7)') ' statistics for surface set ', upper_case(model%surfaces(surface)%name), ' and time ', &
       fields%total_time
     call print_sums(unit, 'total surface force', s)
@@ -254,9 +256,9 @@ contains
     tension = dot_product(s%force, s%normal)
     torque = dot_product(moment, s%normal)
     write (unit, '(/a/)') '   area, normal force (+ = tension), shear force (size), torque and bending moment (size)'
-    write (unit, STATISTICS_FORM) s%area, tension, norm2(s%force - tension * s%normal), torque, norm2(moment - torque &
+    write (unit, STATISTICS_FORMAT) s%area, tension, norm2(s%force - tension * s%normal), torque, norm2(moment - torque &
       * s%normal)
-  end subroutine print_surface
+  end subroutine print_section_sums
 
 
   !> The head line of a block of slave nodes, with blank lines around it.

@@ -8,22 +8,23 @@ module amontons_dat_output
   use amontons_kinds, only: DP
   use amontons_text, only: upper_case
   use amontons_tensor, only: pack_voigt, unpack_voigt
-  use amontons_topology, only: MAX_POINTS
-  use amontons_postprocess, only: bar_points, mechanical_strain, point_places, point_volumes, sector_share, shown_density, &
-    take_sector, turn_trusses
-  use amontons_mesh, only: mesh_type, set_type, is_out
+  use amontons_topology, only: MAX_ELEMENT_POINTS
+  use amontons_postprocess, only: bar_points, mechanical_strain, integration_point_positions, integration_point_volumes, &
+    sector_share, printed_energy_density, &
+    convert_to_sector, rotate_truss_tensors
+  use amontons_mesh, only: mesh_type, set_type, is_inactive_element
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, PRINT_SECTION
   use amontons_materials, only: HISTORY_CEEQ
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_state, only: history_row, inelastic_strain, inner_variables, n_inner_variables, fields_type
-  use amontons_dat_contact_output, only: print_contact_variable, print_surface, block_of
+  use amontons_state, only: history_variable, equivalent_plastic_strain, state_variables, n_state_variables, fields_type
+  use amontons_dat_contact_output, only: print_contact_variable, print_section_sums, block_name
   implicit none
   private
-  public :: print_request, printed_forces, in_directions, in_axes
+  public :: print_request, printed_forces, in_transform, in_orientation
 
-  character(*), parameter :: NODE_FORM = '(i10,1p,3(1x,e13.6))'
-  character(*), parameter :: POINT_FORM = '(i10,1x,i3,1p,*(1x,e13.6))'
-  character(*), parameter :: TOTAL_FORM = '(6x,1p,3(1x,e13.6))'
+  character(*), parameter :: NODE_FORMAT = '(i10,1p,3(1x,e13.6))'
+  character(*), parameter :: POINT_FORMAT = '(i10,1x,i3,1p,*(1x,e13.6))'
+  character(*), parameter :: TOTAL_FORMAT = '(6x,1p,3(1x,e13.6))'
 
 contains
 
@@ -36,7 +37,7 @@ contains
     logical, intent(in) :: is_nlgeom               !< of the step
     integer :: i
     if (request%kind == PRINT_SECTION) then
-      call print_surface(unit, model, fields, request%set, is_nlgeom)
+      call print_section_sums(unit, model, fields, request%set, is_nlgeom)
       return
     end if
     do i = 1, size(request%variables)
@@ -46,8 +47,8 @@ contains
       case (PRINT_ELEMENT)
         call print_element_variable(unit, model, fields, request, request%variables(i), is_nlgeom)
       case (PRINT_CONTACT)
-        if (any(block_of(request%variables(:i - 1)) == block_of(request%variables(i)))) cycle
-        call print_contact_variable(unit, model, fields, request, block_of(request%variables(i)))
+        if (any(block_name(request%variables(:i - 1)) == block_name(request%variables(i)))) cycle
+        call print_contact_variable(unit, model, fields, request, block_name(request%variables(i)))
       end select
     end do
   end subroutine print_request
@@ -84,37 +85,37 @@ contains
     select case (variable)
     case ('U')
       call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
-        in_directions(model, fields%u, request%is_local))
+        in_transform(model, fields%u, request%is_local))
     case ('RF')
-      force = in_directions(model, printed_forces(model, fields), request%is_local)
+      force = in_transform(model, printed_forces(model, fields), request%is_local)
       if (.not. request%is_only_totals) &
         call print_node_rows(unit, 'forces (fx,fy,fz)', model%mesh, set, fields, force)
       if (.not. (request%is_totals .or. request%is_only_totals)) return
       call print_head(unit, 'total force (fx,fy,fz)', set, fields%total_time)
       force = printed_forces(model, fields)        ! a sum has no local directions
-      write (unit, TOTAL_FORM) sum(force(:, set%members), 2)
+      write (unit, TOTAL_FORMAT) sum(force(:, set%members), 2)
     case ('NT')
       call print_node_rows(unit, 'temperatures', model%mesh, set, fields, reshape(fields%temperature, &
         [1, model%mesh%n_nodes]))
     case ('COOR')
-      call print_node_rows(unit, 'coordinates (x,y,z)', model%mesh, set, fields, places_of(model%mesh, fields, is_nlgeom))
+      call print_node_rows(unit, 'coordinates (x,y,z)', model%mesh, set, fields, node_positions(model%mesh, fields, is_nlgeom))
     end select
   end subroutine print_node_variable
 
 
   !> The places of the nodes: in the deck, under NLGEOM now.
-  pure function places_of(mesh, fields, is_nlgeom) result(x)
+  pure function node_positions(mesh, fields, is_nlgeom) result(x)
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
     real(DP) :: x(3, mesh%n_nodes)
     x = mesh%coordinates
     if (is_nlgeom) x = x + fields%u
-  end function places_of
+  end function node_positions
 
 
   !> Vectors at the nodes, in the directions of TRANSFORM if a card asks for these.
-  pure function in_directions(model, values, is_local) result(turned)
+  pure function in_transform(model, values, is_local) result(turned)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: values(:, :)           !< (3, n_nodes) global
     logical, intent(in) :: is_local
@@ -125,7 +126,7 @@ contains
     do i = 1, size(values, 2)
       if (model%frame_of(i) > 0) turned(:, i) = matmul(values(:, i), model%frames(:, :, model%frame_of(i)))
     end do
-  end function in_directions
+  end function in_transform
 
 
   !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements; where there are none, at
@@ -140,7 +141,7 @@ contains
     force = fields%reaction_force
     if (model%dialect /= DIALECT_CALCULIX) return
     force = force + fields%applied_force
-    is_contact_inside = .not. all(model%pairs%is_mortar .and. .not. model%pairs%is_pointwise)
+    is_contact_inside = .not. all(model%pairs%is_mortar .and. .not. model%pairs%has_point_contact)
     if (present(is_field)) is_contact_inside = is_contact_inside .or. is_field
     do i = 1, size(model%mesh%nodes)
       associate (node => model%mesh%nodes(i))
@@ -148,7 +149,7 @@ contains
         if (is_contact_inside) force(:, node) = force(:, node) - fields%contact_force(:, node)
       end associate
     end do
-    call take_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
+    call convert_to_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
     if (present(is_field)) force = force / sector_share(model)   ! a field has those of the whole circle
   end function printed_forces
 
@@ -164,7 +165,7 @@ contains
     integer :: i
     call print_head(unit, title, set, fields%total_time)
     do i = 1, size(set%members)
-      write (unit, NODE_FORM) mesh%node_label(set%members(i)), values(:, set%members(i))
+      write (unit, NODE_FORMAT) mesh%node_label(set%members(i)), values(:, set%members(i))
     end do
   end subroutine print_node_rows
 
@@ -184,35 +185,35 @@ contains
       select case (variable)
       case ('S')
         call print_head(unit, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, time)
-        call print_tensors(turn_trusses(model, fields, is_nlgeom, fields%stress))
+        call print_tensors(rotate_truss_tensors(model, fields, is_nlgeom, fields%stress))
       case ('ME')
         call print_head(unit, 'mechanical strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_tensors(turn_trusses(model, fields, .false., mechanical_strain(model, fields)))
+        call print_tensors(rotate_truss_tensors(model, fields, .false., mechanical_strain(model, fields)))
       case ('E', 'LE')
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
-        call print_tensors(turn_trusses(model, fields, .false., fields%strain))
+        call print_tensors(rotate_truss_tensors(model, fields, .false., fields%strain))
       case ('PEEQ')
         if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! nothing flows
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
-        call print_point_rows(unit, model, set, reshape(inelastic_strain(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, set, reshape(equivalent_plastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
-        call print_point_rows(unit, model, set, reshape(history_row(fields, HISTORY_CEEQ), [1, mesh%n_points]))
+        call print_point_rows(unit, model, set, reshape(history_variable(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
-        if (n_inner_variables(model, fields) == 0) return   ! no material has any
+        if (n_state_variables(model, fields) == 0) return   ! no material has any
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
-        call print_point_rows(unit, model, set, inner_variables(model, fields))
+        call print_point_rows(unit, model, set, state_variables(model, fields))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
-        call print_point_rows(unit, model, set, reshape(shown_density(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, set, reshape(printed_energy_density(model, fields), [1, mesh%n_points]))
       case ('COOR')
         allocate (places(3, mesh%n_points))
-        call point_places(mesh, places_of(mesh, fields, is_nlgeom), places)
+        call integration_point_positions(mesh, node_positions(mesh, fields, is_nlgeom), places)
         call print_head(unit, 'global coordinates (elem, integ.pnt.,x,y,z)', set, time)
         call print_point_rows(unit, model, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
-          model, request, time, shown_density(model, fields))
+          model, request, time, printed_energy_density(model, fields))
       case ('EVOL')
         call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, request, time)
       end select
@@ -223,17 +224,17 @@ contains
     !> A tensor as CalculiX prints it: xx yy zz xy xz yz.
     subroutine print_tensors(values)
       real(DP), intent(in) :: values(:, :)         !< (6, n_points) xx yy zz xy yz xz, global
-      integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
+      integer, parameter :: PRINTED_ORDER(6) = [1, 2, 3, 4, 6, 5]
       real(DP), allocatable :: turned(:, :)
-      turned = in_axes(fields, values, request%is_local)
-      call print_point_rows(unit, model, set, turned(ORDER, :))
+      turned = in_orientation(fields, values, request%is_local)
+      call print_point_rows(unit, model, set, turned(PRINTED_ORDER, :))
     end subroutine print_tensors
 
   end subroutine print_element_variable
 
 
   !> Tensors at the points, in the axes of their orientation if a card asks for these.
-  pure function in_axes(fields, values, is_local) result(turned)
+  pure function in_orientation(fields, values, is_local) result(turned)
     type(fields_type), intent(in) :: fields
     real(DP), intent(in) :: values(:, :)           !< (6, n_points) xx yy zz xy yz xz, global
     logical, intent(in) :: is_local
@@ -246,7 +247,7 @@ contains
         turned(:, p) = pack_voigt(matmul(transpose(R), matmul(unpack_voigt(values(:, p)), R)))
       end associate
     end do
-  end function in_axes
+  end function in_orientation
 
 
   !> Rows of the integration points of the elements of a set.
@@ -258,15 +259,15 @@ contains
     integer :: i, p, first, n
     do i = 1, size(set%members)
       associate (e => set%members(i), mesh => model%mesh)
-        if (is_out(mesh, e)) cycle
+        if (is_inactive_element(mesh, e)) cycle
         first = mesh%point_first(e)
         n = mesh%point_first(e + 1) - first
         do p = 1, bar_points(model, e)
-          write (unit, POINT_FORM) mesh%element_label(e), p, sum(values(:, first:first + n - 1), dim=2) / real(n, DP)
+          write (unit, POINT_FORMAT) mesh%element_label(e), p, sum(values(:, first:first + n - 1), dim=2) / real(n, DP)
         end do
         if (bar_points(model, e) > 0) cycle
         do p = 1, n
-          write (unit, POINT_FORM) mesh%element_label(e), p, values(:, first + p - 1)
+          write (unit, POINT_FORMAT) mesh%element_label(e), p, values(:, first + p - 1)
         end do
       end associate
     end do
@@ -282,7 +283,7 @@ contains
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
     type(set_type) :: set
-    real(DP) :: volumes(MAX_POINTS), integral, total, share
+    real(DP) :: volumes(MAX_ELEMENT_POINTS), integral, total, share
     integer :: i, n, first
     set = set_of(model%mesh, request)
     if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
@@ -290,19 +291,19 @@ contains
     share = sector_share(model)
     associate (mesh => model%mesh)
       do i = 1, size(set%members)
-        if (is_out(mesh, set%members(i))) cycle
-        call point_volumes(mesh, set%members(i), n, volumes)
+        if (is_inactive_element(mesh, set%members(i))) cycle
+        call integration_point_volumes(mesh, set%members(i), n, volumes)
         integral = sum(volumes(:n))
         first = mesh%point_first(set%members(i))
         if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
         integral = share * integral
         total = total + integral
-        if (.not. request%is_only_totals) write (unit, NODE_FORM) mesh%element_label(set%members(i)), integral
+        if (.not. request%is_only_totals) write (unit, NODE_FORMAT) mesh%element_label(set%members(i)), integral
       end do
     end associate
     if (.not. (request%is_totals .or. request%is_only_totals)) return
     call print_head(unit, trim(titles(2)), set, time)
-    write (unit, TOTAL_FORM) total
+    write (unit, TOTAL_FORMAT) total
   end subroutine print_element_rows
 
 

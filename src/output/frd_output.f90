@@ -14,30 +14,31 @@ module amontons_frd_output
   use amontons_kinds, only: DP, I64
   use amontons_dense, only: least_squares
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: cut_file, sync_file
-  use amontons_text, only: rows_as_text, text_of
+  use amontons_posix, only: truncate_file, sync_file
+  use amontons_text, only: format_value_rows, to_text
   use amontons_containers, only: sort_integers
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
+  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
     FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, is_out
+  use amontons_mesh, only: mesh_type, is_inactive_element
   use amontons_shape_functions, only: facet_shapes
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
     FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type
-  use amontons_state, only: inelastic_strain, inner_variables, n_inner_variables, fields_type, slave_type, STATUS_OPEN
+  use amontons_state, only: equivalent_plastic_strain, state_variables, n_state_variables, fields_type, slave_state_type, &
+    STATUS_OPEN
   use amontons_postprocess, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, &
     n_nodal_slaves, &
-    show_sides, shown_density, shown_energy, shown_slip, turn_trusses
-  use amontons_dat_output, only: in_axes, in_directions, printed_forces
+    fill_midside_values, printed_energy_density, printed_contact_energy, printed_slip, rotate_truss_tensors
+  use amontons_dat_output, only: in_orientation, in_transform, printed_forces
   use amontons_dat_contact_output, only: contact_axes
   use amontons_version, only: VERSION
   implicit none
   private
-  public :: frd_type, open_frd, resume_frd, write_frd, measure_frd, sync_frd, close_frd
+  public :: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
 
-  real(DP), parameter :: EQUAL = 1.0e-6_DP         !< two pressures are one within this [-]
-  integer, parameter :: IN_A_LINE = 6              !< values
+  real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< two pressures are one within this [-]
+  integer, parameter :: VALUES_PER_LINE = 6              !< values
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
 
   !> A file that is being written; the unit is 0 if none is.
@@ -91,7 +92,7 @@ contains
     call write_head(frd, model)
     call write_nodes(frd, model%mesh)
     call write_elements(frd, model%mesh)
-    call check(frd, error)
+    call check_written(frd, error)
   end subroutine open_frd
 
 
@@ -100,7 +101,7 @@ contains
     type(frd_type), intent(out) :: frd
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
-    integer(I64), intent(in) :: counts(3)          !< bytes, frames, blocks that it had (measure_frd)
+    integer(I64), intent(in) :: counts(3)          !< bytes, frames, blocks that it had (frd_file_counts)
     type(error_type), allocatable, intent(out) :: error
     call prepare(frd, model, options)
     if (counts(1) == 0) then
@@ -110,7 +111,7 @@ contains
     frd%is_all = frd%is_all .or. .not. is_wanted(model, options)
     frd%n_frames = int(counts(2))
     frd%n_blocks = int(counts(3))
-    call cut_file(frd%path, counts(1), error)
+    call truncate_file(frd%path, counts(1), error)
     if (.not. allocated(error)) call open_file(frd, 'old', error)
   end subroutine resume_frd
 
@@ -135,7 +136,7 @@ contains
     integer :: e, i
     is_used = .false.
     do e = 1, mesh%n_elements
-      if (is_by_frame .and. is_out(mesh, e)) cycle
+      if (is_by_frame .and. is_inactive_element(mesh, e)) cycle
       is_used(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
     end do
     nodes = pack([(i, i=1, mesh%n_nodes)], is_used)
@@ -187,15 +188,15 @@ contains
     type(model_type), intent(in) :: model
     character(5) :: number
     integer :: i
-    call put(frd, '    1C')
+    call write_line(frd, '    1C')
     if (allocated(model%heading)) then
-      if (len(model%heading) > 0) call put(frd, '    1U' // first_line(model%heading))
+      if (len(model%heading) > 0) call write_line(frd, '    1U' // first_line(model%heading))
     end if
-    call put(frd, '    1UPGM               Amontons')
-    call put(frd, '    1UVERSION           ' // VERSION)
+    call write_line(frd, '    1UPGM               Amontons')
+    call write_line(frd, '    1UVERSION           ' // VERSION)
     do i = 1, size(model%materials)
       write (number, '(i5)') i
-      call put(frd, '    1UMAT' // number // model%materials(i)%name)
+      call write_line(frd, '    1UMAT' // number // model%materials(i)%name)
     end do
   end subroutine write_head
 
@@ -217,9 +218,9 @@ contains
     type(mesh_type), intent(in) :: mesh
     character(90) :: line
     write (line, '(a,18x,i12,37x,i1)') '    2C', size(frd%nodes), 1
-    call put(frd, line)
+    call write_line(frd, line)
     call put_rows(frd, frd%nodes, mesh%node_label, mesh%coordinates)
-    call put(frd, ' -3')
+    call write_line(frd, ' -3')
   end subroutine write_nodes
 
 
@@ -227,13 +228,13 @@ contains
   subroutine write_elements(frd, mesh)
     type(frd_type), intent(inout) :: frd
     type(mesh_type), intent(in) :: mesh
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     character(120) :: line
     integer :: e, k, n, i, shape
     integer, allocatable :: labels(:), order(:)
     n = count([(cgx_shape(element_kind(mesh%kind(e))) > 0, e=1, mesh%n_elements)])
     write (line, '(a,18x,i12,37x,i1)') '    3C', n, 1
-    call put(frd, line)
+    call write_line(frd, line)
     order = places_by_number(mesh%element_label)
     do k = 1, size(order)
       e = order(k)
@@ -242,19 +243,19 @@ contains
       if (shape == 0) cycle
       labels = in_cgx_order(mesh%node_label(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))
       write (line, '(a,i10,3i5)') ' -1', mesh%element_label(e), shape, 0, mesh%material(e)
-      call put(frd, line)
+      call write_line(frd, line)
       do i = 1, size(labels), 10
         write (line, '(a,10i10)') ' -2', labels(i:min(i + 9, size(labels)))
-        call put(frd, line)
+        call write_line(frd, line)
       end do
     end do
-    call put(frd, ' -3')
+    call write_line(frd, ' -3')
   end subroutine write_elements
 
 
   !> The type number of CGX; 0 for elements of one node.
   pure integer function cgx_shape(entry) result(shape)
-    type(kind_type), intent(in) :: entry
+    type(element_kind_type), intent(in) :: entry
     shape = 0
     if (entry%family == FAMILY_MASS) return
     if (entry%family == FAMILY_SOLID) then
@@ -314,14 +315,14 @@ contains
       if (.not. shown(i)) cycle
       request = model%steps(record%step)%frd(i)
       frd%present = nodes_of(model%mesh, .true.)
-      if (request%set > 0 .and. .not. frd%is_all) frd%present = those_in(model%mesh, frd%present, request%set)
+      if (request%set > 0 .and. .not. frd%is_all) frd%present = nodes_in_set(model%mesh, frd%present, request%set)
       head = HEADS(i)
-      if (i == FRD_SDV) head%n = n_inner_variables(model, fields)
-      if (i == FRD_CONTACT .and. any(model%pairs%is_mortar .and. .not. model%pairs%is_pointwise)) head%kind = KIND_SCALAR
+      if (i == FRD_SDV) head%n = n_state_variables(model, fields)
+      if (i == FRD_CONTACT .and. any(model%pairs%is_mortar .and. .not. model%pairs%has_point_contact)) head%kind = KIND_SCALAR
       call write_block(frd, head, model%mesh%node_label, block_values(model, fields, i, request%is_local), fields%total_time, &
         record)
     end do
-    call check(frd, error)
+    call check_written(frd, error)
   end subroutine write_frd
 
 
@@ -342,13 +343,13 @@ contains
       is_shown(FRD_PE) = size(fields%history, 1) > 0 .or. step%frd(FRD_PE)%is_wanted
       is_shown(FRD_CELS) = step%frd(FRD_CELS)%is_wanted
     end if
-    is_shown(FRD_SDV) = is_shown(FRD_SDV) .and. n_inner_variables(model, fields) > 0
+    is_shown(FRD_SDV) = is_shown(FRD_SDV) .and. n_state_variables(model, fields) > 0
     is_shown([FRD_CONTACT, FRD_CELS]) = is_shown([FRD_CONTACT, FRD_CELS]) .and. n_slaves > 0
   end function is_shown
 
 
   !> Of some nodes those of a set.
-  pure function those_in(mesh, nodes, set) result(chosen)
+  pure function nodes_in_set(mesh, nodes, set) result(chosen)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: nodes(:)
     integer, intent(in) :: set                     !< index
@@ -357,7 +358,7 @@ contains
     is_in = .false.
     is_in(mesh%node_sets(set)%members) = .true.
     chosen = pack(nodes, is_in(nodes))
-  end function those_in
+  end function nodes_in_set
 
 
   !> The values of a field at all nodes.
@@ -369,35 +370,35 @@ contains
     real(DP), allocatable :: values(:, :)          !< (components, n_nodes)
     integer :: n_components
     n_components = HEADS(field)%n
-    if (field == FRD_SDV) n_components = n_inner_variables(model, fields)
+    if (field == FRD_SDV) n_components = n_state_variables(model, fields)
     allocate (values(n_components, model%mesh%n_nodes))
     associate (is_nlgeom => model%steps(max(1, fields%step))%is_nlgeom)
       select case (field)
       case (FRD_DISP)
-        values = in_directions(model, fields%u, is_local)
+        values = in_transform(model, fields%u, is_local)
       case (FRD_FORC)
-        values = in_directions(model, printed_forces(model, fields, is_field=.true.), is_local)
+        values = in_transform(model, printed_forces(model, fields, is_field=.true.), is_local)
       case (FRD_NDTEMP)
         values(1, :) = fields%temperature
       case (FRD_STRESS)
-        call bring_tensors(turn_trusses(model, fields, is_nlgeom, fields%stress))
+        call average_tensors(rotate_truss_tensors(model, fields, is_nlgeom, fields%stress))
       case (FRD_TOSTRAIN)
-        call bring_tensors(turn_trusses(model, fields, .false., fields%strain))
+        call average_tensors(rotate_truss_tensors(model, fields, .false., fields%strain))
       case (FRD_MESTRAIN)
-        call bring_tensors(turn_trusses(model, fields, .false., mechanical_strain(model, fields)))
+        call average_tensors(rotate_truss_tensors(model, fields, .false., mechanical_strain(model, fields)))
       case (FRD_THSTRAIN)
-        call bring_tensors(turn_trusses(model, fields, .false., fields%strain - mechanical_strain(model, fields)))
+        call average_tensors(rotate_truss_tensors(model, fields, .false., fields%strain - mechanical_strain(model, fields)))
       case (FRD_PE)
-        call bring(reshape(inelastic_strain(model, fields), [1, model%mesh%n_points]))
+        call average_scalars(reshape(equivalent_plastic_strain(model, fields), [1, model%mesh%n_points]))
       case (FRD_ENER)
-        call bring(reshape(shown_density(model, fields), [1, model%mesh%n_points]))
+        call average_scalars(reshape(printed_energy_density(model, fields), [1, model%mesh%n_points]))
       case (FRD_SDV)
-        call bring(inner_variables(model, fields))
+        call average_scalars(state_variables(model, fields))
       case (FRD_ERROR)
         call estimate_error(model%mesh, fields%stress, values(1, :))
       case (FRD_CONTACT)
         values = contact_values(model, nodal_slaves(model, fields%slaves))
-        if (any(fields%slaves%side > 0)) call show_points(model, fields%slaves, values)
+        if (any(fields%slaves%slave_facet > 0)) call fill_point_values(model, fields%slaves, values)
       case (FRD_CELS)
         values(1, :) = contact_energies(model, nodal_slaves(model, fields%slaves))
       end select
@@ -406,16 +407,16 @@ contains
   contains
 
     !> Means at the nodes, as CalculiX takes them under its dialect.
-    subroutine bring(at_points)
+    subroutine average_scalars(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (components, n_points)
       call average_at_nodes(model%mesh, at_points, values, model%dialect == DIALECT_CALCULIX)
-    end subroutine bring
+    end subroutine average_scalars
 
     !> The same of tensors.
-    subroutine bring_tensors(at_points)
+    subroutine average_tensors(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
-      call bring(in_axes(fields, at_points, is_local))
-    end subroutine bring_tensors
+      call average_scalars(in_orientation(fields, at_points, is_local))
+    end subroutine average_tensors
 
   end function block_values
 
@@ -423,13 +424,13 @@ contains
   !> The energies of the springs of contact at the closed slave nodes, 0 elsewhere.
   pure function contact_energies(model, slaves) result(energy)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     real(DP) :: energy(model%mesh%n_nodes)         !< [energy]
     integer :: i
     energy = 0
     do i = 1, size(slaves)
       if (slaves(i)%status == STATUS_OPEN) cycle
-      energy(slaves(i)%node) = energy(slaves(i)%node) + shown_energy(model, slaves(i))
+      energy(slaves(i)%node) = energy(slaves(i)%node) + printed_contact_energy(model, slaves(i))
     end do
   end function contact_energies
 
@@ -438,7 +439,7 @@ contains
   !! pairs at a node the one with the larger pressure is shown, of two equal ones the later.
   function contact_values(model, slaves) result(values)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     real(DP) :: values(6, model%mesh%n_nodes)
     real(DP) :: row(6)
     integer, allocatable :: followers(:, :)
@@ -447,9 +448,9 @@ contains
     do i = 1, size(slaves)
       if (slaves(i)%status == STATUS_OPEN) cycle
       row = table_row(model, slaves(i))
-      if (abs(row(4)) >= (1 - EQUAL) * abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
+      if (abs(row(4)) >= (1 - TOL_EQUAL_PRESSURE) * abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
     end do
-    call show_sides(model, slaves, 4, 6, values)
+    call fill_midside_values(model, slaves, 4, 6, values)
     call list_followers(model, slaves, followers)
     do i = 1, size(followers, 2)
       values(:, followers(1, i)) = 0.5_DP * sum(values(:, followers(2:3, i)), dim=2)
@@ -460,10 +461,10 @@ contains
   !> Gap, two slips, pressure and two shear stresses of a slave in the axes of the .dat file.
   pure function table_row(model, slave) result(row)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP) :: row(6), axes(3, 3)
     axes = contact_axes(slave%normal)
-    row(:3) = matmul(shown_slip(model, slave), axes)
+    row(:3) = matmul(printed_slip(model, slave), axes)
     row(1) = slave%gap
     row(4:) = matmul(slave%force - slave%shear, axes)
     if (slave%area > 0) row(4:) = row(4:) / slave%area
@@ -475,42 +476,42 @@ contains
   !! each face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept
   !! between the least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the
   !! mean of its faces that have closed points.
-  subroutine show_points(model, slaves, values)
+  subroutine fill_point_values(model, slaves, values)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)      !< points stand facet by facet, pair by pair
+    type(slave_state_type), intent(in) :: slaves(:)      !< points stand facet by facet, pair by pair
     real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) of nodes with points they are set anew
     integer :: counts(model%mesh%n_nodes), first, last, n
     counts = 0
-    first = findloc(slaves%side > 0, .true., dim=1)
+    first = findloc(slaves%slave_facet > 0, .true., dim=1)
     do while (first <= size(slaves))
       last = first
       do while (last < size(slaves))
-        if (slaves(last + 1)%side /= slaves(first)%side .or. slaves(last + 1)%pair /= slaves(first)%pair) exit
+        if (slaves(last + 1)%slave_facet /= slaves(first)%slave_facet .or. slaves(last + 1)%pair /= slaves(first)%pair) exit
         last = last + 1
       end do
-      if (any(slaves(first:last)%status /= STATUS_OPEN)) call show_face(model, pack(slaves(first:last), &
+      if (any(slaves(first:last)%status /= STATUS_OPEN)) call add_face_values(model, pack(slaves(first:last), &
         slaves(first:last)%status /= STATUS_OPEN), counts, values)
       first = last + 1
     end do
     do n = 1, size(counts)
       if (counts(n) > 0) values(:, n) = values(:, n) / real(counts(n), DP)
     end do
-  end subroutine show_points
+  end subroutine fill_point_values
 
 
   !> Adds what the closed points of one face give to its nodes.
-  subroutine show_face(model, points, counts, values)
+  subroutine add_face_values(model, points, counts, values)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: points(:)
+    type(slave_state_type), intent(in) :: points(:)
     integer, intent(inout) :: counts(:)            !< (n_nodes) faces that gave to a node
     real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) sums
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     real(DP) :: rows(6, size(points)), basis(MAX_FACE_NODES, size(points)), at_corner(MAX_FACE_NODES, 6), row(6)
     real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer, parameter :: LINEAR(2:4) = [FACET_LINE2, FACET_TRI3, FACET_QUAD4]
     integer :: nodes(MAX_FACE_NODES), i, m
-    associate (faces => model%surfaces(model%pairs(points(1)%pair)%slave), mesh => model%mesh, side => points(1)%side)
+    associate (faces => model%surfaces(model%pairs(points(1)%pair)%slave), mesh => model%mesh, side => points(1)%slave_facet)
       kind = element_kind(mesh%kind(faces%element(side)))
       shape = facet_kind(kind%face_kind(faces%face(side)))
       nodes(:shape%n_nodes) = mesh%nodes(mesh%first(faces%element(side)) - 1 + kind%face_nodes(:shape%n_nodes, faces%face(side)))
@@ -520,7 +521,7 @@ contains
       rows(:, i) = table_row(model, points(i))
       call facet_shapes(LINEAR(m), points(i)%at, basis(:, i), dN, ddN)
     end do
-    at_corner(:m, :) = fitted(basis(:m, :), rows)
+    at_corner(:m, :) = fit_at_corners(basis(:m, :), rows)
     at_corner(:m, :) = min(max(at_corner(:m, :), spread(minval(rows, dim=2), 1, m)), spread(maxval(rows, dim=2), 1, m))
     do i = 1, shape%n_nodes
       if (i <= m) row = at_corner(i, :)
@@ -529,12 +530,12 @@ contains
       values(:, nodes(i)) = values(:, nodes(i)) + row
       counts(nodes(i)) = counts(nodes(i)) + 1
     end do
-  end subroutine show_face
+  end subroutine add_face_values
 
 
   !> Values at the corners of a face whose function comes nearest to those at points; with too few points the one nearest to their
   !! mean.
-  function fitted(basis, rows) result(at_corner)
+  function fit_at_corners(basis, rows) result(at_corner)
     real(DP), intent(in) :: basis(:, :)            !< (m, n) functions of the corners at the points [-]
     real(DP), intent(in) :: rows(:, :)             !< (6, n)
     real(DP) :: at_corner(size(basis, 1), 6), mean
@@ -545,7 +546,7 @@ contains
       call least_squares(transpose(basis), rows(k, :) - mean, RANK_LIMIT, at_corner(:, k), rank, status)
       at_corner(:, k) = at_corner(:, k) + mean
     end do
-  end function fitted
+  end function fit_at_corners
 
 
   !> A time with as many digits as twelve letters have room for.
@@ -575,28 +576,29 @@ contains
     integer :: i
     frd%n_blocks = frd%n_blocks + 1
     write (line, '(a,i26,2i12)') '    1PSTEP', frd%n_blocks, record%increment, record%step
-    call put(frd, line)
+    call write_line(frd, line)
     write (line, '(a,i5,a,i12,20x,i2,i5,10x,i2)') '  100CL', 100 + frd%n_frames, time_text(time), size(frd%present), 0, &
       frd%n_frames, 1
-    call put(frd, line)
+    call write_line(frd, line)
     write (line, '(a,a8,2i5)') ' -4  ', head%name, head%n + merge(1, 0, head%kind == KIND_VECTOR), 1
-    call put(frd, line)
+    call write_line(frd, line)
     do i = 1, head%n
       if (head%components(1) /= '') then
-        write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, place(head, i)
+        write (line, '(a,a8,4i5)') ' -5  ', head%components(i), 1, head%kind, component_position(head, i)
       else
-        write (line, '(a,a8,4i5)') ' -5  ', trim(head%name) // text_of(i) // repeat(' ', 8), 1, head%kind, place(head, i)
+        write (line, '(a,a8,4i5)') ' -5  ', trim(head%name) // to_text(i) // repeat(' ', 8), 1, head%kind, &
+          component_position(head, i)
       end if
-      call put(frd, line)
+      call write_line(frd, line)
     end do
-    if (head%kind == KIND_VECTOR) call put(frd, ' -5  ALL         1    2    0    0    1ALL')
+    if (head%kind == KIND_VECTOR) call write_line(frd, ' -5  ALL         1    2    0    0    1ALL')
     call put_rows(frd, frd%present, labels, values)
-    call put(frd, ' -3')
+    call write_line(frd, ' -3')
   end subroutine write_block
 
 
   !> Row and column of a component, as CGX wants them.
-  pure function place(head, i) result(row_column)
+  pure function component_position(head, i) result(row_column)
     type(head_type), intent(in) :: head
     integer, intent(in) :: i                       !< component
     integer :: row_column(2)
@@ -604,7 +606,7 @@ contains
     row_column = 0
     if (head%kind == KIND_VECTOR) row_column(1) = i
     if (head%kind == KIND_TENSOR) row_column = [ROWS(i), COLUMNS(i)]
-  end function place
+  end function component_position
 
 
   !> A row per node that is written, many rows at a time.
@@ -613,15 +615,15 @@ contains
     integer, intent(in) :: nodes(:)                !< those that are written
     integer, intent(in) :: labels(:)               !< (n_nodes)
     real(DP), intent(in) :: values(:, :)           !< (width, n_nodes)
-    integer, parameter :: AT_A_TIME = 10000
+    integer, parameter :: ROWS_PER_WRITE = 10000
     integer :: i, status
-    do i = 1, size(nodes), AT_A_TIME
-      associate (some => nodes(i:min(i + AT_A_TIME - 1, size(nodes))))
-        if (size(values, 1) > IN_A_LINE) then
+    do i = 1, size(nodes), ROWS_PER_WRITE
+      associate (some => nodes(i:min(i + ROWS_PER_WRITE - 1, size(nodes))))
+        if (size(values, 1) > VALUES_PER_LINE) then
           call put_long_rows(frd, some, labels, values)
           cycle
         end if
-        write (frd%unit, '(a)', iostat=status) rows_as_text(labels(some), values(:, some))
+        write (frd%unit, '(a)', iostat=status) format_value_rows(labels(some), values(:, some))
       end associate
       if (frd%status == 0) frd%status = status
     end do
@@ -639,10 +641,10 @@ contains
     integer :: i, j
     do i = 1, size(nodes)
       write (line, '(a,i10)') ' -1', labels(nodes(i))
-      text = rows_as_text([1], values(:, nodes(i:i)))
+      text = format_value_rows([1], values(:, nodes(i:i)))
       text = text(14:)
-      do j = 1, len(text), 12 * IN_A_LINE
-        call put(frd, line(:13) // text(j:min(j + 12 * IN_A_LINE - 1, len(text))))
+      do j = 1, len(text), 12 * VALUES_PER_LINE
+        call write_line(frd, line(:13) // text(j:min(j + 12 * VALUES_PER_LINE - 1, len(text))))
         line = ' -2'
       end do
     end do
@@ -650,17 +652,17 @@ contains
 
 
   !> Writes a line; the first trouble is kept.
-  subroutine put(frd, line)
+  subroutine write_line(frd, line)
     type(frd_type), intent(inout) :: frd
     character(*), intent(in) :: line
     integer :: status
     write (frd%unit, '(a)', iostat=status) trim(line)
     if (frd%status == 0) frd%status = status
-  end subroutine put
+  end subroutine write_line
 
 
   !> How long the file is, and what it holds: for the checkpoint.
-  subroutine measure_frd(frd, counts)
+  subroutine frd_file_counts(frd, counts)
     type(frd_type), intent(inout) :: frd
     integer(I64), intent(out) :: counts(3)         !< bytes, frames, blocks; 0 if not open
     integer :: status
@@ -670,14 +672,14 @@ contains
     if (frd%status == 0) frd%status = status
     inquire (unit=frd%unit, size=counts(1))
     counts(2:) = int([frd%n_frames, frd%n_blocks], I64)
-  end subroutine measure_frd
+  end subroutine frd_file_counts
 
 
   !> Brings the file to the medium.
   subroutine sync_frd(frd, error)
     type(frd_type), intent(in) :: frd
     type(error_type), allocatable, intent(out) :: error
-    call check(frd, error)
+    call check_written(frd, error)
     if (.not. allocated(error) .and. frd%unit /= 0) call sync_file(frd%path, error)
   end subroutine sync_frd
 
@@ -688,19 +690,19 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: status
     if (frd%unit == 0) return
-    call put(frd, ' 9999')
+    call write_line(frd, ' 9999')
     close (frd%unit, iostat=status)
     if (frd%status == 0) frd%status = status
     frd%unit = 0
-    call check(frd, error)
+    call check_written(frd, error)
   end subroutine close_frd
 
 
   !> An error if a line could not be written.
-  subroutine check(frd, error)
+  subroutine check_written(frd, error)
     type(frd_type), intent(in) :: frd
     type(error_type), allocatable, intent(out) :: error
     if (frd%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // frd%path // ' (is the disk full?).')
-  end subroutine check
+  end subroutine check_written
 
 end module amontons_frd_output

@@ -2,18 +2,18 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The only file of the program that knows HDF5. A store is opened without a file lock, so that a viewer may read it
-!! while the job runs: after `flush_store` what is on disk is whole, and it stays where it is while the next rows come.
+!! while the job runs: after `flush_hdf5` what is on disk is whole, and it stays where it is while the next rows come.
 !! Closing a store closes all that is open in it.
 !!
 !! What is on disk goes from one whole state to the next (overlay_shim.c): writes into the old state wait in memory as
-!! pages. `flush_store` writes them at once. A guarded store lets them wait: its owner takes them into a checkpoint
-!! (`take_pages`) and then calls `apply_pages`; after a crash `mend_store` makes the file what it was then.
+!! pages. `flush_hdf5` writes them at once. A guarded store lets them wait: its owner takes them into a checkpoint
+!! (`export_pages`) and then calls `apply_pages`; after a crash `repair_hdf5` makes the file what it was then.
 module amontons_hdf5_file
   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_int, c_int64_t, c_int8_t, c_loc, &
     c_null_char, c_null_ptr, c_ptr, c_size_t
   use amontons_kinds, only: DP, I8, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: reason_of
+  use amontons_posix, only: errno_text
   use hdf5, only: HID_T, HSIZE_T, SIZE_T, H5F_ACC_RDWR_F, H5F_ACC_TRUNC_F, H5F_CLOSE_STRONG_F, H5F_SCOPE_GLOBAL_F, &
     H5P_DATASET_CREATE_F, H5P_FILE_ACCESS_F, H5S_SCALAR_F, H5S_SELECT_SET_F, H5S_UNLIMITED_F, H5T_CSET_UTF8_F, &
     H5T_FORTRAN_S1, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, H5T_NATIVE_INTEGER, H5T_STD_I32LE, H5T_STD_I64LE, &
@@ -25,59 +25,59 @@ module amontons_hdf5_file
     h5sselect_hyperslab_f, h5tclose_f, h5tcopy_f, h5tset_cset_f, h5tset_size_f, h5tset_strpad_f
   implicit none
   private
-  public :: store_type, table_type, form_type, STORE_REAL, STORE_I32, STORE_I64, STORE_U8, STORE_TEXT
-  public :: open_store, open_table, take_pages, apply_pages, mend_store, drop_store, pages_type
-  public :: create_store, flush_store, close_store, create_group, write_attribute, write_data, create_table, append_rows
+  public :: hdf5_file_type, hdf5_table_type, hdf5_layout_type, STORAGE_REAL, STORAGE_I32, STORAGE_I64, STORAGE_U8, STORAGE_TEXT
+  public :: open_hdf5, open_table, export_pages, apply_pages, repair_hdf5, discard_hdf5, hdf5_pages_type
+  public :: create_hdf5, flush_hdf5, close_hdf5, create_group, write_attribute, write_data, create_table, append_rows
 
   ! How values are kept in the file (little endian, whatever the machine).
-  integer, parameter :: STORE_REAL = 1            !< 64-bit reals
-  integer, parameter :: STORE_I32 = 2             !< 32-bit integers
-  integer, parameter :: STORE_I64 = 3             !< 64-bit integers
-  integer, parameter :: STORE_U8 = 4              !< bytes without sign
-  integer, parameter :: STORE_TEXT = 5            !< texts of one length, UTF-8, filled up with NUL
+  integer, parameter :: STORAGE_REAL = 1            !< 64-bit reals
+  integer, parameter :: STORAGE_I32 = 2             !< 32-bit integers
+  integer, parameter :: STORAGE_I64 = 3             !< 64-bit integers
+  integer, parameter :: STORAGE_U8 = 4              !< bytes without sign
+  integer, parameter :: STORAGE_TEXT = 5            !< texts of one length, UTF-8, filled up with NUL
 
-  integer, parameter :: ANOTHER_WRITES = -1, WAS_CHANGED = -2   !< beside errno: see overlay_shim.c
+  integer, parameter :: STATUS_OTHER_WRITER = -1, STATUS_CHANGED = -2   !< beside errno: see overlay_shim.c
 
   ! For what the filters of HDF5 pack; level 6 takes 1.4 times as long for 1 % less. Reals of fields: pack_shim.c.
   integer, parameter :: GZIP_LEVEL = 1
   integer, parameter :: COLUMN_CHUNK = 256        !< rows, of tables that grow by one row at a time
   integer, parameter :: TEXT_CHUNK = 32           !< the same of texts
-  integer, parameter :: COMPRESSED_FROM = 1024    !< values, of data sets that do not grow
-  integer(I64), parameter :: LARGEST_CHUNK = 134217728_I64   !< values: 1 GiB of reals; HDF5 ends at 4 GiB
+  integer, parameter :: MIN_COMPRESSED_VALUES = 1024    !< values, of data sets that do not grow
+  integer(I64), parameter :: MAX_CHUNK_VALUES = 134217728_I64   !< values: 1 GiB of reals; HDF5 ends at 4 GiB
 
   !> A file that is being written.
-  type :: store_type
+  type :: hdf5_file_type
     private
     integer(HID_T) :: file = -1
     type(c_ptr) :: overlay = c_null_ptr
     logical, public :: is_open = .false.
-    logical, public :: is_guarded = .false.       !< the owner calls apply_pages; else flush_store and close_store do
+    logical, public :: is_guarded = .false.       !< the owner calls apply_pages; else flush_hdf5 and close_hdf5 do
     character(:), allocatable, public :: path
-  end type store_type
+  end type hdf5_file_type
 
   !> The pages that lead from one whole state of a file to the next, or back.
-  type :: pages_type
+  type :: hdf5_pages_type
     integer(I64) :: end = 0                       !< of that state [bytes]
     integer(I64), allocatable :: index(:)         !< page numbers, from 0
     integer(I8), allocatable :: bytes(:, :)       !< (page size, pages)
-  end type pages_type
+  end type hdf5_pages_type
 
   !> What a table looks like.
-  type :: form_type
-    integer :: storage = STORE_REAL               !< STORE_...
-    integer :: width = 1                          !< values per row; length of the texts for STORE_TEXT
+  type :: hdf5_layout_type
+    integer :: storage = STORAGE_REAL               !< STORE_...
+    integer :: width = 1                          !< values per row; length of the texts for STORAGE_TEXT
     logical :: is_matrix = .false.                !< two dimensions even if width is 1
     integer :: n_rows_hint = 1                    !< rows that are added at a time; 1: uncompressed
-  end type form_type
+  end type hdf5_layout_type
 
   !> A data set that grows.
-  type :: table_type
+  type :: hdf5_table_type
     private
     integer(HID_T) :: id = -1
-    type(form_type) :: form
+    type(hdf5_layout_type) :: form
     integer(I64), public :: n_rows = 0            !< rows in the file
     character(:), allocatable :: name
-  end type table_type
+  end type hdf5_table_type
 
   !> Sets an attribute of an object, or overwrites it.
   interface write_attribute
@@ -196,30 +196,30 @@ module amontons_hdf5_file
 contains
 
   !> Creates a file, or empties it if it exists.
-  subroutine create_store(store, path, error, is_guarded)
-    type(store_type), intent(out) :: store
+  subroutine create_hdf5(store, path, error, is_guarded)
+    type(hdf5_file_type), intent(out) :: store
     character(*), intent(in) :: path              !< with folder and extension
     type(error_type), allocatable, intent(out) :: error
     logical, intent(in), optional :: is_guarded   !< default .false.
     if (present(is_guarded)) store%is_guarded = is_guarded
     call start_file(store, path, .true., 'create it (does the folder exist, may it be written, is the disk full?)', error)
-  end subroutine create_store
+  end subroutine create_hdf5
 
 
   !> Opens a file to go on writing it, guarded.
-  subroutine open_store(store, path, error)
-    type(store_type), intent(out) :: store
+  subroutine open_hdf5(store, path, error)
+    type(hdf5_file_type), intent(out) :: store
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
     store%is_guarded = .true.
     call start_file(store, path, .false., 'open it (is it there, and a result file?)', error)
-  end subroutine open_store
+  end subroutine open_hdf5
 
 
   !> Creates or opens the file of a store.
-  subroutine start_file(store, path, is_new, doing, error)
-    type(store_type), intent(inout) :: store
-    character(*), intent(in) :: path, doing
+  subroutine start_file(store, path, is_new, action, error)
+    type(hdf5_file_type), intent(inout) :: store
+    character(*), intent(in) :: path, action
     logical, intent(in) :: is_new
     type(error_type), allocatable, intent(out) :: error
     integer(HID_T) :: access
@@ -243,9 +243,9 @@ contains
       if (.not. is_new) call h5fopen_f(path, H5F_ACC_RDWR_F, store%file, s(7), access)
     end if
     store%is_open = all(s >= 0)
-    call judge(store, s, doing, error)
+    call check_status(store, s, action, error)
     if (s(7) < 0 .and. c_associated(store%overlay)) then
-      if (overlay_trouble(store%overlay) /= 0) call judge_errno(path, overlay_trouble(store%overlay), doing, error)
+      if (overlay_trouble(store%overlay) /= 0) call check_errno(path, overlay_trouble(store%overlay), action, error)
     end if
     call h5pclose_f(access, unused)
     if (.not. store%is_open) call free_overlay(store)
@@ -253,22 +253,22 @@ contains
 
 
   !> Brings everything written so far to disk; of a guarded store, to memory.
-  subroutine flush_store(store, error)
-    type(store_type), intent(in) :: store
+  subroutine flush_hdf5(store, error)
+    type(hdf5_file_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
     integer :: s(1)
     call h5fflush_f(store%file, H5F_SCOPE_GLOBAL_F, s(1))
-    call judge(store, s, 'write it to disk (is the disk full?)', error)
-    if (.not. allocated(error)) call judge_errno(store%path, overlay_trouble(store%overlay), 'write it', error)
+    call check_status(store, s, 'write it to disk (is the disk full?)', error)
+    if (.not. allocated(error)) call check_errno(store%path, overlay_trouble(store%overlay), 'write it', error)
     if (.not. (allocated(error) .or. store%is_guarded)) call apply_pages(store, error)
-  end subroutine flush_store
+  end subroutine flush_hdf5
 
 
   !> The pages between what is on disk and what was flushed or closed last. All else is brought to the medium first.
-  subroutine take_pages(store, is_old, pages, error)
-    type(store_type), intent(in) :: store
+  subroutine export_pages(store, is_old, pages, error)
+    type(hdf5_file_type), intent(in) :: store
     logical, intent(in) :: is_old                 !< .true.: as they are on disk; .false.: as they will be
-    type(pages_type), intent(out) :: pages
+    type(hdf5_pages_type), intent(out) :: pages
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: frozen, end, n_pages
     integer :: status
@@ -278,22 +278,22 @@ contains
     pages%end = merge(frozen, end, is_old)
     status = overlay_take(store%overlay, merge(1, 0, is_old), pages%index, pages%bytes)
     if (status == 0) status = overlay_sync(store%overlay)
-    call judge_errno(store%path, status, 'bring it to disk', error)
-  end subroutine take_pages
+    call check_errno(store%path, status, 'bring it to disk', error)
+  end subroutine export_pages
 
 
   !> Writes the pages: the file on disk is now what was flushed or closed last.
   subroutine apply_pages(store, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
-    call judge_errno(store%path, overlay_apply(store%overlay), 'write it', error)
+    call check_errno(store%path, overlay_apply(store%overlay), 'write it', error)
   end subroutine apply_pages
 
 
   !> Makes a file what it was when the pages were taken.
-  subroutine mend_store(path, pages, error)
+  subroutine repair_hdf5(path, pages, error)
     character(*), intent(in) :: path
-    type(pages_type), intent(in) :: pages
+    type(hdf5_pages_type), intent(in) :: pages
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: length
     inquire (file=path, size=length)
@@ -302,44 +302,44 @@ contains
     else if (length < pages%end) then
       call set_error(error, EXIT_IO, 'Result file ' // path // ': it is shorter than its checkpoint says.')
     else
-      call judge_errno(path, overlay_mend(path // c_null_char, size(pages%index, kind=I64), pages%index, pages%bytes, &
+      call check_errno(path, overlay_mend(path // c_null_char, size(pages%index, kind=I64), pages%index, pages%bytes, &
         pages%end), 'mend it', error)
     end if
-  end subroutine mend_store
+  end subroutine repair_hdf5
 
 
   !> Closes the file and all that is open in it. A store that is not open is left alone. Of a guarded store the last
-  !! pages still wait for apply_pages; drop_store ends it.
-  subroutine close_store(store, error)
-    type(store_type), intent(inout) :: store
+  !! pages still wait for apply_pages; discard_hdf5 ends it.
+  subroutine close_hdf5(store, error)
+    type(hdf5_file_type), intent(inout) :: store
     type(error_type), allocatable, intent(out) :: error
     integer :: s(1)
     if (.not. store%is_open) return
     call h5fclose_f(store%file, s(1))
     store%is_open = .false.
     store%file = -1
-    call judge(store, s, 'close it (is the disk full?)', error)
-    if (.not. allocated(error)) call judge_errno(store%path, overlay_trouble(store%overlay), 'write it', error)
+    call check_status(store, s, 'close it (is the disk full?)', error)
+    if (.not. allocated(error)) call check_errno(store%path, overlay_trouble(store%overlay), 'write it', error)
     if (store%is_guarded) return
     if (.not. allocated(error)) call apply_pages(store, error)
     call free_overlay(store)
-  end subroutine close_store
+  end subroutine close_hdf5
 
 
   !> Closes the file and forgets the pages that were not applied: what is on disk is the last whole state.
-  subroutine drop_store(store)
-    type(store_type), intent(inout) :: store
+  subroutine discard_hdf5(store)
+    type(hdf5_file_type), intent(inout) :: store
     integer :: unused
     call free_overlay(store)
     if (store%is_open) call h5fclose_f(store%file, unused)
     store%is_open = .false.
     store%file = -1
-  end subroutine drop_store
+  end subroutine discard_hdf5
 
 
   !> Gives the pages back and closes their file.
   subroutine free_overlay(store)
-    type(store_type), intent(inout) :: store
+    type(hdf5_file_type), intent(inout) :: store
     call overlay_free(store%overlay)
     store%overlay = c_null_ptr
   end subroutine free_overlay
@@ -347,7 +347,7 @@ contains
 
   !> Creates a group; its parent must exist.
   subroutine create_group(store, name, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     type(error_type), allocatable, intent(out) :: error
     integer(HID_T) :: group
@@ -355,13 +355,13 @@ contains
     s = 0
     call h5gcreate_f(store%file, name, group, s(1))
     if (s(1) >= 0) call h5gclose_f(group, s(2))
-    call judge(store, s, 'create the group ' // name, error)
+    call check_status(store, s, 'create the group ' // name, error)
   end subroutine create_group
 
 
   !> Integers as an attribute, one-dimensional; a scalar if only one is given.
   subroutine write_attribute_integers(store, object, name, values, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: object            !< full path of the group or data set
     character(*), intent(in) :: name
     integer, intent(in), target, contiguous :: values(:)
@@ -380,7 +380,7 @@ contains
 
   !> A text as an attribute: ASCII, fixed length, nothing behind it (old VTK readers accept no other form).
   subroutine write_attribute_text(store, object, name, text, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: object            !< full path of the group or data set
     character(*), intent(in) :: name
     character(*), intent(in) :: text              !< not empty
@@ -400,7 +400,7 @@ contains
 
   !> Creates or opens an attribute and writes it.
   subroutine put_attribute(store, object, name, file_type, memory_type, space, buffer, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: object, name
     integer(HID_T), intent(in) :: file_type, memory_type, space
     type(c_ptr), intent(in) :: buffer
@@ -423,22 +423,22 @@ contains
       end if
       call h5oclose_f(owner, unused)
     end if
-    call judge(store, s, 'write the attribute ' // name // ' of ' // object, error)
+    call check_status(store, s, 'write the attribute ' // name // ' of ' // object, error)
   end subroutine put_attribute
 
 
   !> A list of integers.
   subroutine write_data_integers(store, name, values, unit, description, error, storage)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     integer, intent(in), target, contiguous :: values(:)
     character(*), intent(in) :: unit              !< e.g. '[length]', '[-]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
-    integer, intent(in), optional :: storage      !< STORE_..., default STORE_I32
-    type(form_type) :: form
+    integer, intent(in), optional :: storage      !< STORE_..., default STORAGE_I32
+    type(hdf5_layout_type) :: form
     type(c_ptr) :: buffer
-    form = form_type(storage=STORE_I32)
+    form = hdf5_layout_type(storage=STORAGE_I32)
     if (present(storage)) form%storage = storage
     buffer = c_null_ptr
     if (size(values) > 0) buffer = c_loc(values)
@@ -450,16 +450,16 @@ contains
 
   !> A matrix of integers, one column of Fortran a row of the file.
   subroutine write_data_integer_matrix(store, name, values, unit, description, error, storage)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     integer, intent(in), target, contiguous :: values(:, :)
     character(*), intent(in) :: unit              !< e.g. '[-]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
-    integer, intent(in), optional :: storage      !< STORE_..., default STORE_I32
-    type(form_type) :: form
+    integer, intent(in), optional :: storage      !< STORE_..., default STORAGE_I32
+    type(hdf5_layout_type) :: form
     type(c_ptr) :: buffer
-    form = form_type(storage=STORE_I32, width=size(values, 1), is_matrix=.true.)
+    form = hdf5_layout_type(storage=STORAGE_I32, width=size(values, 1), is_matrix=.true.)
     if (present(storage)) form%storage = storage
     buffer = c_null_ptr
     if (size(values) > 0) buffer = c_loc(values)
@@ -471,7 +471,7 @@ contains
 
   !> A list of reals.
   subroutine write_data_reals(store, name, values, unit, description, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     real(DP), intent(in), target, contiguous :: values(:)
     character(*), intent(in) :: unit              !< e.g. '[length]'
@@ -480,7 +480,7 @@ contains
     type(c_ptr) :: buffer
     buffer = c_null_ptr
     if (size(values) > 0) buffer = c_loc(values)
-    call put_data(store, name, form_type(), size(values, kind=I64), buffer, error)
+    call put_data(store, name, hdf5_layout_type(), size(values, kind=I64), buffer, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine write_data_reals
@@ -488,15 +488,15 @@ contains
 
   !> A matrix of reals, one column of Fortran a row of the file.
   subroutine write_data_real_matrix(store, name, values, unit, description, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     real(DP), intent(in), target, contiguous :: values(:, :)
     character(*), intent(in) :: unit              !< e.g. '[length]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
-    type(form_type) :: form
+    type(hdf5_layout_type) :: form
     type(c_ptr) :: buffer
-    form = form_type(width=size(values, 1), is_matrix=.true.)
+    form = hdf5_layout_type(width=size(values, 1), is_matrix=.true.)
     buffer = c_null_ptr
     if (size(values) > 0) buffer = c_loc(values)
     call put_data(store, name, form, size(values, 2, kind=I64), buffer, error)
@@ -507,7 +507,7 @@ contains
 
   !> One text, of any length and with line breaks.
   subroutine write_data_text(store, name, text, unit, description, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     character(*), intent(in) :: text
     character(*), intent(in) :: unit              !< '[-]'
@@ -528,7 +528,7 @@ contains
     end if
     call h5sclose_f(space, s(6))
     call h5tclose_f(type, s(7))
-    call judge(store, s, 'write the data set ' // name, error)
+    call check_status(store, s, 'write the data set ' // name, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine write_data_text
@@ -536,7 +536,7 @@ contains
 
   !> A list of texts.
   subroutine write_data_texts(store, name, texts, unit, description, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
     character(*), intent(in) :: texts(:)          !< trailing blanks are dropped
     character(*), intent(in) :: unit              !< '[-]'
@@ -547,7 +547,7 @@ contains
     do i = 1, size(texts)
       buffer(i) = with_nulls(texts(i), len(texts))
     end do
-    call put_data(store, name, form_type(storage=STORE_TEXT, width=len(texts)), size(texts, kind=I64), &
+    call put_data(store, name, hdf5_layout_type(storage=STORAGE_TEXT, width=len(texts)), size(texts, kind=I64), &
       c_loc(buffer), error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
@@ -556,13 +556,13 @@ contains
 
   !> Creates a data set of fixed size, writes all of it and closes it; large ones are compressed.
   subroutine put_data(store, name, form, n_rows, buffer, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer(I64), intent(in) :: n_rows
     type(c_ptr), intent(in) :: buffer
     type(error_type), allocatable, intent(out) :: error
-    type(form_type) :: chunked
+    type(hdf5_layout_type) :: chunked
     integer(HID_T) :: file_type, memory_type, space, list, data
     integer(HSIZE_T) :: extent(2)
     integer :: s(8), unused
@@ -571,7 +571,7 @@ contains
     call open_types(form, file_type, memory_type, s(1))
     call h5screate_simple_f(rank_of(form), extent, space, s(2))
     call h5pcreate_f(H5P_DATASET_CREATE_F, list, s(3))
-    if (form%storage /= STORE_TEXT .and. n_rows > int(COMPRESSED_FROM / form%width, I64)) then
+    if (form%storage /= STORAGE_TEXT .and. n_rows > int(MIN_COMPRESSED_VALUES / form%width, I64)) then
       chunked = form
       chunked%n_rows_hint = int(min(n_rows, int(huge(1), I64)))
       call set_chunks(list, chunked, s(4))
@@ -584,16 +584,16 @@ contains
     call h5pclose_f(list, unused)
     call h5sclose_f(space, unused)
     call close_types(form, file_type)
-    call judge(store, s, 'write the data set ' // name, error)
+    call check_status(store, s, 'write the data set ' // name, error)
   end subroutine put_data
 
 
   !> Creates an empty data set that grows by rows.
   subroutine create_table(store, table, name, form, unit, description, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(out) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(out) :: table
     character(*), intent(in) :: name              !< full path in the file
-    type(form_type), intent(in) :: form           !< what a row is and how many come at a time
+    type(hdf5_layout_type), intent(in) :: form           !< what a row is and how many come at a time
     character(*), intent(in) :: unit              !< e.g. '[length]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
@@ -614,7 +614,7 @@ contains
     call h5pclose_f(list, unused)
     call h5sclose_f(space, unused)
     call close_types(form, file_type)
-    call judge(store, s, 'create the table ' // name, error)
+    call check_status(store, s, 'create the table ' // name, error)
     if (allocated(error)) return
     call write_label(store, name, unit, description, error)
   end subroutine create_table
@@ -622,10 +622,10 @@ contains
 
   !> Opens a table of a file that is open, to go on after its last row.
   subroutine open_table(store, table, name, form, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(out) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(out) :: table
     character(*), intent(in) :: name              !< full path in the file
-    type(form_type), intent(in) :: form           !< as when it was created
+    type(hdf5_layout_type), intent(in) :: form           !< as when it was created
     type(error_type), allocatable, intent(out) :: error
     integer(HID_T) :: space
     integer(HSIZE_T) :: extent(2), limit(2)
@@ -640,14 +640,14 @@ contains
       call h5sclose_f(space, unused)
       table%n_rows = int(extent(rank_of(form)), I64)
     end if
-    call judge(store, s, 'open the table ' // name, error)
+    call check_status(store, s, 'open the table ' // name, error)
   end subroutine open_table
 
 
   !> Adds rows of integers.
   subroutine append_integers(store, table, values, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(inout) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(inout) :: table
     integer, intent(in), target, contiguous :: values(:, :)   !< (width, rows)
     type(error_type), allocatable, intent(out) :: error
     call put_rows(store, table, H5T_NATIVE_INTEGER, size(values, 2, kind=I64), c_loc(values), error)
@@ -656,8 +656,8 @@ contains
 
   !> Adds one row with one long integer.
   subroutine append_long(store, table, value, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(inout) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(inout) :: table
     integer(I64), intent(in) :: value
     type(error_type), allocatable, intent(out) :: error
     integer(I64), target :: buffer(1)
@@ -668,8 +668,8 @@ contains
 
   !> Adds rows of reals.
   subroutine append_reals(store, table, values, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(inout) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(inout) :: table
     real(DP), intent(in), target, contiguous :: values(:, :)   !< (width, rows)
     type(error_type), allocatable, intent(out) :: error
     call put_rows(store, table, H5T_NATIVE_DOUBLE, size(values, 2, kind=I64), c_loc(values), error)
@@ -678,8 +678,8 @@ contains
 
   !> Adds one text; what is longer than the table's texts is cut off.
   subroutine append_text(store, table, text, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(inout) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(inout) :: table
     character(*), intent(in) :: text
     type(error_type), allocatable, intent(out) :: error
     character(table%form%width), target :: buffer
@@ -694,8 +694,8 @@ contains
 
   !> Makes a table longer and writes the new rows.
   subroutine put_rows(store, table, memory_type, n_rows, buffer, error)
-    type(store_type), intent(in) :: store
-    type(table_type), intent(inout) :: table
+    type(hdf5_file_type), intent(in) :: store
+    type(hdf5_table_type), intent(inout) :: table
     integer(HID_T), intent(in) :: memory_type
     integer(I64), intent(in) :: n_rows
     type(c_ptr), intent(in) :: buffer
@@ -722,23 +722,23 @@ contains
       call h5sclose_f(memory_space, unused)
       call h5sclose_f(file_space, unused)
     end if
-    call judge(store, s, 'add rows to ' // table%name // ' (is the disk full?)', error)
+    call check_status(store, s, 'add rows to ' // table%name // ' (is the disk full?)', error)
     if (.not. allocated(error)) table%n_rows = table%n_rows + n_rows
   end subroutine put_rows
 
 
   !> Whether the rows are exactly one compressed chunk of reals, which pack_shim.c writes faster than HDF5's own filters.
   pure logical function is_chunk(form, n_rows)
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer(I64), intent(in) :: n_rows
-    is_chunk = form%storage == STORE_REAL .and. form%n_rows_hint > 1 .and. n_rows == int(form%n_rows_hint, I64) .and. &
-      n_rows * int(form%width, I64) < LARGEST_CHUNK
+    is_chunk = form%storage == STORAGE_REAL .and. form%n_rows_hint > 1 .and. n_rows == int(form%n_rows_hint, I64) .and. &
+      n_rows * int(form%width, I64) < MAX_CHUNK_VALUES
   end function is_chunk
 
 
   !> Attributes `unit` and `description`.
   subroutine write_label(store, name, unit, description, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name, unit, description
     type(error_type), allocatable, intent(out) :: error
     call write_attribute_text(store, name, 'unit', trim(unit), error)
@@ -754,19 +754,19 @@ contains
   !! place, hence not compressed.
   subroutine set_chunks(list, form, status)
     integer(HID_T), intent(in) :: list            !< property list of a data set to be
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer, intent(out) :: status                !< negative: it failed
     integer(I64) :: rows, n_chunks
     integer :: s(3)
     s = 0
     if (form%n_rows_hint > 1) then
       rows = int(form%n_rows_hint, I64)
-      n_chunks = 1_I64 + rows * int(form%width, I64) / LARGEST_CHUNK
+      n_chunks = 1_I64 + rows * int(form%width, I64) / MAX_CHUNK_VALUES
       rows = (rows + n_chunks - 1_I64) / n_chunks
       call h5pset_shuffle_f(list, s(2))
       call h5pset_deflate_f(list, GZIP_LEVEL, s(3))
     else
-      rows = int(merge(TEXT_CHUNK, COLUMN_CHUNK, form%storage == STORE_TEXT), I64)
+      rows = int(merge(TEXT_CHUNK, COLUMN_CHUNK, form%storage == STORAGE_TEXT), I64)
     end if
     call h5pset_chunk_f(list, rank_of(form), extent_of(form, rows), s(1))
     status = minval(s)
@@ -775,15 +775,15 @@ contains
 
   !> Dimensions of the data set, in Fortran's order.
   pure function rank_of(form) result(rank)
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer :: rank
-    rank = merge(2, 1, form%is_matrix .or. (form%width > 1 .and. form%storage /= STORE_TEXT))
+    rank = merge(2, 1, form%is_matrix .or. (form%width > 1 .and. form%storage /= STORAGE_TEXT))
   end function rank_of
 
 
   !> Extent of a data set with some rows, in Fortran's order; only the first rank numbers count.
   pure function extent_of(form, n_rows) result(extent)
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer(I64), intent(in) :: n_rows
     integer(HSIZE_T) :: extent(2)
     if (rank_of(form) == 2) then
@@ -796,20 +796,20 @@ contains
 
   !> The HDF5 types of a form in the file and in memory. To be given back with close_types.
   subroutine open_types(form, file_type, memory_type, status)
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer(HID_T), intent(out) :: file_type, memory_type
     integer, intent(out) :: status
     status = 0
     memory_type = H5T_NATIVE_INTEGER
     select case (form%storage)
-    case (STORE_REAL)
+    case (STORAGE_REAL)
       file_type = H5T_IEEE_F64LE
       memory_type = H5T_NATIVE_DOUBLE
-    case (STORE_I64)
+    case (STORAGE_I64)
       file_type = H5T_STD_I64LE
-    case (STORE_U8)
+    case (STORAGE_U8)
       file_type = H5T_STD_U8LE
-    case (STORE_TEXT)
+    case (STORAGE_TEXT)
       call make_text_type(form%width, file_type, status)
       memory_type = file_type
     case default
@@ -820,10 +820,10 @@ contains
 
   !> Closes the type that open_types made.
   subroutine close_types(form, file_type)
-    type(form_type), intent(in) :: form
+    type(hdf5_layout_type), intent(in) :: form
     integer(HID_T), intent(in) :: file_type
     integer :: unused
-    if (form%storage == STORE_TEXT) call h5tclose_f(file_type, unused)
+    if (form%storage == STORAGE_TEXT) call h5tclose_f(file_type, unused)
   end subroutine close_types
 
 
@@ -856,31 +856,31 @@ contains
 
 
   !> Makes an error if any of the status values is negative.
-  subroutine judge(store, statuses, doing, error)
-    type(store_type), intent(in) :: store
+  subroutine check_status(store, statuses, action, error)
+    type(hdf5_file_type), intent(in) :: store
     integer, intent(in) :: statuses(:)            !< what HDF5 returned
-    character(*), intent(in) :: doing             !< what was tried, to follow 'cannot'
+    character(*), intent(in) :: action             !< what was tried, to follow 'cannot'
     type(error_type), allocatable, intent(out) :: error
-    if (any(statuses < 0)) call set_error(error, EXIT_IO, 'Result file ' // store%path // ': cannot ' // doing // '.')
-  end subroutine judge
+    if (any(statuses < 0)) call set_error(error, EXIT_IO, 'Result file ' // store%path // ': cannot ' // action // '.')
+  end subroutine check_status
 
 
   !> Makes an error of an error number of the operating system.
-  subroutine judge_errno(path, status, doing, error)
+  subroutine check_errno(path, status, action, error)
     character(*), intent(in) :: path
-    integer, intent(in) :: status                 !< errno, ANOTHER_WRITES, WAS_CHANGED; 0: all is well
-    character(*), intent(in) :: doing             !< to follow 'cannot'
+    integer, intent(in) :: status                 !< errno, STATUS_OTHER_WRITER, STATUS_CHANGED; 0: all is well
+    character(*), intent(in) :: action             !< to follow 'cannot'
     type(error_type), allocatable, intent(out) :: error
     select case (status)
     case (0)
       return
-    case (ANOTHER_WRITES)
+    case (STATUS_OTHER_WRITER)
       call set_error(error, EXIT_IO, 'Result file ' // path // ': another job is writing it.')
-    case (WAS_CHANGED)
+    case (STATUS_CHANGED)
       call set_error(error, EXIT_IO, 'Result file ' // path // ': it was changed by another program while the job ran.')
     case default
-      call set_error(error, EXIT_IO, 'Result file ' // path // ': cannot ' // doing // ': ' // reason_of(status) // '.')
+      call set_error(error, EXIT_IO, 'Result file ' // path // ': cannot ' // action // ': ' // errno_text(status) // '.')
     end select
-  end subroutine judge_errno
+  end subroutine check_errno
 
 end module amontons_hdf5_file

@@ -15,34 +15,37 @@
 !! Trusses become bars of 8 points, of 27 with a middle node, whose tensors stand in global axes.
 module amontons_postprocess
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, kind_type, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
+  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
     FAMILY_SPRING, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
-    KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_NODES, MAX_POINTS, N_KINDS
-  use amontons_mesh, only: mesh_type, element_nodes, is_out
-  use amontons_shape_functions, only: extrapolation_matrix, quadrature, shape_functions, face_rule, facet_shapes, &
+    KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &
+    MAX_ELEMENT_POINTS, N_KINDS
+  use amontons_mesh, only: mesh_type, element_nodes, is_inactive_element
+  use amontons_shape_functions, only: extrapolation_matrix, quadrature, shape_functions, choose_face_rule, facet_shapes, &
     facet_quadrature, &
     MAX_FACET_POINTS
-  use amontons_element, only: element_point_volumes, find_temperature_weights
-  use amontons_material_point, only: thermal_strain_of
+  use amontons_element, only: evaluate_point_volumes, set_temperature_weights
+  use amontons_material_point, only: evaluate_thermal_strain
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_state, only: fields_type, slave_type, STATUS_OPEN, STATUS_SLIP
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
   use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR
-  use amontons_dual_shape_functions, only: is_transformed, ALPHA
+  use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC
   implicit none
   private
-  public :: average_at_nodes, estimate_error, point_volumes, point_places
+  public :: average_at_nodes, estimate_error, integration_point_volumes, integration_point_positions
   public :: mechanical_strain
-  public :: section_type, measure_section
-  public :: sector_share, take_sector, turn_trusses, bar_points
-  public :: nodal_slaves, n_nodal_slaves, shown_slip, shown_energy
-  public :: pair_sums_type, list_followers, show_sides, sum_pair
-  public :: add_inelastic_work, shown_density
+  public :: section_type, integrate_section
+  public :: sector_share, convert_to_sector, rotate_truss_tensors, bar_points
+  public :: nodal_slaves, n_nodal_slaves, printed_slip, printed_contact_energy
+  public :: pair_sums_type, list_followers, fill_midside_values, sum_pair_forces
+  public :: add_inelastic_work, printed_energy_density
 
-  real(DP), parameter :: OUT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one of three [-]
-  real(DP), parameter :: IN_TURN(6) = [OUT, 1 - OUT, OUT, 1 - OUT, OUT, 1 - OUT]
+  real(DP), parameter :: EXTRAPOLATION_WEIGHT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one
+                                                                                       !! of three [-]
+  real(DP), parameter :: TRUSS_WEIGHTS(6) = [EXTRAPOLATION_WEIGHT, 1 - EXTRAPOLATION_WEIGHT, EXTRAPOLATION_WEIGHT, &
+    1 - EXTRAPOLATION_WEIGHT, EXTRAPOLATION_WEIGHT, 1 - EXTRAPOLATION_WEIGHT]
   integer, parameter :: N_TENSOR = 6            !< components of a symmetric tensor
 
   !> The sums over a surface.
@@ -54,7 +57,7 @@ module amontons_postprocess
     real(DP) :: area = 0                           !< [length^2]
   end type section_type
 
-  real(DP), parameter :: SECTORS = 180             !< of two degrees in the circle
+  real(DP), parameter :: N_SECTORS = 180             !< of two degrees in the circle
 
   !> What the closed slaves of a pair carry together. Columns of matrices: by pressure, by friction (place: and by both).
   type :: pair_sums_type
@@ -81,11 +84,11 @@ contains
     real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
     real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes) same unit
     logical, intent(in), optional :: is_calculix    !< default .false.
-    real(DP) :: matrix(MAX_NODES, MAX_POINTS, N_KINDS)
+    real(DP) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_KINDS)
     logical :: is_made(N_KINDS)
     integer :: n_elements_at(mesh%n_nodes)
-    type(kind_type) :: entry
-    integer :: e, a, p, n, n_points, kind, first, nodes(MAX_NODES)
+    type(element_kind_type) :: entry
+    integer :: e, a, p, n, n_points, kind, first, nodes(MAX_ELEMENT_NODES)
     logical :: is_as_there
     is_as_there = .false.
     if (present(is_calculix)) is_as_there = is_calculix
@@ -93,7 +96,7 @@ contains
     averages = 0
     n_elements_at = 0
     do e = 1, mesh%n_elements
-      if (is_out(mesh, e)) cycle
+      if (is_inactive_element(mesh, e)) cycle
       kind = mesh%kind(e)
       entry = element_kind(kind)
       if (entry%family >= FAMILY_SPRING) then
@@ -101,7 +104,7 @@ contains
         cycle
       end if
       if (.not. is_made(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points)
-      if (is_as_there .and. kind == KIND_C3D6) matrix(:6, :2, kind) = reshape([IN_TURN, 1 - IN_TURN], [6, 2])
+      if (is_as_there .and. kind == KIND_C3D6) matrix(:6, :2, kind) = reshape([TRUSS_WEIGHTS, 1 - TRUSS_WEIGHTS], [6, 2])
       is_made(kind) = .true.
       call element_nodes(mesh, e, n, nodes)
       first = mesh%point_first(e)
@@ -128,7 +131,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                    !< element
     integer, intent(inout) :: n_elements_at(:)  !< (n_nodes)
-    integer :: n, nodes(MAX_NODES)
+    integer :: n, nodes(MAX_ELEMENT_NODES)
     call element_nodes(mesh, e, n, nodes)
     n_elements_at(nodes(:n)) = n_elements_at(nodes(:n)) + 1
   end subroutine count_spring
@@ -136,7 +139,7 @@ contains
 
   !> Extrapolates the tensors of one element and adds them at its nodes.
   pure subroutine add_tensors(matrix, values, nodes, averages)
-    real(DP), intent(in) :: matrix(:, :)        !< (MAX_NODES, MAX_POINTS)
+    real(DP), intent(in) :: matrix(:, :)        !< (MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     real(DP), intent(in) :: values(:, :)        !< (6, n_points)
     integer, intent(in) :: nodes(:)
     real(DP), intent(inout) :: averages(:, :)   !< (6, n_nodes)
@@ -164,22 +167,22 @@ contains
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP), intent(out) :: errors(:)             !< (n_nodes) [%]
     real(DP) :: scatter(mesh%n_nodes)              ! largest spread of the elements at a corner [-]
-    integer :: e, a, n, n_corners, pass, nodes(MAX_NODES), ends(2, MAX_NODES)
-    type(kind_type) :: entry
+    integer :: e, a, n, n_corners, pass, nodes(MAX_ELEMENT_NODES), ends(2, MAX_ELEMENT_NODES)
+    type(element_kind_type) :: entry
     scatter = 0
     errors = 0
     do pass = 1, 3
       do e = 1, mesh%n_elements
         entry = element_kind(mesh%kind(e))
-        if (is_out(mesh, e) .or. entry%family > FAMILY_AXISYMMETRIC) cycle
+        if (is_inactive_element(mesh, e) .or. entry%family > FAMILY_AXISYMMETRIC) cycle
         call element_nodes(mesh, e, n, nodes)
         call find_edges(entry, n_corners, ends)
         select case (pass)
         case (1)
           scatter(nodes(:n_corners)) = max(scatter(nodes(:n_corners)), &
-            spread_of(stress(:, mesh%point_first(e):mesh%point_first(e + 1) - 1)))
+            stress_spread(stress(:, mesh%point_first(e):mesh%point_first(e + 1) - 1)))
         case (2)
-          errors(nodes(:n_corners)) = max(errors(nodes(:n_corners)), error_of(mesh%kind(e), scatter(nodes(:n_corners))))
+          errors(nodes(:n_corners)) = max(errors(nodes(:n_corners)), error_from_spread(mesh%kind(e), scatter(nodes(:n_corners))))
         case (3)
           do a = n_corners + 1, n
             errors(nodes(a)) = 0.5_DP * sum(errors(nodes(ends(:, a))))
@@ -192,9 +195,9 @@ contains
 
   !> How many corners an element has, and the corners at both ends of the edge of each mid-side node.
   pure subroutine find_edges(entry, n_corners, ends)
-    type(kind_type), intent(in) :: entry
+    type(element_kind_type), intent(in) :: entry
     integer, intent(out) :: n_corners
-    integer, intent(out) :: ends(2, MAX_NODES)     !< local nodes; 0 for corners
+    integer, intent(out) :: ends(2, MAX_ELEMENT_NODES)     !< local nodes; 0 for corners
     type(facet_kind_type) :: facet
     integer :: i, j
     ends = 0
@@ -209,7 +212,7 @@ contains
 
 
   !> The spread over the points of an element of the principal stress with the largest size, over that.
-  pure real(DP) function spread_of(stress) result(spread)
+  pure real(DP) function stress_spread(stress) result(spread)
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP) :: values(3), vectors(3, 3), low(2), high(2)
     integer :: p, k
@@ -223,11 +226,11 @@ contains
     k = merge(2, 1, high(2) >= -low(1))
     spread = 0
     if (max(abs(low(k)), abs(high(k))) > tiny(1.0_DP)) spread = (high(k) - low(k)) / max(abs(low(k)), abs(high(k)))
-  end function spread_of
+  end function stress_spread
 
 
   !> The error of the stress that goes with a spread.
-  elemental real(DP) function error_of(kind, spread) result(error)
+  elemental real(DP) function error_from_spread(kind, spread) result(error)
     integer, intent(in) :: kind
     real(DP), intent(in) :: spread                 !< [-]
     real(DP) :: a, b, c
@@ -265,16 +268,16 @@ contains
       a = 54.054_DP
     end select
     error = max(a * spread, b * spread - c)
-  end function error_of
+  end function error_from_spread
 
 
   !> The places of the integration points for given places of the nodes. Points of springs and masses are in the middle.
-  subroutine point_places(mesh, x, places)
+  subroutine integration_point_positions(mesh, x, places)
     type(mesh_type), intent(in) :: mesh
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(out) :: places(:, :)          !< (3, n_points) [length]
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), shape(MAX_NODES), slope(3, MAX_NODES)
-    integer :: e, p, n, n_rule, nodes(MAX_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), shape(MAX_ELEMENT_NODES), slope(3, MAX_ELEMENT_NODES)
+    integer :: e, p, n, n_rule, nodes(MAX_ELEMENT_NODES)
     do e = 1, mesh%n_elements
       call element_nodes(mesh, e, n, nodes)
       associate (kind => element_kind(mesh%kind(e)))
@@ -287,19 +290,19 @@ contains
         places(:, mesh%point_first(e) + p - 1) = matmul(x(:, nodes(:n)), shape(:n))
       end do
     end do
-  end subroutine point_places
+  end subroutine integration_point_positions
 
 
   !> The reference volume that each integration point of an element stands for: weight times Jacobian.
-  pure subroutine point_volumes(mesh, e, n, volumes)
+  pure subroutine integration_point_volumes(mesh, e, n, volumes)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element index
     integer, intent(out) :: n                      !< number of its points
-    real(DP), intent(out) :: volumes(MAX_POINTS)   !< (MAX_POINTS) the first n are set, 0 past n [length^3]
-    integer :: n_nodes, status, nodes(MAX_NODES)
+    real(DP), intent(out) :: volumes(MAX_ELEMENT_POINTS)   !< (MAX_ELEMENT_POINTS) the first n are set, 0 past n [length^3]
+    integer :: n_nodes, status, nodes(MAX_ELEMENT_NODES)
     call element_nodes(mesh, e, n_nodes, nodes)
-    call element_point_volumes(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section(e), n, volumes, status)
-  end subroutine point_volumes
+    call evaluate_point_volumes(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section_value(e), n, volumes, status)
+  end subroutine integration_point_volumes
 
 
   !> Total strain less thermal strain, elastic and inelastic together (ME of EL PRINT).
@@ -307,16 +310,16 @@ contains
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields        !< committed
     real(DP) :: strain(6, model%mesh%n_points)     !< tensor components, xx yy zz xy yz xz [-]
-    real(DP) :: weight(MAX_NODES, MAX_POINTS), frame(3, 3), now, start
+    real(DP) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), frame(3, 3), now, start
     logical :: is_nlgeom
-    integer :: e, p, i, n, nodes(MAX_NODES)
+    integer :: e, p, i, n, nodes(MAX_ELEMENT_NODES)
     is_nlgeom = model%steps(max(1, fields%step))%is_nlgeom
     strain = fields%strain
     do e = 1, model%mesh%n_elements
       associate (m => max(1, model%mesh%material(e)))
         if (.not. allocated(model%materials(m)%expansion%value)) cycle
         call element_nodes(model%mesh, e, n, nodes)
-        call find_temperature_weights(model%mesh%kind(e), weight)
+        call set_temperature_weights(model%mesh%kind(e), weight)
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           i = p - model%mesh%point_first(e) + 1
           now = dot_product(weight(:n, i), fields%temperature(nodes(:n)))
@@ -324,7 +327,7 @@ contains
           if (allocated(model%initial_temperature)) start = dot_product(weight(:n, i), model%initial_temperature(nodes(:n)))
           frame = IDENTITY
           if (allocated(fields%frame)) frame = fields%frame(:, :, p)
-          strain(:, p) = strain(:, p) - thermal_strain_of(model%materials(m), now, start, frame, is_nlgeom)
+          strain(:, p) = strain(:, p) - evaluate_thermal_strain(model%materials(m), now, start, frame, is_nlgeom)
         end do
       end associate
     end do
@@ -332,7 +335,7 @@ contains
 
 
   !> The sums over a surface of element faces.
-  subroutine measure_section(mesh, surface, fields, is_nlgeom, is_calculix, section)
+  subroutine integrate_section(mesh, surface, fields, is_nlgeom, is_calculix, section)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface      !< of element faces
     type(fields_type), intent(in) :: fields
@@ -348,7 +351,7 @@ contains
     if (.not. section%area > 0) return
     section%center = section%center / section%area
     section%normal = section%normal / section%area
-  end subroutine measure_section
+  end subroutine integrate_section
 
 
   !> Adds one face. A plane body has edges for faces, as deep as it is thick, about its own plane.
@@ -359,7 +362,7 @@ contains
     real(DP), intent(in) :: stress(:, :)           !< (6, n_nodes) [stress]
     logical, intent(in) :: is_nlgeom
     type(section_type), intent(inout) :: section
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     integer :: nodes(MAX_FACE_NODES), n, n_points, p
     real(DP) :: x(3, MAX_FACE_NODES), xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), at(3), along(3, 2), a(3), f(3)
     real(DP) :: shape(MAX_FACE_NODES), slope(2, MAX_FACE_NODES), bend(3, MAX_FACE_NODES)
@@ -368,12 +371,12 @@ contains
     nodes(:n) = mesh%nodes(mesh%first(e) - 1 + kind%face_nodes(:n, face))
     x(:, :n) = mesh%coordinates(:, nodes(:n))
     if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(:n))
-    call facet_quadrature(face_rule(mesh%kind(e), kind%face_kind(face), .true.), n_points, xi, w)
+    call facet_quadrature(choose_face_rule(mesh%kind(e), kind%face_kind(face), .true.), n_points, xi, w)
     do p = 1, n_points
       call facet_shapes(kind%face_kind(face), xi(:, p), shape, slope, bend)
       at = matmul(x(:, :n), shape(:n))
       along = matmul(x(:, :n), transpose(slope(:, :n)))
-      if (kind%family /= FAMILY_SOLID) along(:, 2) = [0.0_DP, 0.0_DP, mesh%section(e)]
+      if (kind%family /= FAMILY_SOLID) along(:, 2) = [0.0_DP, 0.0_DP, mesh%section_value(e)]
       a = w(p) * cross_product(along(:, 1), along(:, 2))
       f = matmul(unpack_voigt(matmul(stress(:, nodes(:n)), shape(:n))), a)
       section%force = section%force + f
@@ -392,7 +395,7 @@ contains
     share = 1
     if (model%dialect /= DIALECT_CALCULIX) return
     do e = 1, model%mesh%n_elements
-      if (is_axisymmetric(model%mesh, e)) share = 1 / SECTORS
+      if (is_axisymmetric(model%mesh, e)) share = 1 / N_SECTORS
       if (share < 1) return
     end do
   end function sector_share
@@ -411,14 +414,14 @@ contains
 
 
   !> Tensors at the points, those of trusses turned from their axis into global axes where CalculiX has them so.
-  pure function turn_trusses(model, fields, is_current, values) result(turned)
+  pure function rotate_truss_tensors(model, fields, is_current, values) result(turned)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_current              !< along the truss as it lies now
     real(DP), intent(in) :: values(:, :)           !< (6, n_points) of trusses: xx along them
     real(DP) :: turned(6, size(values, 2))
     real(DP) :: chord(3)
-    integer :: e, p, n, nodes(MAX_NODES)
+    integer :: e, p, n, nodes(MAX_ELEMENT_NODES)
     turned = values
     if (model%dialect /= DIALECT_CALCULIX) return
     do e = 1, model%mesh%n_elements
@@ -434,7 +437,7 @@ contains
         end associate
       end do
     end do
-  end function turn_trusses
+  end function rotate_truss_tensors
 
 
   !> Whether an element is a truss.
@@ -446,17 +449,17 @@ contains
 
 
   !> Turns the forces of the full circle on the nodes of axisymmetric elements into those that CalculiX prints.
-  pure subroutine take_sector(mesh, fields, is_nlgeom, force)
+  pure subroutine convert_to_sector(mesh, fields, is_nlgeom, force)
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
     real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
     logical :: has_circle
-    real(DP) :: hoop(MAX_NODES)
-    integer :: e, a, n, nodes(MAX_NODES)
+    real(DP) :: hoop(MAX_ELEMENT_NODES)
+    integer :: e, a, n, nodes(MAX_ELEMENT_NODES)
     has_circle = .false.
     do e = 1, mesh%n_elements
-      if (.not. is_axisymmetric(mesh, e) .or. is_out(mesh, e)) cycle
+      if (.not. is_axisymmetric(mesh, e) .or. is_inactive_element(mesh, e)) cycle
       call element_nodes(mesh, e, n, nodes)
       has_circle = .true.
       call hoop_forces(mesh, e, fields, is_nlgeom, hoop)
@@ -464,8 +467,8 @@ contains
         force(1, nodes(a)) = force(1, nodes(a)) - hoop(a)
       end do
     end do
-    if (has_circle) force = force / SECTORS
-  end subroutine take_sector
+    if (has_circle) force = force / N_SECTORS
+  end subroutine convert_to_sector
 
 
   !> Whether an element is axisymmetric.
@@ -493,10 +496,11 @@ contains
     integer, intent(in) :: e
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: hoop(MAX_NODES)       !< [force]
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), share(MAX_POINTS)
-    real(DP) :: J(2, 2), X(2, MAX_NODES), tau, stretch
-    integer :: rule, p, q, m, n_rule, n_nodes, nodes(MAX_NODES)
+    real(DP), intent(out) :: hoop(MAX_ELEMENT_NODES)       !< [force]
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
+      share(MAX_ELEMENT_POINTS)
+    real(DP) :: J(2, 2), X(2, MAX_ELEMENT_NODES), tau, stretch
+    integer :: rule, p, q, m, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
     call element_nodes(mesh, e, n_nodes, nodes)
     X(:, :n_nodes) = mesh%coordinates(:2, nodes(:n_nodes))
     rule = mesh%kind(e)
@@ -523,11 +527,11 @@ contains
   !> How many slaves `nodal_slaves` gives: the same throughout a job.
   pure integer function n_nodal_slaves(model, slaves) result(n)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer :: p
-    n = count(slaves%side == 0)
+    n = count(slaves%slave_facet == 0)
     do p = 1, size(model%pairs)
-      if (model%pairs(p)%is_pointwise) n = n + size(model%surfaces(model%pairs(p)%slave)%nodes)
+      if (model%pairs(p)%has_point_contact) n = n + size(model%surfaces(model%pairs(p)%slave)%nodes)
     end do
   end function n_nodal_slaves
 
@@ -539,24 +543,24 @@ contains
   !! one does.
   function nodal_slaves(model, slaves) result(nodal)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)
-    type(slave_type), allocatable :: nodal(:)
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(slave_state_type), allocatable :: nodal(:)
     integer, allocatable :: at(:)                  ! (n_nodes) place of a node among those of the pair
     integer :: p, i, before
-    nodal = pack(slaves, slaves%side == 0)
+    nodal = pack(slaves, slaves%slave_facet == 0)
     do p = 1, size(model%pairs)
-      if (.not. model%pairs(p)%is_pointwise) cycle
+      if (.not. model%pairs(p)%has_point_contact) cycle
       before = size(nodal)
       associate (nodes => model%surfaces(model%pairs(p)%slave)%nodes)
         allocate (at(model%mesh%n_nodes), source=0)
         at(nodes) = [(before + i, i=1, size(nodes))]
-        nodal = [nodal, [(slave_type(pair=p, node=nodes(i)), i=1, size(nodes))]]
+        nodal = [nodal, [(slave_state_type(pair=p, node=nodes(i)), i=1, size(nodes))]]
       end associate
       do i = 1, size(slaves)
-        if (slaves(i)%pair == p) call give_point(model, slaves(i), at, nodal)
+        if (slaves(i)%pair == p) call add_point_to_nodes(model, slaves(i), at, nodal)
       end do
       do i = before + 1, size(nodal)
-        call take_mean(nodal(i))
+        call divide_by_area(nodal(i))
       end do
       deallocate (at)
     end do
@@ -564,11 +568,11 @@ contains
 
 
   !> What one point gives to the nodes of its face.
-  subroutine give_point(model, point, at, nodal)
+  subroutine add_point_to_nodes(model, point, at, nodal)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: point
+    type(slave_state_type), intent(in) :: point
     integer, intent(in) :: at(:)                   !< (n_nodes)
-    type(slave_type), intent(inout) :: nodal(:)
+    type(slave_state_type), intent(inout) :: nodal(:)
     integer :: nodes(MAX_FACE_NODES), n, i
     real(DP) :: N_i(MAX_FACE_NODES), share
     call face_of(model, point, n, nodes, N_i)
@@ -591,32 +595,32 @@ contains
         if (point%status == STATUS_SLIP) node%scenario = max(node%scenario, point%scenario)
       end associate
     end do
-  end subroutine give_point
+  end subroutine add_point_to_nodes
 
 
   !> Sums over areas become means.
-  pure subroutine take_mean(node)
-    type(slave_type), intent(inout) :: node
+  pure subroutine divide_by_area(node)
+    type(slave_state_type), intent(inout) :: node
     if (node%area <= 0.0_DP) return
     node%gap = node%gap / node%area
     node%slip = node%slip / node%area
     node%elastic = node%elastic / node%area
     node%slip_increment = node%slip_increment / node%area
     node%normal = node%normal / max(norm2(node%normal), tiny(1.0_DP))
-  end subroutine take_mean
+  end subroutine divide_by_area
 
 
   !> The nodes of the face of a point and their shape functions there.
   subroutine face_of(model, point, n, nodes, N_i)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: point
+    type(slave_state_type), intent(in) :: point
     integer, intent(out) :: n
     integer, intent(out) :: nodes(MAX_FACE_NODES)
     real(DP), intent(out) :: N_i(MAX_FACE_NODES)   !< [-]
     real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     associate (surface => model%surfaces(model%pairs(point%pair)%slave), mesh => model%mesh)
-      associate (e => surface%element(point%side), face => surface%face(point%side))
+      associate (e => surface%element(point%slave_facet), face => surface%face(point%slave_facet))
         kind = element_kind(mesh%kind(e))
         n = count(kind%face_nodes(:, face) > 0)
         nodes = 0
@@ -628,50 +632,50 @@ contains
 
 
   !> The slip of a slave as tables and fields show it: CalculiX shows none of its springs where there is no friction.
-  pure function shown_slip(model, slave) result(slip)
+  pure function printed_slip(model, slave) result(slip)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP) :: slip(3)                            !< [length]
     slip = slave%slip + slave%elastic
-    if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%side == 0 .or. norm2(slave%elastic) > 0.0_DP) return
+    if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%slave_facet == 0 .or. norm2(slave%elastic) > 0.0_DP) return
     if (model%interactions(model%pairs(slave%pair)%interaction)%friction <= 0.0_DP) slip = 0.0_DP
-  end function shown_slip
+  end function printed_slip
 
 
   !> The energy of a slave's spring as CONTACT PRINT shows it. CalculiX counts the elastic slip with all of its shear in place of
   !! half of it, and under LINEAR half the pressure times the overclosure at slave nodes.
-  pure real(DP) function shown_energy(model, slave) result(energy)
+  pure real(DP) function printed_contact_energy(model, slave) result(energy)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP) :: shear_part                         ! half of it
     energy = slave%energy
-    if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%side == 0) return
+    if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%slave_facet == 0) return
     shear_part = -0.5_DP * dot_product(slave%shear, slave%elastic)
     energy = energy + shear_part
-    if (slave%side > 0 .or. model%pairs(slave%pair)%is_pointwise) return   ! a point, or what points give to a node
+    if (slave%slave_facet > 0 .or. model%pairs(slave%pair)%has_point_contact) return   ! a point, or what points give to a node
     if (model%interactions(model%pairs(slave%pair)%interaction)%behavior == BEHAVIOR_LINEAR) &
       energy = 2 * shear_part - 0.5_DP * dot_product(slave%force, slave%normal) * slave%gap
-  end function shown_energy
+  end function printed_contact_energy
 
 
   !> Sums over the closed slaves among those that are given; all are of one pair.
-  subroutine sum_pair(model, u, slaves, sums)
+  subroutine sum_pair_forces(model, u, slaves, sums)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(pair_sums_type), intent(out) :: sums
     integer, allocatable :: ends(:, :)             ! (2, n_nodes)
     real(DP) :: f(3, 2), x(3), size_of(3), weight(3)
     integer :: i, k
     if (all(slaves%status == STATUS_OPEN)) return
     associate (pair => model%pairs(slaves(1)%pair))
-      if (pair%is_mortar .and. .not. pair%is_pointwise) call find_ends(model, pair%slave, .true., ends)
+      if (pair%is_mortar .and. .not. pair%has_point_contact) call find_edge_corners(model, pair%slave, .true., ends)
     end associate
     weight = 0.0_DP
     do i = 1, size(slaves)
       associate (slave => slaves(i))
         if (slave%status == STATUS_OPEN) cycle
-        x = place_of(model, slave, u, ends)
+        x = force_position(model, slave, u, ends)
         f = reshape([slave%force, slave%shear], [3, 2])
         do k = 1, 2
           sums%moment(:, k) = sums%moment(:, k) + cross_product(x, f(:, k))
@@ -691,40 +695,40 @@ contains
     if (.not. sums%area > 0.0_DP) return
     sums%center = sums%center / sums%area
     sums%normal = sums%normal / sums%area
-  end subroutine sum_pair
+  end subroutine sum_pair_forces
 
 
   !> Where the force of a slave acts: at its node, at its place on its face, or, of quadratic faces of a mortar pair, where the
   !! transformed node is (doc/theory/contact.md, "Quadratic slave faces").
-  function place_of(model, slave, u, ends) result(x)
+  function force_position(model, slave, u, ends) result(x)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slave
+    type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacement [length]
     integer, allocatable, intent(in) :: ends(:, :) !< (2, n_nodes) corners beside mid-side nodes of a mortar pair
     real(DP) :: x(3)                               !< [length]
     integer :: nodes(MAX_FACE_NODES), n
     real(DP) :: N_i(MAX_FACE_NODES)
     associate (coordinates => model%mesh%coordinates)
-      x = coordinates(:, slave%node) + u(:, slave%node) + slave%arm
-      if (slave%side > 0) then
+      x = coordinates(:, slave%node) + u(:, slave%node) + slave%force_arm
+      if (slave%slave_facet > 0) then
         call face_of(model, slave, n, nodes, N_i)
         x = matmul(coordinates(:, nodes(:n)) + u(:, nodes(:n)), N_i(:n))
       else if (allocated(ends)) then
-        if (ends(1, slave%node) == 0 .or. norm2(slave%arm) > 0.0_DP) return
+        if (ends(1, slave%node) == 0 .or. norm2(slave%force_arm) > 0.0_DP) return
         nodes(:2) = ends(:, slave%node)
-        x = (x - ALPHA * sum(coordinates(:, nodes(:2)) + u(:, nodes(:2)), dim=2)) / (1 - 2 * ALPHA)
+        x = (x - BASIS_ALPHA * sum(coordinates(:, nodes(:2)) + u(:, nodes(:2)), dim=2)) / (1 - 2 * BASIS_ALPHA)
       end if
     end associate
-  end function place_of
+  end function force_position
 
 
   !> The corners beside each mid-side node of the faces of a surface, 0 at all other nodes.
-  subroutine find_ends(model, surface, is_of_mortar, ends)
+  subroutine find_edge_corners(model, surface, is_of_mortar, ends)
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface                 !< index
     logical, intent(in) :: is_of_mortar            !< only of faces whose basis is transformed
     integer, allocatable, intent(out) :: ends(:, :)   !< (2, n_nodes)
-    type(kind_type) :: kind
+    type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: f, k, m, nodes(MAX_FACE_NODES)
     allocate (ends(2, model%mesh%n_nodes), source=0)
@@ -741,13 +745,13 @@ contains
         end do
       end do
     end associate
-  end subroutine find_ends
+  end subroutine find_edge_corners
 
 
   !> The mid-side nodes that follow the slave nodes at their corners (exact node-to-surface contact): they show the means of both.
   subroutine list_followers(model, slaves, followers)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
+    type(slave_state_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
     integer, allocatable, intent(out) :: followers(:, :)   !< (3, n) the node and its two corners
     integer, allocatable :: ends(:, :)
     logical :: is_shown(model%mesh%n_nodes)
@@ -758,7 +762,7 @@ contains
     do p = 1, size(model%pairs)
       associate (pair => model%pairs(p))
         if (pair%is_mortar .or. is_compliant(model%interactions(pair%interaction))) cycle
-        call find_ends(model, pair%slave, .false., ends)
+        call find_edge_corners(model, pair%slave, .false., ends)
       end associate
       do n = 1, size(ends, 2)
         if (ends(1, n) == 0 .or. is_shown(n)) cycle
@@ -772,9 +776,9 @@ contains
   !> Stresses of contact at the mid-side nodes of quadratic faces of mortar pairs: what slaves have belongs to the transformed
   !! functions, and the field has (1 - 2 alpha) of it at the node and alpha of both its corners (doc/theory/contact.md, "Quadratic
   !! slave faces").
-  subroutine show_sides(model, slaves, first, last, values)
+  subroutine fill_midside_values(model, slaves, first, last, values)
     type(model_type), intent(in) :: model
-    type(slave_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
+    type(slave_state_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
     integer, intent(in) :: first, last             !< rows with the stresses
     real(DP), intent(inout) :: values(:, :)        !< (:, n_nodes)
     integer, allocatable :: ends(:, :)
@@ -782,18 +786,18 @@ contains
     integer :: p, i
     is_done = .false.
     do p = 1, size(model%pairs)
-      if (.not. model%pairs(p)%is_mortar .or. model%pairs(p)%is_pointwise) cycle
-      call find_ends(model, model%pairs(p)%slave, .true., ends)
+      if (.not. model%pairs(p)%is_mortar .or. model%pairs(p)%has_point_contact) cycle
+      call find_edge_corners(model, model%pairs(p)%slave, .true., ends)
       do i = 1, size(slaves)
         associate (node => slaves(i)%node)
           if (slaves(i)%pair /= p .or. slaves(i)%status == STATUS_OPEN .or. ends(1, node) == 0 .or. is_done(node)) cycle
           is_done(node) = .true.
-          values(first:last, node) = (1 - 2 * ALPHA) * values(first:last, node) &
-            + ALPHA * sum(values(first:last, ends(:, node)), dim=2)
+          values(first:last, node) = (1 - 2 * BASIS_ALPHA) * values(first:last, node) &
+            + BASIS_ALPHA * sum(values(first:last, ends(:, node)), dim=2)
         end associate
       end do
     end do
-  end subroutine show_sides
+  end subroutine fill_midside_values
 
 
   !> Adds the work of the stresses on the plastic and creep strains between two states, by the trapezoidal rule: q (dp + dc) where
@@ -811,10 +815,10 @@ contains
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
       associate (material => model%materials(model%mesh%material(e)))
-        if (material%is_user .or. material%is_plain) cycle
+        if (material%is_user .or. material%is_linear_isotropic) cycle
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           change = new%history(:, p) - old%history(:, p)
-          if (allocated(material%kinematic)) then
+          if (allocated(material%kinematic_hardening)) then
             work = 0.5_DP * double_dot(old%stress(:, p) + new%stress(:, p), change(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
           else
             work = 0.5_DP * (von_mises(old%stress(:, p)) + von_mises(new%stress(:, p))) * &
@@ -829,12 +833,12 @@ contains
 
 
   !> ENER as tables and fields show it: the energy in the strain; in CalculiX with the work that plastic and creep strains took.
-  pure function shown_density(model, fields) result(density)
+  pure function printed_energy_density(model, fields) result(density)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     real(DP) :: density(model%mesh%n_points)       !< [energy/volume]
     density = fields%energy
     if (model%dialect == DIALECT_CALCULIX .and. size(fields%dissipated) > 0) density = density + fields%dissipated
-  end function shown_density
+  end function printed_energy_density
 
 end module amontons_postprocess

@@ -7,28 +7,29 @@ module amontons_result_model
   use amontons_kinds, only: DP, PI, NAME_LENGTH
   use amontons_errors, only: error_type
   use amontons_version, only: VERSION
-  use amontons_topology, only: element_kind, kind_type, MAX_FACE_NODES, KIND_T3D2, KIND_CPS4
+  use amontons_topology, only: element_kind, element_kind_type, MAX_FACE_NODES, KIND_T3D2, KIND_CPS4
   use amontons_mesh, only: mesh_type, set_type
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: step_type
-  use amontons_materials, only: law_of, LONGEST_LAW
+  use amontons_materials, only: law_name, MAX_LAW_NAME_LENGTH
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_iteration_records, only: PHASE_NAMES
-  use amontons_hdf5_file, only: create_group, store_type, write_attribute, write_data, STORE_I64, STORE_U8
+  use amontons_hdf5_file, only: create_group, hdf5_file_type, write_attribute, write_data, STORAGE_I64, STORAGE_U8
   use amontons_result_schema, only: write_columns, CONTROL_COLUMNS, STEP_COLUMNS
-  use amontons_analytic_profiles, only: profile_type, point_of, PROFILE_FLAT, PROFILE_DRAWN, PROFILE_TURNED
-  use amontons_analytic_master, only: carrier_weights
+  use amontons_analytic_profiles, only: analytic_profile_type, profile_coordinates, PROFILE_PLANAR, PROFILE_EXTRUDED, &
+    PROFILE_REVOLVED
+  use amontons_analytic_master, only: evaluate_carrier_weights
   implicit none
   private
-  public :: shown_type, draw_profiles, displacement_of, write_grid, write_inventory
+  public :: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
 
-  integer, parameter :: LONGEST_NAME = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
-  real(DP), parameter :: STEP = PI / 36.0_DP   !< largest angle of a cell on an arc [rad]
-  real(DP), parameter :: ROUNDING = 1.0e-9_DP        !< of an angle: a whole number of steps is that [-]
-  real(DP), parameter :: MARGIN = 0.1_DP       !< a surface that is drawn out goes this far beyond the mesh, over its size [-]
+  integer, parameter :: MAX_NAME_LENGTH = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
+  real(DP), parameter :: MAX_ARC_ANGLE = PI / 36.0_DP   !< largest angle of a cell on an arc [rad]
+  real(DP), parameter :: TOL_ANGLE = 1.0e-9_DP        !< of an angle: a whole number of steps is that [-]
+  real(DP), parameter :: DRAWN_MARGIN = 0.1_DP       !< a surface that is drawn out goes this far beyond the mesh, over its size [-]
 
   !> Points and cells.
-  type :: shown_type
+  type :: drawn_surfaces_type
     integer :: n_points = 0
     integer :: n_cells = 0
     real(DP), allocatable :: points(:, :)      !< (3, n_points) undeformed [length]
@@ -37,19 +38,19 @@ module amontons_result_model
     integer, allocatable :: nodes(:)           !< points of all cells, from 1
     integer, allocatable :: last(:)            !< (n_cells) end of each cell in nodes
     integer, allocatable :: vtk_type(:)        !< (n_cells)
-  end type shown_type
+  end type drawn_surfaces_type
 
 contains
 
   !> /VTKHDF: the mesh.
   !! Reference: VTK, Documentation/docs/vtk_file_formats/vtkhdf_file_format/vtkhdf_specifications.md, UnstructuredGrid.
-  subroutine write_grid(store, mesh, shown, error)
-    type(store_type), intent(in) :: store
+  subroutine write_grid(store, mesh, drawn, error)
+    type(hdf5_file_type), intent(in) :: store
     type(mesh_type), intent(in) :: mesh
-    type(shown_type), intent(in) :: shown           !< analytic surfaces, after the mesh
+    type(drawn_surfaces_type), intent(in) :: drawn           !< analytic surfaces, after the mesh
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/VTKHDF/'
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     real(DP), allocatable :: points(:, :)
     integer, allocatable :: nodes(:), first(:), vtk_type(:)
     integer :: e
@@ -58,35 +59,35 @@ contains
       entry = element_kind(mesh%kind(e))
       vtk_type(e) = entry%vtk_type
     end do
-    vtk_type = [vtk_type, shown%vtk_type]
-    nodes = [mesh%nodes, mesh%n_nodes + shown%nodes] - 1
-    first = [mesh%first - 1, size(mesh%nodes) + shown%last]
-    allocate (points(3, mesh%n_nodes + shown%n_points))
+    vtk_type = [vtk_type, drawn%vtk_type]
+    nodes = [mesh%nodes, mesh%n_nodes + drawn%nodes] - 1
+    first = [mesh%first - 1, size(mesh%nodes) + drawn%last]
+    allocate (points(3, mesh%n_nodes + drawn%n_points))
     points(:, :mesh%n_nodes) = mesh%coordinates
-    points(:, mesh%n_nodes + 1:) = shown%points
+    points(:, mesh%n_nodes + 1:) = drawn%points
     call create_group(store, '/VTKHDF', error)
     if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
     if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes + shown%n_points], '[-]', &
-      'Nodes, and points of analytic surfaces.', error, STORE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements + shown%n_cells], '[-]', &
-      'Elements, and cells of analytic surfaces.', error, STORE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes + drawn%n_points], '[-]', &
+      'Nodes, and points of analytic surfaces.', error, STORAGE_I64)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements + drawn%n_cells], '[-]', &
+      'Elements, and cells of analytic surfaces.', error, STORAGE_I64)
     if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(nodes)], '[-]', &
-      'Length of Connectivity.', error, STORE_I64)
+      'Length of Connectivity.', error, STORAGE_I64)
     if (.not. allocated(error)) call write_data(store, ROOT // 'Points', points, '[length]', &
       'Reference coordinates of the nodes.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', nodes, '[-]', &
-      'Nodes of all elements, one after the other.', error, STORE_I64)
+      'Nodes of all elements, one after the other.', error, STORAGE_I64)
     if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', first, '[-]', &
-      'Start of the nodes of each element in Connectivity, and the end.', error, STORE_I64)
+      'Start of the nodes of each element in Connectivity, and the end.', error, STORAGE_I64)
     if (.not. allocated(error)) call write_data(store, ROOT // 'Types', vtk_type, &
-      '[-]', 'VTK cell types.', error, STORE_U8)
+      '[-]', 'VTK cell types.', error, STORAGE_U8)
   end subroutine write_grid
 
 
   !> /AMONTONS: what is known of the model before the first increment.
-  subroutine write_inventory(store, model, error)
-    type(store_type), intent(in) :: store
+  subroutine write_model_data(store, model, error)
+    type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     call write_texts(store, model, error)
@@ -94,17 +95,17 @@ contains
     if (.not. allocated(error)) call write_materials(store, model, error)
     if (.not. allocated(error)) call write_pairs(store, model, error)
     if (.not. allocated(error)) call write_steps(store, model%steps, error)
-  end subroutine write_inventory
+  end subroutine write_model_data
 
 
   !> Deck, version, dialect, heading, names of the phases.
   subroutine write_texts(store, model, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/AMONTONS/'
-    call write_data(store, ROOT // 'deck', words_of(model%deck_text), '[-]', 'The deck, includes in place.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'heading', words_of(model%heading), '[-]', &
+    call write_data(store, ROOT // 'deck', text_or_empty(model%deck_text), '[-]', 'The deck, includes in place.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'heading', text_or_empty(model%heading), '[-]', &
       'Text of *HEADING.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'version', VERSION, &
       '[-]', 'Version of Amontons.', error)
@@ -116,21 +117,21 @@ contains
 
 
   !> A text, empty if it was never set.
-  pure function words_of(text) result(told)
+  pure function text_or_empty(text) result(value)
     character(:), allocatable, intent(in) :: text
-    character(:), allocatable :: told
-    told = ''
-    if (allocated(text)) told = text
-  end function words_of
+    character(:), allocatable :: value
+    value = ''
+    if (allocated(text)) value = text
+  end function text_or_empty
 
 
   !> /AMONTONS/mesh: labels, kinds, materials, first integration points and sets.
   subroutine write_mesh(store, mesh, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/AMONTONS/mesh/'
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     character(len(entry%name)) :: kind_name(mesh%n_elements)
     integer :: e
     do e = 1, mesh%n_elements
@@ -156,11 +157,11 @@ contains
 
   !> Named sets as three lists: name, first, members.
   subroutine write_sets(store, folder, sets, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: folder
     type(set_type), allocatable, intent(in) :: sets(:)
     type(error_type), allocatable, intent(out) :: error
-    character(LONGEST_NAME), allocatable :: names(:)
+    character(MAX_NAME_LENGTH), allocatable :: names(:)
     integer, allocatable :: first(:), members(:)
     integer :: i, n
     n = 0
@@ -183,18 +184,18 @@ contains
 
   !> /AMONTONS/materials.
   subroutine write_materials(store, model, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/AMONTONS/materials/'
-    character(LONGEST_NAME), allocatable :: names(:)
-    character(LONGEST_LAW), allocatable :: laws(:)
+    character(MAX_NAME_LENGTH), allocatable :: names(:)
+    character(MAX_LAW_NAME_LENGTH), allocatable :: laws(:)
     integer :: i, n
     n = size(model%materials)
     allocate (names(n), laws(n))
     do i = 1, n
       names(i) = model%materials(i)%name
-      laws(i) = law_of(model%materials(i))
+      laws(i) = law_name(model%materials(i))
     end do
     call create_group(store, '/AMONTONS/materials', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'name', names, '[-]', 'Name of each material.', error)
@@ -213,11 +214,11 @@ contains
 
   !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.
   subroutine write_pairs(store, model, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/AMONTONS/pairs/'
-    character(LONGEST_NAME), allocatable :: names(:, :)
+    character(MAX_NAME_LENGTH), allocatable :: names(:, :)
     real(DP), allocatable :: friction(:)
     integer, allocatable :: first(:), facets(:, :), small(:)
     integer :: i, n
@@ -262,7 +263,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
     integer, intent(out) :: facets(:, :)            !< (MAX_FACE_NODES + 2, n_facets)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: i, k, e, local
     do i = 1, size(surface%element)
       e = surface%element(i)
@@ -280,7 +281,7 @@ contains
 
   !> /AMONTONS/steps and /AMONTONS/controls: what was taken in each step.
   subroutine write_steps(store, steps, error)
-    type(store_type), intent(in) :: store
+    type(hdf5_file_type), intent(in) :: store
     type(step_type), intent(in) :: steps(:)
     type(error_type), allocatable, intent(out) :: error
     character(240) :: titles(size(steps))
@@ -288,7 +289,7 @@ contains
     real(DP) :: reals(11, size(steps))
     do i = 1, size(steps)
       associate (step => steps(i))
-        titles(i) = words_of(step%title)
+        titles(i) = text_or_empty(step%title)
         integers(:6, i) = [merge(1, 0, step%is_nlgeom), step%max_increments, merge(1, 0, step%is_direct), &
           step%line_search, step%file_frequency, step%print_frequency]
         reals(:4, i) = [step%dt_initial, step%period, step%dt_min, step%dt_max]
@@ -308,105 +309,106 @@ contains
 
 
   !> All analytic surfaces of a model. Before: their carriers are known.
-  subroutine draw_profiles(model, shown)
+  subroutine draw_analytic_surfaces(model, drawn)
     type(model_type), intent(in) :: model
-    type(shown_type), intent(out) :: shown
+    type(drawn_surfaces_type), intent(out) :: drawn
     integer :: s, k
-    allocate (shown%points(3, 0), shown%carriers(4, 0), shown%weights(4, 0), shown%nodes(0), shown%last(0), shown%vtk_type(0))
+    allocate (drawn%points(3, 0), drawn%carriers(4, 0), drawn%weights(4, 0), drawn%nodes(0), drawn%last(0), drawn%vtk_type(0))
     if (.not. allocated(model%surfaces)) return
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
       do k = 1, model%surfaces(s)%profile%n
-        call draw_piece(model, model%surfaces(s)%profile, k, shown)
+        call draw_piece(model, model%surfaces(s)%profile, k, drawn)
       end do
     end do
-  end subroutine draw_profiles
+  end subroutine draw_analytic_surfaces
 
 
   !> One piece: points along it and across, cells between them.
-  subroutine draw_piece(model, profile, k, shown)
+  subroutine draw_piece(model, profile, k, drawn)
     type(model_type), intent(in) :: model
-    type(profile_type), intent(in) :: profile
+    type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k
-    type(shown_type), intent(inout) :: shown
+    type(drawn_surfaces_type), intent(inout) :: drawn
     real(DP) :: X(3), p(2), normal(2), at(2)
     integer :: n_along, n_across, i, j, first, corner
     n_along = 1
-    if (abs(profile%bend(k)) > 0.0_DP) n_along = ceiling((1.0_DP - ROUNDING) * profile%extent(k) / (abs(profile%bend(k)) * STEP))
-    n_across = merge(0, 1, profile%kind == PROFILE_FLAT)
-    if (profile%kind == PROFILE_TURNED) n_across = nint(2.0_DP * PI / STEP)
-    at = reach_across(model, profile)
-    first = shown%n_points
+    if (abs(profile%signed_radius(k)) > 0.0_DP) n_along = ceiling((1.0_DP - TOL_ANGLE) * profile%piece_length(k) &
+      / (abs(profile%signed_radius(k)) * MAX_ARC_ANGLE))
+    n_across = merge(0, 1, profile%kind == PROFILE_PLANAR)
+    if (profile%kind == PROFILE_REVOLVED) n_across = nint(2.0_DP * PI / MAX_ARC_ANGLE)
+    at = transverse_range(model, profile)
+    first = drawn%n_points
     do j = 0, n_across
       do i = 0, n_along
-        call point_of(profile, k, [real(i, DP) / real(n_along, DP), at(1) + (at(2) - at(1)) * real(j, DP) / &
+        call profile_coordinates(profile, k, [real(i, DP) / real(n_along, DP), at(1) + (at(2) - at(1)) * real(j, DP) / &
           real(max(n_across, 1), DP)], X, p, normal)
-        call add_point(profile, X, shown)
+        call add_point(profile, X, drawn)
       end do
     end do
     do j = 1, max(n_across, 1)
       do i = 1, n_along
         corner = first + (j - 1) * (n_along + 1) + i
-        if (n_across == 0) call add_cell([corner, corner + 1], shown)
-        if (n_across > 0) call add_cell([corner, corner + 1, corner + n_along + 2, corner + n_along + 1], shown)
+        if (n_across == 0) call add_cell([corner, corner + 1], drawn)
+        if (n_across > 0) call add_cell([corner, corner + 1, corner + n_along + 2, corner + n_along + 1], drawn)
       end do
     end do
   end subroutine draw_piece
 
 
   !> From where to where a surface is shown across its profile: the mesh and a margin, or once round.
-  pure function reach_across(model, profile) result(at)
+  pure function transverse_range(model, profile) result(at)
     type(model_type), intent(in) :: model
-    type(profile_type), intent(in) :: profile
+    type(analytic_profile_type), intent(in) :: profile
     real(DP) :: at(2), along(model%mesh%n_nodes)
     at = 0.0_DP
-    if (profile%kind == PROFILE_TURNED) at = [0.0_DP, 2.0_DP * PI]
-    if (profile%kind /= PROFILE_DRAWN) return
+    if (profile%kind == PROFILE_REVOLVED) at = [0.0_DP, 2.0_DP * PI]
+    if (profile%kind /= PROFILE_EXTRUDED) return
     along = matmul(profile%axes(:, 3), model%mesh%coordinates - spread(profile%origin, 2, model%mesh%n_nodes))
     at = [minval(along, mask=model%mesh%has_elements), maxval(along, mask=model%mesh%has_elements)]
-    at = at + MARGIN * (at(2) - at(1)) * [-1.0_DP, 1.0_DP]
-  end function reach_across
+    at = at + DRAWN_MARGIN * (at(2) - at(1)) * [-1.0_DP, 1.0_DP]
+  end function transverse_range
 
 
   !> One more point.
-  pure subroutine add_point(profile, X, shown)
-    type(profile_type), intent(in) :: profile
+  pure subroutine add_point(profile, X, drawn)
+    type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: X(3)               !< [length]
-    type(shown_type), intent(inout) :: shown
+    type(drawn_surfaces_type), intent(inout) :: drawn
     integer :: n
-    n = shown%n_points + 1
-    shown%n_points = n
-    shown%points = reshape([shown%points, X], [3, n])
-    shown%carriers = reshape([shown%carriers, profile%carriers], [4, n])
-    shown%weights = reshape([shown%weights, carrier_weights(profile, X)], [4, n])
+    n = drawn%n_points + 1
+    drawn%n_points = n
+    drawn%points = reshape([drawn%points, X], [3, n])
+    drawn%carriers = reshape([drawn%carriers, profile%carriers], [4, n])
+    drawn%weights = reshape([drawn%weights, evaluate_carrier_weights(profile, X)], [4, n])
   end subroutine add_point
 
 
   !> One more cell: a line or a square.
-  pure subroutine add_cell(corners, shown)
+  pure subroutine add_cell(corners, drawn)
     integer, intent(in) :: corners(:)
-    type(shown_type), intent(inout) :: shown
-    type(kind_type) :: entry
+    type(drawn_surfaces_type), intent(inout) :: drawn
+    type(element_kind_type) :: entry
     entry = element_kind(merge(KIND_T3D2, KIND_CPS4, size(corners) == 2))
-    shown%nodes = [shown%nodes, corners]
-    shown%last = [shown%last, size(shown%nodes)]
-    shown%vtk_type = [shown%vtk_type, entry%vtk_type]
-    shown%n_cells = shown%n_cells + 1
+    drawn%nodes = [drawn%nodes, corners]
+    drawn%last = [drawn%last, size(drawn%nodes)]
+    drawn%vtk_type = [drawn%vtk_type, entry%vtk_type]
+    drawn%n_cells = drawn%n_cells + 1
   end subroutine add_cell
 
 
   !> The displacements of the points.
-  pure function displacement_of(shown, u) result(moved)
-    type(shown_type), intent(in) :: shown
+  pure function drawn_displacements(drawn, u) result(moved)
+    type(drawn_surfaces_type), intent(in) :: drawn
     real(DP), intent(in) :: u(:, :)            !< (3, n_nodes) [length]
-    real(DP) :: moved(3, shown%n_points)
+    real(DP) :: moved(3, drawn%n_points)
     integer :: i, k
     moved = 0.0_DP
-    do i = 1, shown%n_points
+    do i = 1, drawn%n_points
       do k = 1, 4
-        if (shown%carriers(k, i) > 0) moved(:, i) = moved(:, i) + shown%weights(k, i) * u(:, shown%carriers(k, i))
+        if (drawn%carriers(k, i) > 0) moved(:, i) = moved(:, i) + drawn%weights(k, i) * u(:, drawn%carriers(k, i))
       end do
     end do
-  end function displacement_of
+  end function drawn_displacements
 
 end module amontons_result_model

@@ -32,63 +32,65 @@ module amontons_results
   use amontons_steps, only: is_output_due
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
-  use amontons_iteration_records, only: increment_record_type, iteration_record_type, STORY_LENGTH
-  use amontons_state, only: history_row, fields_type, slave_type, STATUS_OPEN
-  use amontons_hdf5_file, only: append_rows, apply_pages, close_store, create_group, create_store, create_table, &
-    drop_store, flush_store, form_type, open_store, open_table, pages_type, store_type, table_type, take_pages, &
-    write_attribute, write_data, STORE_I64, STORE_TEXT, STORE_I32
-  use amontons_result_model, only: shown_type, draw_profiles, displacement_of, write_grid, write_inventory
-  use amontons_result_schema, only: append_columns, check_finite, column_type, create_columns, open_columns, &
+  use amontons_iteration_records, only: increment_record_type, iteration_record_type, REPORT_LINE_LENGTH
+  use amontons_state, only: history_variable, fields_type, slave_state_type, STATUS_OPEN
+  use amontons_hdf5_file, only: append_rows, apply_pages, close_hdf5, create_group, create_hdf5, create_table, &
+    discard_hdf5, flush_hdf5, hdf5_layout_type, open_hdf5, open_table, hdf5_pages_type, hdf5_file_type, hdf5_table_type, &
+    export_pages, &
+    write_attribute, write_data, STORAGE_I64, STORAGE_TEXT, STORAGE_I32
+  use amontons_result_model, only: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
+  use amontons_result_schema, only: append_columns, check_finite, result_column_type, create_columns, open_columns, &
     CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
     N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
-    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, rows_of, STRAIN_COLUMN
-  use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, show_sides, sum_pair
+    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, field_rows, STRAIN_COLUMN
+  use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, fill_midside_values, &
+    sum_pair_forces
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
-  public :: take_result_pages, apply_result_pages, drop_results, is_writing, point_fields
+  public :: export_result_pages, apply_result_pages, discard_results, is_writing, point_fields
 
-  character(*), parameter :: REASON = '/AMONTONS/history/reason'
-  character(*), parameter :: FOLDER = '/AMONTONS/told'
+  character(*), parameter :: REASON_TABLE = '/AMONTONS/history/reason'
+  character(*), parameter :: FAILURE_TEXT_GROUP = '/AMONTONS/told'
   integer, parameter :: REASON_LENGTH = 240        !< longest reason why an attempt failed
-  type(form_type), parameter :: REASON_FORM = form_type(storage=STORE_TEXT, width=REASON_LENGTH)
-  type(form_type), parameter :: LINE_FORM = form_type(storage=STORE_TEXT, width=STORY_LENGTH)
-  type(form_type), parameter :: ROW_FORM = form_type(storage=STORE_I32)
+  type(hdf5_layout_type), parameter :: REASON_FORM = hdf5_layout_type(storage=STORAGE_TEXT, width=REASON_LENGTH)
+  type(hdf5_layout_type), parameter :: LINE_FORM = hdf5_layout_type(storage=STORAGE_TEXT, width=REPORT_LINE_LENGTH)
+  type(hdf5_layout_type), parameter :: ROW_FORM = hdf5_layout_type(storage=STORAGE_I32)
 
   !> Tables of the result file.
-  type :: told_type
+  type :: failure_text_type
     private
-    type(table_type) :: reason                     !< a row per attempt
-    type(table_type) :: line                       !< what is told of attempts, one line after the other
-    type(table_type) :: attempt                    !< of each line: the row of the history to which it belongs
-  end type told_type
+    type(hdf5_table_type) :: reason                     !< a row per attempt
+    type(hdf5_table_type) :: line                       !< what is told of attempts, one line after the other
+    type(hdf5_table_type) :: attempt                    !< of each line: the row of the history to which it belongs
+  end type failure_text_type
 
   !> A result file that is being written.
   type :: results_type
     private
-    type(store_type) :: store
+    type(hdf5_file_type) :: store
     integer :: n_nodes = 0                             !< with the points of analytic surfaces
-    type(shown_type) :: shown                          !< analytic surfaces
+    type(drawn_surfaces_type) :: drawn                          !< analytic surfaces
     integer :: n_points = 0
     integer :: n_slaves = 0
     integer :: n_frames = 0                            !< increments of which the fields are written
-    real(DP) :: far = 0                                !< COPEN of a node that projects nowhere [length]
-    type(column_type), allocatable :: point_columns(:)
-    type(table_type), allocatable :: point(:)          !< /VTKHDF/PointData
-    type(table_type), allocatable :: point_offset(:)   !< /VTKHDF/Steps/PointDataOffsets
-    type(table_type) :: time                           !< /VTKHDF/Steps/Values
-    type(table_type), allocatable :: constant(:)       !< the other tables of /VTKHDF/Steps
-    type(column_type), allocatable :: integration_columns(:)
-    type(table_type), allocatable :: integration(:)
-    type(table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
-    type(table_type), allocatable :: pairs(:)          !< sums over pairs; only with pairs
-    type(table_type), allocatable :: history(:)
-    type(told_type) :: told                            !< of attempts, in words
-    type(table_type), allocatable :: iterations(:)
+    real(DP) :: no_projection_gap = 0                                !< COPEN of a node that projects nowhere [length]
+    type(result_column_type), allocatable :: point_columns(:)
+    type(hdf5_table_type), allocatable :: point(:)          !< /VTKHDF/PointData
+    type(hdf5_table_type), allocatable :: point_offset(:)   !< /VTKHDF/Steps/PointDataOffsets
+    type(hdf5_table_type) :: time                           !< /VTKHDF/Steps/Values
+    type(hdf5_table_type), allocatable :: constant(:)       !< the other tables of /VTKHDF/Steps
+    type(result_column_type), allocatable :: integration_columns(:)
+    type(hdf5_table_type), allocatable :: integration(:)
+    type(hdf5_table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
+    type(hdf5_table_type), allocatable :: pairs(:)          !< sums over pairs; only with pairs
+    type(hdf5_table_type), allocatable :: history(:)
+    type(failure_text_type) :: failure_texts                            !< of attempts, in words
+    type(hdf5_table_type), allocatable :: iterations(:)
   end type results_type
 
-  real(DP), parameter :: EQUAL = 1.0e-6_DP             !< two contact forces or gaps are one within this [-]
-  real(DP), parameter :: UNTOLD = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
+  real(DP), parameter :: TOL_EQUAL_VALUE = 1.0e-6_DP             !< two contact forces or gaps are one within this [-]
+  real(DP), parameter :: NOT_FINITE_VALUE = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
   ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
   character(21), parameter :: STEP_TABLES(5) = [character(21) :: &
@@ -105,18 +107,18 @@ contains
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    call draw_profiles(model, results%shown)
-    results%n_nodes = model%mesh%n_nodes + results%shown%n_points
+    call draw_analytic_surfaces(model, results%drawn)
+    results%n_nodes = model%mesh%n_nodes + results%drawn%n_points
     results%n_points = model%mesh%n_points
-    results%far = mesh_extent(model%mesh)
+    results%no_projection_gap = mesh_extent(model%mesh)
     results%point_columns = POINT_COLUMNS
     results%integration_columns = columns_of_points(model)
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
-    call create_store(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
-    if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%shown, error)
+    call create_hdf5(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
+    if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%drawn, error)
     if (.not. allocated(error)) call create_frames(results, error)
-    if (.not. allocated(error)) call write_inventory(results%store, model, error)
+    if (.not. allocated(error)) call write_model_data(results%store, model, error)
     if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
     if (allocated(error)) call abandon(results)
   end subroutine open_results
@@ -129,25 +131,25 @@ contains
     integer, intent(in) :: n_slaves
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    call draw_profiles(model, results%shown)
-    results%n_nodes = model%mesh%n_nodes + results%shown%n_points
+    call draw_analytic_surfaces(model, results%drawn)
+    results%n_nodes = model%mesh%n_nodes + results%drawn%n_points
     results%n_points = model%mesh%n_points
     results%n_slaves = n_slaves
-    results%far = mesh_extent(model%mesh)
+    results%no_projection_gap = mesh_extent(model%mesh)
     results%point_columns = POINT_COLUMNS
     results%integration_columns = columns_of_points(model)
     if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
-    call open_store(results%store, job_path(options, '.vtkhdf'), error)
+    call open_hdf5(results%store, job_path(options, '.vtkhdf'), error)
     if (.not. allocated(error)) call open_frames(results, error)
     if (.not. allocated(error) .and. size(model%pairs) > 0) call open_columns(results%store, '/AMONTONS/pair_history', &
       PAIR_COLUMNS, size(model%pairs), results%pairs, error)
     if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
       results%history, error)
-    if (.not. allocated(error)) call open_told(results%told, results%store, error)
+    if (.not. allocated(error)) call open_failure_texts(results%failure_texts, results%store, error)
     if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
       results%iterations, error)
-    if (allocated(error)) call drop_store(results%store)
+    if (allocated(error)) call discard_hdf5(results%store)
   end subroutine resume_results
 
 
@@ -157,19 +159,19 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     associate (store => results%store)
-      call open_table(store, results%time, '/VTKHDF/Steps/Values', form_type(), error)
+      call open_table(store, results%time, '/VTKHDF/Steps/Values', hdf5_layout_type(), error)
       results%n_frames = int(results%time%n_rows)
       allocate (results%constant(size(STEP_TABLES)))
       do i = 1, size(STEP_TABLES)
         if (.not. allocated(error)) call open_table(store, results%constant(i), '/VTKHDF/Steps/' // &
-          trim(STEP_TABLES(i)), form_type(storage=STORE_I64, is_matrix=STEP_IS_MATRIX(i)), error)
+          trim(STEP_TABLES(i)), hdf5_layout_type(storage=STORAGE_I64, is_matrix=STEP_IS_MATRIX(i)), error)
       end do
       if (.not. allocated(error)) call open_columns(store, '/VTKHDF/PointData', results%point_columns, &
         results%n_nodes, results%point, error)
       allocate (results%point_offset(size(results%point_columns)))
       do i = 1, size(results%point_columns)
         if (.not. allocated(error)) call open_table(store, results%point_offset(i), &
-          '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), error)
+          '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), hdf5_layout_type(storage=STORAGE_I64), error)
       end do
       if (.not. allocated(error)) call open_columns(store, '/AMONTONS/integration_points', &
         results%integration_columns, results%n_points, results%integration, error)
@@ -180,13 +182,13 @@ contains
 
 
   !> The pages of a guarded file that are still in memory, for the checkpoint (store.f90).
-  subroutine take_result_pages(results, is_old, pages, error)
+  subroutine export_result_pages(results, is_old, pages, error)
     type(results_type), intent(in) :: results
     logical, intent(in) :: is_old                            !< .true.: as they are on disk
-    type(pages_type), intent(out) :: pages
+    type(hdf5_pages_type), intent(out) :: pages
     type(error_type), allocatable, intent(out) :: error
-    call take_pages(results%store, is_old, pages, error)
-  end subroutine take_result_pages
+    call export_pages(results%store, is_old, pages, error)
+  end subroutine export_result_pages
 
 
   !> Writes the pages of a guarded file.
@@ -205,10 +207,10 @@ contains
 
 
   !> Ends with the file. Pages that were not applied are lost.
-  subroutine drop_results(results)
+  subroutine discard_results(results)
     type(results_type), intent(inout) :: results
-    call drop_store(results%store)
-  end subroutine drop_results
+    call discard_hdf5(results%store)
+  end subroutine discard_results
 
 
   !> Writes a converged increment (or the initial state, increment 0): its history row and, if its step wants it
@@ -243,13 +245,13 @@ contains
     type(fields_type), intent(in) :: fields                  !< committed
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
-    type(slave_type), allocatable :: slaves(:)
+    type(slave_state_type), allocatable :: slaves(:)
     type(pair_sums_type) :: s
     integer :: integers(N_PAIR_INTEGERS, size(model%pairs)), p, k
     real(DP) :: reals(N_PAIR_REALS, size(model%pairs))
     do p = 1, size(model%pairs)
       slaves = pack(fields%slaves, fields%slaves%pair == p)
-      call sum_pair(model, fields%u, slaves, s)
+      call sum_pair_forces(model, fields%u, slaves, s)
       integers(:, p) = [record%step, record%increment, p - 1, (count(slaves%status == k), k=0, 2)]
       reals(:, p) = [record%total_time, s%force, s%moment, s%area, s%place(:, :2)]
     end do
@@ -275,9 +277,9 @@ contains
     integer :: integers(N_ITERATION_INTEGERS, 1)
     real(DP) :: reals(N_ITERATION_REALS, 1)
     integers(:, 1) = [record%step, record%increment, record%attempt, record%iteration, record%n_closed, &
-      record%n_status, record%n_scenario, record%n_opened, record%n_closed_now, record%n_krylov, &
-      record%n_balanced, record%n_rounds]
-    reals(:, 1) = finite([record%residual, record%correction, record%step_length, record%worst_gap])
+      record%n_status, record%n_scenario, record%n_newly_opened, record%n_newly_closed, record%n_krylov, &
+      record%n_slip_converged, record%n_subproblem_iterations]
+    reals(:, 1) = finite_or_marker([record%residual, record%correction, record%step_length, record%max_gap_error])
     call append_columns(results%store, ITERATION_COLUMNS, integers, reals, results%iterations, error)
     if (allocated(error)) call abandon(results)
   end subroutine write_iteration
@@ -287,14 +289,14 @@ contains
   subroutine close_results(results, error)
     type(results_type), intent(inout) :: results
     type(error_type), allocatable, intent(out) :: error
-    call close_store(results%store, error)
+    call close_hdf5(results%store, error)
   end subroutine close_results
 
 
   !> Ends with the file after an error: what is on disk is the last whole state.
   subroutine abandon(results)
     type(results_type), intent(inout) :: results
-    call drop_store(results%store)
+    call discard_hdf5(results%store)
   end subroutine abandon
 
 
@@ -302,16 +304,16 @@ contains
   subroutine create_frames(results, error)
     type(results_type), intent(inout) :: results
     type(error_type), allocatable, intent(out) :: error
-    type(form_type) :: form
+    type(hdf5_layout_type) :: form
     integer :: i
     call create_group(results%store, '/VTKHDF/Steps', error)
     if (.not. allocated(error)) call write_attribute(results%store, '/VTKHDF/Steps', 'NSteps', [0], error)
-    if (.not. allocated(error)) call create_table(results%store, results%time, '/VTKHDF/Steps/Values', form_type(), &
+    if (.not. allocated(error)) call create_table(results%store, results%time, '/VTKHDF/Steps/Values', hdf5_layout_type(), &
       '[time]', 'Total time of each frame.', error)
     allocate (results%constant(size(STEP_TABLES)))
     do i = 1, size(STEP_TABLES)
       if (allocated(error)) return
-      form = form_type(storage=STORE_I64, is_matrix=STEP_IS_MATRIX(i))
+      form = hdf5_layout_type(storage=STORAGE_I64, is_matrix=STEP_IS_MATRIX(i))
       call create_table(results%store, results%constant(i), '/VTKHDF/Steps/' // trim(STEP_TABLES(i)), form, '[-]', &
         'The same mesh, in one part, for all frames.', error)
     end do
@@ -322,7 +324,7 @@ contains
     do i = 1, size(results%point_columns)
       if (allocated(error)) return
       call create_table(results%store, results%point_offset(i), &
-        '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), form_type(storage=STORE_I64), '[-]', &
+        '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), hdf5_layout_type(storage=STORAGE_I64), '[-]', &
         'First row of each frame.', error)
     end do
     if (.not. allocated(error)) call create_group(results%store, '/AMONTONS', error)
@@ -334,12 +336,12 @@ contains
   !> The columns of the integration points: STATEV too where a user's material has some.
   pure function columns_of_points(model) result(columns)
     type(model_type), intent(in) :: model
-    type(column_type), allocatable :: columns(:)
+    type(result_column_type), allocatable :: columns(:)
     integer :: n
     columns = INTEGRATION_COLUMNS
     n = 0
     if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
-    if (n > 0) columns = [columns, column_type('SDV', n, '[-]', 'Variables of UMAT (STATEV), as it left them.')]
+    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'Variables of UMAT (STATEV), as it left them.')]
   end function columns_of_points
 
 
@@ -351,7 +353,7 @@ contains
     if (n_pairs > 0) call create_columns(results%store, '/AMONTONS/pair_history', PAIR_COLUMNS, n_pairs, results%pairs, error)
     if (allocated(error)) return
     call create_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, results%history, error)
-    if (.not. allocated(error)) call create_told(results%told, results%store, error)
+    if (.not. allocated(error)) call create_failure_texts(results%failure_texts, results%store, error)
     if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
       results%iterations, error)
   end subroutine create_histories
@@ -362,7 +364,7 @@ contains
     type(results_type), intent(inout) :: results
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
+    type(slave_state_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: reals(:, :), contact_reals(:, :)
     integer, allocatable :: integers(:, :), contact_integers(:, :)
@@ -376,9 +378,9 @@ contains
     call check_points(results, fields, error)
     if (allocated(error)) return
     associate (n => model%mesh%n_nodes)
-      call point_fields(model, fields, slaves, results%far, reals(:, :n), integers(:, :n))
+      call point_fields(model, fields, slaves, results%no_projection_gap, reals(:, :n), integers(:, :n))
       reals(:, n + 1:) = 0.0_DP
-      reals(:3, n + 1:) = displacement_of(results%shown, fields%u)
+      reals(:3, n + 1:) = drawn_displacements(results%drawn, fields%u)
       integers(:, n + 1:) = 0
     end associate
     call check_finite('node', results%point_columns, reals, error)
@@ -407,7 +409,7 @@ contains
       if (.not. allocated(error)) call check_finite(WHERE, columns(2:2), fields%strain, error)
       if (.not. allocated(error)) call check_finite(WHERE, columns(3:3), reshape(fields%energy, [1, results%n_points]), error)
       if (allocated(error) .or. size(fields%history, 1) == 0) return
-      call check_finite(WHERE, columns(4:4), reshape(history_row(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+      call check_finite(WHERE, columns(4:4), reshape(history_variable(fields, HISTORY_PEEQ), [1, results%n_points]), error)
       if (.not. allocated(error) .and. size(columns) > 4) call check_finite(WHERE, columns(5:), &
         fields%history(USER_STATE:, :), error)
     end associate
@@ -424,7 +426,7 @@ contains
       if (.not. allocated(error)) call append_rows(store, table(2), fields%strain, error)
       if (.not. allocated(error)) call append_rows(store, table(3), reshape(fields%energy, [1, results%n_points]), error)
       if (.not. allocated(error)) call append_rows(store, table(4), &
-        reshape(history_row(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+        reshape(history_variable(fields, HISTORY_PEEQ), [1, results%n_points]), error)
       if (.not. allocated(error) .and. size(table) > 4) call append_rows(store, table(5), (fields%history(USER_STATE:, :)), error)
     end associate
   end subroutine append_points
@@ -433,7 +435,7 @@ contains
   !> The contact tables, and which slave stands in which row.
   subroutine create_contact(results, slaves, error)
     type(results_type), intent(inout) :: results
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     type(error_type), allocatable, intent(out) :: error
     results%n_slaves = size(slaves)
     call create_columns(results%store, '/AMONTONS/contact', CONTACT_COLUMNS, max(1, size(slaves)), &
@@ -467,21 +469,21 @@ contains
 
 
   !> The fields at the nodes as they stand in the file, one below the other.
-  subroutine point_fields(model, fields, slaves, far, reals, integers)
+  subroutine point_fields(model, fields, slaves, no_projection_gap, reals, integers)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    type(slave_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
-    real(DP), intent(in) :: far                     !< COPEN without a facet [length]
+    type(slave_state_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
+    real(DP), intent(in) :: no_projection_gap                     !< COPEN without a facet [length]
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
     integer, allocatable :: followers(:, :)
     integer :: i, cpress(2), cshear(2), cslip(2)
-    cpress = rows_of('CPRESS')
-    cshear = rows_of('CSHEAR')
-    cslip = rows_of('CSLIP')
+    cpress = field_rows('CPRESS')
+    cshear = field_rows('CSHEAR')
+    cslip = field_rows('CSLIP')
     call pack_solid(model%mesh, fields, reals)
-    call pack_contact(slaves, far, reals, integers)
-    call show_sides(model, slaves, cpress(1), cshear(2), reals)
+    call pack_contact(slaves, no_projection_gap, reals, integers)
+    call fill_midside_values(model, slaves, cpress(1), cshear(2), reals)
     call list_followers(model, slaves, followers)
     do i = 1, size(followers, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
       associate (node => followers(1, i), ends => followers(2:3, i))
@@ -498,13 +500,13 @@ contains
     type(fields_type), intent(in) :: fields
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer :: u(2), rf(2), s(2), e(2), mises(2), peeq(2), nt(2), i
-    u = rows_of('U')
-    rf = rows_of('RF')
-    s = rows_of('S')
-    e = rows_of('E')
-    mises = rows_of('S_mises')
-    peeq = rows_of('PEEQ')
-    nt = rows_of('NT')
+    u = field_rows('U')
+    rf = field_rows('RF')
+    s = field_rows('S')
+    e = field_rows('E')
+    mises = field_rows('S_mises')
+    peeq = field_rows('PEEQ')
+    nt = field_rows('NT')
     reals = 0                                       ! what no slave node fills, and PEEQ without plasticity
     reals(u(1):u(2), :) = fields%u
     reals(rf(1):rf(2), :) = fields%reaction_force
@@ -519,44 +521,45 @@ contains
       reals(mises(1), i) = von_mises(reals(s(1):s(2), i))
     end do
     !$omp end parallel do
-    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, reshape(history_row(fields, HISTORY_PEEQ), [1, mesh%n_points]), &
+    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, reshape(history_variable(fields, HISTORY_PEEQ), [1, &
+      mesh%n_points]), &
       reals(peeq(1):peeq(2), :))
     reals(nt(1), :) = fields%temperature
   end subroutine pack_solid
 
 
   !> The contact columns of the point data. A node that is slave of two pairs shows the one that counts more.
-  subroutine pack_contact(slaves, far, reals, integers)
-    type(slave_type), intent(in) :: slaves(:)
-    real(DP), intent(in) :: far                     !< COPEN without a facet [length]
+  subroutine pack_contact(slaves, no_projection_gap, reals, integers)
+    type(slave_state_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: no_projection_gap                     !< COPEN without a facet [length]
     real(DP), intent(inout) :: reals(:, :)          !< (N_POINT_REALS, n_nodes)
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes)
-    integer :: shown(size(reals, 2)), i, node
+    integer :: drawn(size(reals, 2)), i, node
     integer :: cpress(2), cshear(2), copen(2), cslip(2), cnormf(2), cshearf(2)
-    cpress = rows_of('CPRESS')
-    cshear = rows_of('CSHEAR')
-    copen = rows_of('COPEN')
-    cslip = rows_of('CSLIP')
-    cnormf = rows_of('CNORMF')
-    cshearf = rows_of('CSHEARF')
-    shown = 0
+    cpress = field_rows('CPRESS')
+    cshear = field_rows('CSHEAR')
+    copen = field_rows('COPEN')
+    cslip = field_rows('CSLIP')
+    cnormf = field_rows('CNORMF')
+    cshearf = field_rows('CSHEARF')
+    drawn = 0
     do i = 1, size(slaves)
       node = slaves(i)%node
-      if (shown(node) == 0) then
-        shown(node) = i
-      else if (counts_more(slaves(i), slaves(shown(node)))) then
-        shown(node) = i
+      if (drawn(node) == 0) then
+        drawn(node) = i
+      else if (has_precedence(slaves(i), slaves(drawn(node)))) then
+        drawn(node) = i
       end if
     end do
     integers = 0
-    do node = 1, size(shown)
-      if (shown(node) == 0) cycle
-      associate (slave => slaves(shown(node)))
+    do node = 1, size(drawn)
+      if (drawn(node) == 0) cycle
+      associate (slave => slaves(drawn(node)))
         if (slave%area > 0) then
           reals(cpress(1), node) = dot_product(slave%force, slave%normal) / slave%area
           reals(cshear(1):cshear(2), node) = slave%shear / slave%area
         end if
-        reals(copen(1), node) = merge(slave%gap, far, slave%facet > 0)
+        reals(copen(1), node) = merge(slave%gap, no_projection_gap, slave%facet > 0)
         reals(cslip(1):cslip(2), node) = slave%slip
         reals(cnormf(1):cnormf(2), node) = slave%force
         reals(cshearf(1):cshearf(2), node) = slave%shear
@@ -568,22 +571,22 @@ contains
 
   !> Closed before open; of two closed the one with the larger force; of two open the nearer; of two equal ones, which rounding
   !! makes differ, the pair that comes first in the deck.
-  pure function counts_more(a, b) result(is_more)
-    type(slave_type), intent(in) :: a, b
+  pure function has_precedence(a, b) result(is_more)
+    type(slave_state_type), intent(in) :: a, b
     logical :: is_more
     if ((a%status == STATUS_OPEN) .neqv. (b%status == STATUS_OPEN)) then
       is_more = b%status == STATUS_OPEN
     else if (a%status /= STATUS_OPEN) then
-      is_more = norm2(a%force) > (1 + EQUAL) * norm2(b%force)
+      is_more = norm2(a%force) > (1 + TOL_EQUAL_VALUE) * norm2(b%force)
     else
-      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap - EQUAL * abs(b%gap))
+      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap - TOL_EQUAL_VALUE * abs(b%gap))
     end if
-  end function counts_more
+  end function has_precedence
 
 
   !> The memory of all slaves in the order of CONTACT_COLUMNS.
   pure subroutine pack_slaves(slaves, integers, reals)
-    type(slave_type), intent(in) :: slaves(:)
+    type(slave_state_type), intent(in) :: slaves(:)
     integer, allocatable, intent(out) :: integers(:, :)
     real(DP), allocatable, intent(out) :: reals(:, :)
     integer :: i
@@ -608,75 +611,76 @@ contains
     real(DP) :: reals(N_HISTORY_REALS, 1)
     integers(:, 1) = [record%step, record%increment, record%attempt, merge(1, 0, record%is_converged), &
       record%n_iterations, record%n_cutbacks, record%n_status, record%n_scenario, record%n_factorisations, &
-      record%n_krylov, record%n_cycles, record%n_unforeseen, frame]
+      record%n_krylov, record%n_cycles_treated, record%n_status_changes, frame]
     reals(:, 1) = [record%total_time, record%step_time, record%dt, record%smallest_step_length, record%residual, &
       record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
       record%slave_force, record%external_work, record%friction_work, record%strain_energy, &
-      record%contact_energy, record%carried_work, record%damped_work, &
+      record%contact_energy, record%proximal_work, record%stabilization_work, &
       record%plastic_work]
     if (record%is_converged) call check_finite('history row', HISTORY_COLUMNS, reals, error)
     if (.not. allocated(error)) then
-      reals(:, 1) = finite(reals(:, 1))
+      reals(:, 1) = finite_or_marker(reals(:, 1))
       call append_columns(results%store, HISTORY_COLUMNS, integers, reals, results%history, error)
     end if
-    if (.not. allocated(error)) call append_told(results%told, results%store, record, error)
-    if (.not. allocated(error)) call flush_store(results%store, error)
+    if (.not. allocated(error)) call append_failure_texts(results%failure_texts, results%store, record, error)
+    if (.not. allocated(error)) call flush_hdf5(results%store, error)
     if (allocated(error)) call abandon(results)
   end subroutine write_row
 
 
   !> A value that can be written: what is NaN or infinite in a failed attempt becomes 1e30.
-  elemental function finite(value) result(written)
+  elemental function finite_or_marker(value) result(written)
     real(DP), intent(in) :: value
     real(DP) :: written
-    written = UNTOLD
+    written = NOT_FINITE_VALUE
     if (ieee_is_finite(value)) written = value
-  end function finite
+  end function finite_or_marker
 
 
   !> Creates the tables; the group of the history is there.
-  subroutine create_told(told, store, error)
-    type(told_type), intent(out) :: told
-    type(store_type), intent(in) :: store
+  subroutine create_failure_texts(failure_texts, store, error)
+    type(failure_text_type), intent(out) :: failure_texts
+    type(hdf5_file_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
-    call create_table(store, told%reason, REASON, REASON_FORM, '[-]', 'Why the attempt failed; empty if it converged.', error)
-    if (.not. allocated(error)) call create_group(store, FOLDER, error)
-    if (.not. allocated(error)) call create_table(store, told%line, FOLDER // '/line', LINE_FORM, '[-]', &
+    call create_table(store, failure_texts%reason, REASON_TABLE, REASON_FORM, '[-]', &
+      'Why the attempt failed; empty if it converged.', error)
+    if (.not. allocated(error)) call create_group(store, FAILURE_TEXT_GROUP, error)
+    if (.not. allocated(error)) call create_table(store, failure_texts%line, FAILURE_TEXT_GROUP // '/line', LINE_FORM, '[-]', &
       'What was told of attempts: of those that failed the worst nodes with their contact, and a remedy.', error)
-    if (.not. allocated(error)) call create_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, '[-]', &
+    if (.not. allocated(error)) call create_table(store, failure_texts%attempt, FAILURE_TEXT_GROUP // '/attempt', ROW_FORM, '[-]', &
       'The row of the history that the line is about.', error)
-  end subroutine create_told
+  end subroutine create_failure_texts
 
 
   !> Opens the tables of a file that goes on.
-  subroutine open_told(told, store, error)
-    type(told_type), intent(out) :: told
-    type(store_type), intent(in) :: store
+  subroutine open_failure_texts(failure_texts, store, error)
+    type(failure_text_type), intent(out) :: failure_texts
+    type(hdf5_file_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
-    call open_table(store, told%reason, REASON, REASON_FORM, error)
-    if (.not. allocated(error)) call open_table(store, told%line, FOLDER // '/line', LINE_FORM, error)
-    if (.not. allocated(error)) call open_table(store, told%attempt, FOLDER // '/attempt', ROW_FORM, error)
-  end subroutine open_told
+    call open_table(store, failure_texts%reason, REASON_TABLE, REASON_FORM, error)
+    if (.not. allocated(error)) call open_table(store, failure_texts%line, FAILURE_TEXT_GROUP // '/line', LINE_FORM, error)
+    if (.not. allocated(error)) call open_table(store, failure_texts%attempt, FAILURE_TEXT_GROUP // '/attempt', ROW_FORM, error)
+  end subroutine open_failure_texts
 
 
   !> Adds what is told of an attempt.
-  subroutine append_told(told, store, record, error)
-    type(told_type), intent(inout) :: told
-    type(store_type), intent(in) :: store
+  subroutine append_failure_texts(failure_texts, store, record, error)
+    type(failure_text_type), intent(inout) :: failure_texts
+    type(hdf5_file_type), intent(in) :: store
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: words
     integer :: row, i
-    row = int(told%reason%n_rows)
+    row = int(failure_texts%reason%n_rows)
     words = ''
     if (allocated(record%reason)) words = record%reason
-    call append_rows(store, told%reason, words, error)
-    if (.not. allocated(record%story)) return
-    do i = 1, size(record%story)
-      if (.not. allocated(error)) call append_rows(store, told%line, trim(record%story(i)), error)
-      if (.not. allocated(error)) call append_rows(store, told%attempt, reshape([row], [1, 1]), error)
+    call append_rows(store, failure_texts%reason, words, error)
+    if (.not. allocated(record%report_lines)) return
+    do i = 1, size(record%report_lines)
+      if (.not. allocated(error)) call append_rows(store, failure_texts%line, trim(record%report_lines(i)), error)
+      if (.not. allocated(error)) call append_rows(store, failure_texts%attempt, reshape([row], [1, 1]), error)
       if (allocated(error)) return
     end do
-  end subroutine append_told
+  end subroutine append_failure_texts
 
 end module amontons_results

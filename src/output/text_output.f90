@@ -6,7 +6,7 @@
 module amontons_text_output
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: cut_file, sync_file
+  use amontons_posix, only: truncate_file, sync_file
   use amontons_steps, only: is_output_due
   use amontons_model, only: job_options_type, job_path, model_type
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
@@ -14,123 +14,124 @@ module amontons_text_output
   use amontons_dat_output, only: print_request
   implicit none
   private
-  public :: printed_type, open_printed, resume_printed, sync_printed, measure_printed, check_printed, print_iteration, &
-    print_increment, print_fields, close_printed
+  public :: text_output_type, open_text_output, resume_text_output, sync_text_output, text_output_lengths, check_text_output, &
+    print_iteration, &
+    print_increment, print_fields, close_text_output
 
   !> The text files of a job that are being written. Units are 0 if not open.
-  type :: printed_type
+  type :: text_output_type
     private
     integer :: sta = 0
     integer :: cvg = 0
     integer :: dat = 0
     character(:), allocatable :: sta_path, cvg_path, dat_path
     integer :: status = 0                    !< of the first line that could not be written
-  end type printed_type
+  end type text_output_type
 
 contains
 
   !> Opens job.sta and job.cvg with their head lines, and job.dat if a step has PRINT cards.
-  subroutine open_printed(printed, model, options, error)
-    type(printed_type), intent(out) :: printed
+  subroutine open_text_output(output, model, options, error)
+    type(text_output_type), intent(out) :: output
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
     integer :: status
-    printed%sta_path = job_path(options, '.sta')
-    call open_text(printed%sta_path, printed%sta, error)
+    output%sta_path = job_path(options, '.sta')
+    call open_text(output%sta_path, output%sta, error)
     if (allocated(error)) return
-    write (printed%sta, '(a)', iostat=status) 'SUMMARY OF JOB INFORMATION', &
+    write (output%sta, '(a)', iostat=status) 'SUMMARY OF JOB INFORMATION', &
       '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME' // &
       '    OPEN  STICK   SLIP      S-I     S-II    S-III     S-IV  CUT  FACT  KRYLOV   RESIDUAL  CORRECTION'
-    if (printed%status == 0) printed%status = status
-    call bring_out(printed, printed%sta)
-    printed%cvg_path = job_path(options, '.cvg')
-    call open_text(printed%cvg_path, printed%cvg, error)
+    if (output%status == 0) output%status = status
+    call flush_unit(output, output%sta)
+    output%cvg_path = job_path(options, '.cvg')
+    call open_text(output%cvg_path, output%cvg, error)
     if (allocated(error)) return
-    write (printed%cvg, '(a)', iostat=status) 'SUMMARY OF C0NVERGENCE INFORMATION', &
+    write (output%cvg, '(a)', iostat=status) 'SUMMARY OF C0NVERGENCE INFORMATION', &
       '  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.' // &
       '    OPEN  STICK   SLIP    S-I   S-II  S-III   S-IV OPENED CLOSED KRYLOV       STEP        WORST BALANC ROUNDS', &
       '                              EL.    FORCE         DISP       FLUX        TEMP.' // &
       '                                                                      LENGTH          GAP', &
       '                              (#)     (%)           (%)        (%)         (%)' // &
       '     (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)    (#)         (-)     (LENGTH)'
-    if (printed%status == 0) printed%status = status
-    call bring_out(printed, printed%cvg)
+    if (output%status == 0) output%status = status
+    call flush_unit(output, output%cvg)
     if (.not. has_prints(model)) return
-    printed%dat_path = job_path(options, '.dat')
-    call open_text(printed%dat_path, printed%dat, error)
-  end subroutine open_printed
+    output%dat_path = job_path(options, '.dat')
+    call open_text(output%dat_path, output%dat, error)
+  end subroutine open_text_output
 
 
   !> Opens the files of a job that goes on after a checkpoint: each is cut off where it was then.
-  subroutine resume_printed(printed, model, options, lengths, error)
-    type(printed_type), intent(out) :: printed
+  subroutine resume_text_output(output, model, options, lengths, error)
+    type(text_output_type), intent(out) :: output
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     integer(I64), intent(in) :: lengths(3)         !< of .sta, .cvg, .dat [bytes]
     type(error_type), allocatable, intent(out) :: error
-    printed%sta_path = job_path(options, '.sta')
-    call reopen_text(printed%sta_path, lengths(1), printed%sta, error)
+    output%sta_path = job_path(options, '.sta')
+    call reopen_text(output%sta_path, lengths(1), output%sta, error)
     if (allocated(error)) return
-    printed%cvg_path = job_path(options, '.cvg')
-    call reopen_text(printed%cvg_path, lengths(2), printed%cvg, error)
+    output%cvg_path = job_path(options, '.cvg')
+    call reopen_text(output%cvg_path, lengths(2), output%cvg, error)
     if (allocated(error) .or. .not. has_prints(model)) return
-    printed%dat_path = job_path(options, '.dat')
-    call reopen_text(printed%dat_path, lengths(3), printed%dat, error)
-  end subroutine resume_printed
+    output%dat_path = job_path(options, '.dat')
+    call reopen_text(output%dat_path, lengths(3), output%dat, error)
+  end subroutine resume_text_output
 
 
   !> Brings the files to the medium.
-  subroutine sync_printed(printed, error)
-    type(printed_type), intent(in) :: printed
+  subroutine sync_text_output(output, error)
+    type(text_output_type), intent(in) :: output
     type(error_type), allocatable, intent(out) :: error
-    call check_printed(printed, error)
-    if (.not. allocated(error) .and. printed%sta /= 0) call sync_file(printed%sta_path, error)
-    if (.not. allocated(error) .and. printed%cvg /= 0) call sync_file(printed%cvg_path, error)
-    if (.not. allocated(error) .and. printed%dat /= 0) call sync_file(printed%dat_path, error)
-  end subroutine sync_printed
+    call check_text_output(output, error)
+    if (.not. allocated(error) .and. output%sta /= 0) call sync_file(output%sta_path, error)
+    if (.not. allocated(error) .and. output%cvg /= 0) call sync_file(output%cvg_path, error)
+    if (.not. allocated(error) .and. output%dat /= 0) call sync_file(output%dat_path, error)
+  end subroutine sync_text_output
 
 
   !> How long the files are now.
-  subroutine measure_printed(printed, lengths)
-    type(printed_type), intent(inout) :: printed
+  subroutine text_output_lengths(output, lengths)
+    type(text_output_type), intent(inout) :: output
     integer(I64), intent(out) :: lengths(3)        !< of .sta, .cvg, .dat; 0 if not open [bytes]
     lengths = 0
-    call measure(printed%sta, lengths(1))
-    call measure(printed%cvg, lengths(2))
-    call measure(printed%dat, lengths(3))
+    call unit_length(output%sta, lengths(1))
+    call unit_length(output%cvg, lengths(2))
+    call unit_length(output%dat, lengths(3))
 
   contains
 
     !> One of them.
-    subroutine measure(unit, length)
+    subroutine unit_length(unit, length)
       integer, intent(in) :: unit
       integer(I64), intent(inout) :: length
       if (unit == 0) return
-      call bring_out(printed, unit)
+      call flush_unit(output, unit)
       inquire (unit=unit, size=length)
-    end subroutine measure
+    end subroutine unit_length
 
-  end subroutine measure_printed
+  end subroutine text_output_lengths
 
 
   !> An error if a line could not be written since the files were opened: a full disk.
-  subroutine check_printed(printed, error)
-    type(printed_type), intent(in) :: printed
+  subroutine check_text_output(output, error)
+    type(text_output_type), intent(in) :: output
     type(error_type), allocatable, intent(out) :: error
-    if (printed%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // printed%sta_path // ' or ' // &
+    if (output%status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // output%sta_path // ' or ' // &
       'the .cvg or .dat beside it (is the disk full?).')
-  end subroutine check_printed
+  end subroutine check_text_output
 
 
   !> Closes a file; the first trouble is kept.
-  subroutine close_text(printed, unit)
-    type(printed_type), intent(inout) :: printed
+  subroutine close_text(output, unit)
+    type(text_output_type), intent(inout) :: output
     integer, intent(in) :: unit
     integer :: status
     if (unit == 0) return
     close (unit, iostat=status)
-    if (printed%status == 0) printed%status = status
+    if (output%status == 0) output%status = status
   end subroutine close_text
 
 
@@ -146,13 +147,13 @@ contains
 
 
   !> Flushes a file; the first trouble is kept.
-  subroutine bring_out(printed, unit)
-    type(printed_type), intent(inout) :: printed
+  subroutine flush_unit(output, unit)
+    type(text_output_type), intent(inout) :: output
     integer, intent(in) :: unit
     integer :: status
     flush (unit, iostat=status)
-    if (printed%status == 0) printed%status = status
-  end subroutine bring_out
+    if (output%status == 0) output%status = status
+  end subroutine flush_unit
 
 
   !> Opens a text file to go on behind a length that it has.
@@ -164,7 +165,7 @@ contains
     character(200) :: reason
     integer :: status
     unit = 0
-    call cut_file(path, length, error)
+    call truncate_file(path, length, error)
     if (allocated(error)) return
     open (newunit=unit, file=path, status='old', action='write', form='formatted', position='append', iostat=status, &
       iomsg=reason)
@@ -189,109 +190,110 @@ contains
 
 
   !> Writes a line of .cvg. Residual and correction are in per cent, as in CalculiX.
-  subroutine print_iteration(printed, record)
-    type(printed_type), intent(inout) :: printed
+  subroutine print_iteration(output, record)
+    type(text_output_type), intent(inout) :: output
     type(iteration_record_type), intent(in) :: record
     integer :: status
-    if (printed%cvg == 0) return
-    write (printed%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5),2(1x,i6))', &
+    if (output%cvg == 0) return
+    write (output%cvg, '(2x,i4,2x,i4,2x,i4,2x,i4,2x,i7,4(1x,e11.4),3(1x,i6),4(1x,i6),3(1x,i6),2(1x,e12.5),2(1x,i6))', &
       iostat=status) &
       record%step, record%increment, record%attempt, record%iteration, record%n_closed, 100 * record%residual, &
-      100 * record%correction, 0.0_DP, 0.0_DP, record%n_status, record%n_scenario, record%n_opened, &
-      record%n_closed_now, record%n_krylov, record%step_length, record%worst_gap, record%n_balanced, record%n_rounds
-    if (printed%status == 0) printed%status = status
-    call bring_out(printed, printed%cvg)
+      100 * record%correction, 0.0_DP, 0.0_DP, record%n_status, record%n_scenario, record%n_newly_opened, &
+      record%n_newly_closed, record%n_krylov, record%step_length, record%max_gap_error, record%n_slip_converged, &
+      record%n_subproblem_iterations
+    if (output%status == 0) output%status = status
+    call flush_unit(output, output%cvg)
   end subroutine print_iteration
 
 
   !> Writes a line of .sta; an attempt that failed has a U behind its number and the times at which it began.
-  subroutine print_increment(printed, record)
-    type(printed_type), intent(inout) :: printed
+  subroutine print_increment(output, record)
+    type(text_output_type), intent(inout) :: output
     type(increment_record_type), intent(in) :: record
-    character(*), parameter :: OURS = '3(1x,i6),4(1x,i8),1x,i4,1x,i5,1x,i7,2(1x,e11.4))'
+    character(*), parameter :: EXTRA_FORMAT = '3(1x,i6),4(1x,i8),1x,i4,1x,i5,1x,i7,2(1x,e11.4))'
     real(DP) :: back
     integer :: status
     character(:), allocatable :: form
-    if (printed%sta == 0) return
+    if (output%sta == 0) return
     if (record%is_converged) then
-      form = '(1x,i5,1x,i10,2(1x,i5),3(1x,e13.6),' // OURS
+      form = '(1x,i5,1x,i10,2(1x,i5),3(1x,e13.6),' // EXTRA_FORMAT
       back = 0
     else
-      form = '(1x,i5,1x,i10,1x,i5,''U'',1x,i4,3(1x,e13.6),' // OURS
+      form = '(1x,i5,1x,i10,1x,i5,''U'',1x,i4,3(1x,e13.6),' // EXTRA_FORMAT
       back = record%dt
     end if
-    write (printed%sta, form, iostat=status) record%step, record%increment, record%attempt, record%n_iterations, &
+    write (output%sta, form, iostat=status) record%step, record%increment, record%attempt, record%n_iterations, &
       record%total_time - back, record%step_time - back, record%dt, record%n_status, record%n_scenario, &
       record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
-    if (printed%status == 0) printed%status = status
-    call bring_out(printed, printed%sta)
-    if (printed%cvg /= 0) call print_course(printed, record)
-    call bring_out(printed, printed%cvg)
+    if (output%status == 0) output%status = status
+    call flush_unit(output, output%sta)
+    if (output%cvg /= 0) call print_attempt_notes(output, record)
+    call flush_unit(output, output%cvg)
   end subroutine print_increment
 
 
   !> Writes below the iterations of an attempt what they do not tell: cycles, bodies that were carried, why it failed.
-  subroutine print_course(printed, record)
-    type(printed_type), intent(inout) :: printed
+  subroutine print_attempt_notes(output, record)
+    type(text_output_type), intent(inout) :: output
     type(increment_record_type), intent(in) :: record
     character(:), allocatable :: words
     integer :: status, i
     status = 0
-    if (record%n_cycles > 0) &
-      write (printed%cvg, '(a,i0)', iostat=status) '  ** cycles of slave nodes that were acted on: ', record%n_cycles
-    if (printed%status == 0) printed%status = status
+    if (record%n_cycles_treated > 0) &
+      write (output%cvg, '(a,i0)', iostat=status) '  ** cycles of slave nodes that were acted on: ', record%n_cycles_treated
+    if (output%status == 0) output%status = status
     if (.not. record%is_converged .and. allocated(record%reason)) &
-      write (printed%cvg, '(2a)', iostat=status) '  ** ', record%reason
-    if (printed%status == 0) printed%status = status
-    if (allocated(record%story)) then
-      do i = 1, size(record%story)
-        if (record%story(i) /= '') write (printed%cvg, '(2a)', iostat=status) '  ** ', trim(record%story(i))
-        if (printed%status == 0) printed%status = status
+      write (output%cvg, '(2a)', iostat=status) '  ** ', record%reason
+    if (output%status == 0) output%status = status
+    if (allocated(record%report_lines)) then
+      do i = 1, size(record%report_lines)
+        if (record%report_lines(i) /= '') write (output%cvg, '(2a)', iostat=status) '  ** ', trim(record%report_lines(i))
+        if (output%status == 0) output%status = status
       end do
     end if
-    if (.not. record%is_converged .or. record%n_carried == 0) return
+    if (.not. record%is_converged .or. record%n_proximal == 0) return
     words = '  ** carried in '
-    if (record%n_snapped > 0) words = '  ** carried to another balance in '
-    write (printed%cvg, '(a,i0,a,es11.4,a)', iostat=status) words, record%n_carried, ' iterations, work ', &
-      record%carried_now, ', nothing of it left at the end'
-    if (printed%status == 0) printed%status = status
-  end subroutine print_course
+    if (record%n_snap_through > 0) words = '  ** carried to another balance in '
+    write (output%cvg, '(a,i0,a,es11.4,a)', iostat=status) words, record%n_proximal, ' iterations, work ', &
+      record%proximal_work_increment, ', nothing of it left at the end'
+    if (output%status == 0) output%status = status
+  end subroutine print_attempt_notes
 
 
   !> Writes what the PRINT cards of the step ask of a converged increment; nothing if its turn has not come
   !! (print_frequency), and nothing for increment 0.
-  subroutine print_fields(printed, model, fields, record, error)
-    type(printed_type), intent(in) :: printed
+  subroutine print_fields(output, model, fields, record, error)
+    type(text_output_type), intent(in) :: output
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields                  !< committed
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
     integer :: i, status
     character(200) :: reason
-    if (printed%dat == 0 .or. record%increment == 0) return
+    if (output%dat == 0 .or. record%increment == 0) return
     associate (step => model%steps(record%step))
       if (.not. allocated(step%prints)) return
       if (size(step%prints) == 0) return
       if (.not. is_output_due(step, step%print_frequency, record%increment, record%step_time, &
         step%print_times)) return
-      write (printed%dat, '(/24x,a,i5,///,32x,a,i5,/)') 'S T E P   ', record%step, 'INCREMENT ', record%increment
+      write (output%dat, '(/24x,a,i5,///,32x,a,i5,/)') 'S T E P   ', record%step, 'INCREMENT ', record%increment
       do i = 1, size(step%prints)
-        call print_request(printed%dat, model, fields, step%prints(i), step%is_nlgeom)
+        call print_request(output%dat, model, fields, step%prints(i), step%is_nlgeom)
       end do
     end associate
-    flush (printed%dat, iostat=status, iomsg=reason)
-    if (status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // printed%dat_path // ': ' // &
+    flush (output%dat, iostat=status, iomsg=reason)
+    if (status /= 0) call set_error(error, EXIT_IO, 'Cannot write the file ' // output%dat_path // ': ' // &
       trim(reason) // '.')
   end subroutine print_fields
 
 
   !> Closes the files that are open.
-  subroutine close_printed(printed)
-    type(printed_type), intent(inout) :: printed
-    call close_text(printed, printed%sta)
-    call close_text(printed, printed%cvg)
-    call close_text(printed, printed%dat)
-    printed = printed_type()
-  end subroutine close_printed
+  subroutine close_text_output(output)
+    type(text_output_type), intent(inout) :: output
+    call close_text(output, output%sta)
+    call close_text(output, output%cvg)
+    call close_text(output, output%dat)
+    output = text_output_type()
+  end subroutine close_text_output
 
 end module amontons_text_output

@@ -4,7 +4,7 @@ module amontons_state
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_loads, only: load_value
-  use amontons_material_point, only: elastic_strain_of, axes_at
+  use amontons_material_point, only: elastic_strain_from_stress, evaluate_orientation
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
@@ -14,23 +14,23 @@ module amontons_state
   use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
-  use amontons_topology, only: MAX_NODES, MAX_POINTS
+  use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: set_temperatures, history_row, amplitude_memory, inelastic_strain, inner_variables, n_inner_variables
-  public :: state_type, fields_type, slave_type, create_state, create_material_state, commit_state, restore_state
+  public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
+  public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
-  integer, parameter :: N_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
+  integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
 
   !> The contact memory of one slave node of one pair.
-  type :: slave_type
+  type :: slave_state_type
     integer :: pair = 0                     !< index into model%pairs
     integer :: node = 0                     !< node index
     integer :: memory = 0                   !< where its STATEV of FRIC or UINTER begin in user_memory, less one
     integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
-    integer :: side = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
+    integer :: slave_facet = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
     real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
     type(node_overrides_type) :: overrides  !< what the solver imposes on it
     integer :: status = STATUS_OPEN         !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP
@@ -39,7 +39,7 @@ module amontons_state
     real(DP) :: xi(2) = 0                   !< natural coordinates there
     real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0               !< unit normal out of the master
-    logical :: is_within = .false.          !< it came within the reach of its compliant law in this increment and is there
+    logical :: is_in_law_range = .false.          !< it came within the reach of its compliant law in this increment and is there
     integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere
     real(DP) :: origin_xi(2) = 0            !< natural coordinates there
     real(DP) :: origin_offset(3) = 0        !< x_s less that point when it touched; not 0 only where the weights are kept [length]
@@ -47,16 +47,17 @@ module amontons_state
     real(DP) :: shear(3) = 0                !< contact force on the slave node, tangential part [force]
     real(DP) :: slip(3) = 0                 !< accumulated slip vector up to the committed state, plus this increment's [length]
     real(DP) :: elastic(3) = 0              !< elastic part of the slip; compliant laws only, not in slip [length]
-    logical :: is_started = .false.         !< its place at the start of the job was looked at
+    logical :: is_initialized = .false.         !< its place at the start of the job was looked at
     real(DP) :: clearance = 0               !< added to the distance to give the gap, for good [length]
     real(DP) :: allowed = 0                 !< overclosure that is allowed at the start of the step, ramped down over it [length]
     real(DP) :: offset = 0                  !< the sum of both, now [length]
     real(DP) :: energy = 0                  !< stored by a compliant law [energy]
     real(DP) :: slip_increment(3) = 0       !< of this increment [length]
     real(DP) :: area = 0                    !< tributary area [length^2]
-    real(DP) :: arm(3) = 0                  !< from the node to where its force acts, where it also acts at nodes beside it [length]
+    real(DP) :: force_arm(3) = 0                  !< from the node to where its force acts, where it also acts at nodes beside it
+                                                  !! [length]
     real(DP) :: stiffness = 0               !< scale c of the trial traction [force/length]
-  end type slave_type
+  end type slave_state_type
 
   !> All that an increment changes. Forces are those of the configuration u.
   type :: fields_type
@@ -78,9 +79,10 @@ module amontons_state
     real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
     real(DP) :: creep_time = 0              !< time spent in steps in which materials creep [time]
     real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not there: global
-    real(DP), allocatable :: birth(:, :)    !< (3, nodes of all elements) displacement of an element's node when it was put back;
+    real(DP), allocatable :: birth_displacement(:, :)    !< (3, nodes of all elements) displacement of an element's node when it
+                                                         !! was put back;
     !< not there: no step puts elements back [length]
-    type(slave_type), allocatable :: slaves(:)
+    type(slave_state_type), allocatable :: slaves(:)
     real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
     real(DP), allocatable :: contact_force(:, :)    !< (3, n_nodes) F_c on slaves and masters [force]
@@ -88,9 +90,9 @@ module amontons_state
     real(DP) :: external_work = 0           !< since the start [energy]
     real(DP) :: friction_work = 0           !< since the start [energy]
     real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
-    real(DP) :: damped_work = 0             !< dissipated by it since the start [energy]
+    real(DP) :: stabilization_work = 0             !< dissipated by it since the start [energy]
     real(DP) :: plastic_work = 0            !< of stresses on plastic and creep strains, since the start [energy]
-    real(DP) :: carried_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
+    real(DP) :: proximal_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
   end type fields_type
 
   !> Committed and trial fields.
@@ -105,7 +107,7 @@ contains
   subroutine create_state(state, mesh, slaves)
     type(state_type), intent(out) :: state
     type(mesh_type), intent(in) :: mesh
-    type(slave_type), intent(in) :: slaves(:)   !< all slave nodes of all pairs
+    type(slave_state_type), intent(in) :: slaves(:)   !< all slave nodes of all pairs
     integer :: n, m
     n = mesh%n_nodes
     m = mesh%n_points
@@ -131,7 +133,7 @@ contains
     associate (new => state%new)
       if (allocated(model%initial_temperature)) new%temperature = model%initial_temperature
       deallocate (new%history, new%user_memory)
-      n_memory = amplitude_memory(model)
+      n_memory = n_amplitude_memory(model)
       do i = 1, size(new%slaves)
         n_memory = n_memory + model%interactions(model%pairs(new%slaves(i)%pair)%interaction)%n_statev
       end do
@@ -143,30 +145,30 @@ contains
         new%history(:n_history, :) = model%initial_history(:n_history, :)
       end if
       if (allocated(model%orientations)) then
-        if (size(model%orientations) > 0) call find_frames(model, new%frame)
+        if (size(model%orientations) > 0) call find_material_frames(model, new%frame)
       end if
-      if (allocated(model%initial_stress)) call start_with_stress(model, new)
-      if (any([(allocated(model%steps(i)%is_born), i=1, size(model%steps))])) &
-        allocate (new%birth(3, size(model%mesh%nodes)), source=0.0_DP)
+      if (allocated(model%initial_stress)) call apply_initial_stress(model, new)
+      if (any([(allocated(model%steps(i)%is_reactivated), i=1, size(model%steps))])) &
+        allocate (new%birth_displacement(3, size(model%mesh%nodes)), source=0.0_DP)
     end associate
     state%old = state%new
   end subroutine create_material_state
 
 
   !> The length of what amplitudes by UAMP keep.
-  pure integer function amplitude_memory(model) result(n)
+  pure integer function n_amplitude_memory(model) result(n)
     type(model_type), intent(in) :: model
     n = 0
     if (allocated(model%amplitudes)) n = sum(merge(1 + model%amplitudes%n_svars, 0, model%amplitudes%is_user))
-  end function amplitude_memory
+  end function n_amplitude_memory
 
 
   !> The local axes of the points from the orientations of their elements.
-  subroutine find_frames(model, frame)
+  subroutine find_material_frames(model, frame)
     type(model_type), intent(in) :: model
     real(DP), allocatable, intent(out) :: frame(:, :, :)
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
-    integer :: e, k, p, n_rule, n_nodes, nodes(MAX_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    integer :: e, k, p, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
     allocate (frame(3, 3, model%mesh%n_points), source=spread(IDENTITY, 3, model%mesh%n_points))
     do e = 1, model%mesh%n_elements
       k = model%element_orientation(e)
@@ -175,19 +177,19 @@ contains
       call quadrature(model%mesh%kind(e), n_rule, xi, w)
       do p = 1, model%mesh%point_first(e + 1) - model%mesh%point_first(e)
         call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
-        frame(:, :, model%mesh%point_first(e) + p - 1) = axes_at(model%orientations(k), &
+        frame(:, :, model%mesh%point_first(e) + p - 1) = evaluate_orientation(model%orientations(k), &
           matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)))
       end do
     end do
-  end subroutine find_frames
+  end subroutine find_material_frames
 
 
   !> Initial stresses become inelastic strains of the other sign.
-  subroutine start_with_stress(model, fields)
+  subroutine apply_initial_stress(model, fields)
     type(model_type), intent(in) :: model
     type(fields_type), intent(inout) :: fields
     real(DP) :: frame(3, 3), temperature
-    integer :: e, p, n, nodes(MAX_NODES)
+    integer :: e, p, n, nodes(MAX_ELEMENT_NODES)
     frame = IDENTITY
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
@@ -196,26 +198,26 @@ contains
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         if (allocated(fields%frame)) frame = fields%frame(:, :, p)
         if (model%materials(model%mesh%material(e))%is_user) then
-          fields%history(USER_STRESS:USER_STRESS + 5, p) = local_stress(model%initial_stress(:, p), frame)
+          fields%history(USER_STRESS:USER_STRESS + 5, p) = rotate_stress_to_frame(model%initial_stress(:, p), frame)
           cycle
         end if
         associate (strain => fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p))
-          strain = strain - elastic_strain_of(model%materials(model%mesh%material(e)), temperature, frame, &
+          strain = strain - elastic_strain_from_stress(model%materials(model%mesh%material(e)), temperature, frame, &
             model%initial_stress(:, p))
         end associate
       end do
     end do
-  end subroutine start_with_stress
+  end subroutine apply_initial_stress
 
 
   !> The components 11 22 33 12 13 23 of a stress in local axes.
-  pure function local_stress(stress, frame) result(x)
+  pure function rotate_stress_to_frame(stress, frame) result(x)
     real(DP), intent(in) :: stress(6)              !< xx yy zz xy yz xz, global [stress]
     real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
     real(DP) :: x(6)
     x = pack_voigt(matmul(transpose(frame), matmul(unpack_voigt(stress), frame)))
     x(5:6) = x([6, 5])
-  end function local_stress
+  end function rotate_stress_to_frame
 
 
   !> The temperatures at the time of the trial state, and how long materials have crept.
@@ -226,7 +228,7 @@ contains
     integer :: i
     associate (new => state%new)
       new%creep_time = state%old%creep_time
-      if (step%is_creeping) new%creep_time = new%creep_time + (new%total_time - state%old%total_time)
+      if (step%has_creep) new%creep_time = new%creep_time + (new%total_time - state%old%total_time)
       if (.not. allocated(step%temperatures)) return
       do i = 1, size(step%temperatures)
         new%temperature(step%temperatures(i)%node) = load_value(step%temperatures(i), model%amplitudes, &
@@ -237,53 +239,53 @@ contains
 
 
   !> One history variable at all points; zero where materials do not keep it.
-  pure function history_row(fields, row) result(values)
+  pure function history_variable(fields, row) result(values)
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: row              !< HISTORY_...
     real(DP) :: values(size(fields%energy))
     values = 0
     if (row <= size(fields%history, 1)) values = fields%history(row, :)
-  end function history_row
+  end function history_variable
 
 
   !> PEEQ: the equivalent plastic strain. CalculiX counts that of creep in.
-  pure function inelastic_strain(model, fields) result(strain)
+  pure function equivalent_plastic_strain(model, fields) result(strain)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     real(DP) :: strain(model%mesh%n_points)
-    strain = history_row(fields, HISTORY_PEEQ)
-    if (model%dialect == DIALECT_CALCULIX) strain = strain + history_row(fields, HISTORY_CEEQ)
-  end function inelastic_strain
+    strain = history_variable(fields, HISTORY_PEEQ)
+    if (model%dialect == DIALECT_CALCULIX) strain = strain + history_variable(fields, HISTORY_CEEQ)
+  end function equivalent_plastic_strain
 
 
   !> How many inner variables SDV shows of each point.
-  pure integer function n_inner_variables(model, fields) result(n)
+  pure integer function n_state_variables(model, fields) result(n)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     integer :: i
     n = max(0, size(fields%history, 1) - USER_STATE + 1)
     if (model%dialect /= DIALECT_CALCULIX) return
-    if (any([(is_plastic(model%materials(i)), i=1, size(model%materials))])) n = max(n, N_PLASTIC)
-  end function n_inner_variables
+    if (any([(has_isotropic_plasticity(model%materials(i)), i=1, size(model%materials))])) n = max(n, N_CALCULIX_PLASTIC)
+  end function n_state_variables
 
 
   !> Whether a material hardens by one of our own laws. Of anisotropic ones CalculiX keeps other values.
-  pure logical function is_plastic(material)
+  pure logical function has_isotropic_plasticity(material)
     type(material_type), intent(in) :: material
-    is_plastic = (allocated(material%isotropic) .or. allocated(material%kinematic)) &
+    has_isotropic_plasticity = (allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)) &
       .and. material%elastic_kind == ELASTIC_ISOTROPIC
-  end function is_plastic
+  end function has_isotropic_plasticity
 
 
   !> SDV at all points: STATEV of a routine UMAT; under the calculix dialect also what CalculiX keeps of its plasticity, in its
   !! order: the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain
   !! is (1 - inv(Cp))/2, Cp being the right Cauchy-Green tensor of the plastic deformation.
-  pure function inner_variables(model, fields) result(values)
+  pure function state_variables(model, fields) result(values)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    real(DP) :: values(n_inner_variables(model, fields), model%mesh%n_points)
-    integer, parameter :: ORDER(6) = [1, 2, 3, 4, 6, 5]
-    real(DP) :: strain(6), back(6)
+    real(DP) :: values(n_state_variables(model, fields), model%mesh%n_points)
+    integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]
+    real(DP) :: strain(6), back_stress(6)
     integer :: e, p, n_user
     values = 0
     n_user = max(0, size(fields%history, 1) - USER_STATE + 1)
@@ -291,16 +293,17 @@ contains
     if (size(values, 1) == n_user) return
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
-      if (.not. is_plastic(model%materials(model%mesh%material(e)))) cycle
+      if (.not. has_isotropic_plasticity(model%materials(model%mesh%material(e)))) cycle
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         strain = fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p)
         if (model%steps(max(1, fields%step))%is_nlgeom) strain = -0.5_DP * tensor_exp(strain, -2.0_DP)
-        back = 0
-        if (size(fields%history, 1) >= HISTORY_BACK + 5) back = fields%history(HISTORY_BACK:HISTORY_BACK + 5, p)
-        values(:N_PLASTIC, p) = [fields%history(HISTORY_PEEQ, p) + fields%history(HISTORY_CEEQ, p), strain(ORDER), back(ORDER)]
+        back_stress = 0
+        if (size(fields%history, 1) >= HISTORY_BACK + 5) back_stress = fields%history(HISTORY_BACK:HISTORY_BACK + 5, p)
+        values(:N_CALCULIX_PLASTIC, p) = [fields%history(HISTORY_PEEQ, p) + fields%history(HISTORY_CEEQ, p), &
+          strain(ABAQUS_ORDER), back_stress(ABAQUS_ORDER)]
       end do
     end do
-  end function inner_variables
+  end function state_variables
 
 
   !> The trial fields become the committed ones.

@@ -3,36 +3,37 @@
 module amontons_user_state
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_NOT_CONVERGED
-  use amontons_element, only: element_volume
+  use amontons_element, only: evaluate_element_volume
   use amontons_materials, only: USER_STRESS, USER_STATE
   use amontons_mesh, only: element_nodes
   use amontons_model, only: model_type
-  use amontons_integration_points, only: points_type
+  use amontons_integration_points, only: integration_points_type
   use amontons_loads, only: distributed_type, prescribed_type
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_state, only: state_type, fields_type
-  use amontons_topology, only: element_kind, kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
-    FAMILY_PLANE_STRESS, FAMILY_TRUSS, MAX_NODES, MAX_POINTS, MAX_FACE_NODES
-  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, CALL_NAME
+  use amontons_topology, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
+    FAMILY_PLANE_STRESS, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
+  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, USER_NAME_LENGTH
   implicit none
   private
-  public :: most_components, start_variables, bring_user, keep_user, ask_pressures, ask_displacement
+  public :: max_stress_components, initialize_state_variables, load_umat_points, store_umat_points, evaluate_dload, evaluate_disp
 
 contains
 
   !> What the points of an element bring to UMAT: committed history, times, places, numbers.
-  pure subroutine bring_user(model, state, e, is_nlgeom, points)
+  pure subroutine load_umat_points(model, state, e, is_nlgeom, points)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state          !< old history; new times, numbers, displacements
     integer, intent(in) :: e                       !< element
     logical, intent(in) :: is_nlgeom
-    type(points_type), intent(inout) :: points     !< out: user
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), x(3, MAX_NODES), volume, dt
-    integer :: n_rule, n_nodes, nodes(MAX_NODES), p, first, n_history, status, components(2)
-    components = components_of(model%mesh%kind(e))
+    type(integration_points_type), intent(inout) :: points     !< out: user
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), x(3, &
+      MAX_ELEMENT_NODES), volume, dt
+    integer :: n_rule, n_nodes, nodes(MAX_ELEMENT_NODES), p, first, n_history, status, components(2)
+    components = count_stress_components(model%mesh%kind(e))
     call element_nodes(model%mesh, e, n_nodes, nodes)
     x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
-    call element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section(e), volume, status)
+    call evaluate_element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section_value(e), volume, status)
     if (is_nlgeom) x(:, :n_nodes) = x(:, :n_nodes) + state%new%u(:, nodes(:n_nodes))
     call quadrature(model%mesh%kind(e), n_rule, xi, w)
     dt = state%new%total_time - state%old%total_time
@@ -43,8 +44,8 @@ contains
     do p = 1, size(points%user)
       call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
       associate (user => points%user(p), values => points%user(p)%values)
-        user%past = state%old%history(USER_STRESS:n_history, first + p - 1)
-        if (allocated(model%element_orientation)) user%has_axes = model%element_orientation(e) > 0
+        user%history_old = state%old%history(USER_STRESS:n_history, first + p - 1)
+        if (allocated(model%element_orientation)) user%has_orientation = model%element_orientation(e) > 0
         values%time = [state%new%step_time - dt, state%old%total_time]
         values%dtime = dt
         values%temp = sum(state%old%temperature(nodes(:n_nodes))) / real(n_nodes, DP)
@@ -52,7 +53,7 @@ contains
         values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
         values%noel = model%mesh%element_label(e)
         values%npt = p
-        if (.not. model%materials(model%mesh%material(e))%is_spatial) then
+        if (.not. model%materials(model%mesh%material(e))%is_called_in_3d) then
           values%ndi = components(1)
           values%nshr = components(2)
         end if
@@ -60,14 +61,14 @@ contains
         values%increment = state%new%increment
       end associate
     end do
-  end subroutine bring_user
+  end subroutine load_umat_points
 
 
   !> Normal and shear components that a kind of element has in Abaqus.
-  pure function components_of(kind) result(components)
+  pure function count_stress_components(kind) result(components)
     integer, intent(in) :: kind                    !< KIND_...
     integer :: components(2)
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     components = [3, 3]
     select case (entry%family)
@@ -78,35 +79,35 @@ contains
     case (FAMILY_TRUSS)
       components = [1, 0]
     end select
-  end function components_of
+  end function count_stress_components
 
 
   !> The most components that the elements of a material have.
-  pure function most_components(model, m) result(components)
+  pure function max_stress_components(model, m) result(components)
     type(model_type), intent(in) :: model
     integer, intent(in) :: m                       !< material
     integer :: components(2)
-    integer :: here(2), e
+    integer :: element_components(2), e
     components = [1, 0]
-    if (model%materials(m)%is_spatial) components = [3, 3]
+    if (model%materials(m)%is_called_in_3d) components = [3, 3]
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) /= m) cycle
-      here = components_of(model%mesh%kind(e))
-      if (sum(here) > sum(components)) components = here
+      element_components = count_stress_components(model%mesh%kind(e))
+      if (sum(element_components) > sum(components)) components = element_components
     end do
-  end function most_components
+  end function max_stress_components
 
 
   !> The STATEV that the points start with: SDVINI's, else those of the deck. Errors: EXIT_NOT_CONVERGED (SDVINI calls XIT).
-  subroutine start_variables(model, state, error)
+  subroutine initialize_state_variables(model, state, error)
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES)
-    integer :: e, p, first, n_rule, n_nodes, nodes(MAX_NODES)
-    logical :: is_taken
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    integer :: e, p, first, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
+    logical :: is_accepted
     if (.not. (model%has_sdvini .or. allocated(model%initial_statev))) return
-    is_taken = .true.
+    is_accepted = .true.
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
       associate (material => model%materials(model%mesh%material(e)), statev => state%new%history)
@@ -120,21 +121,22 @@ contains
           if (.not. model%has_sdvini) cycle
           call shape_functions(model%mesh%kind(e), xi(:, p - first + 1), N, dN)
           call call_sdvini(material%routines, statev(USER_STATE:USER_STATE + material%n_statev - 1, p), &
-            matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)), model%mesh%element_label(e), p - first + 1, is_taken)
+            matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)), model%mesh%element_label(e), p - first + 1, &
+            is_accepted)
         end do
       end associate
-      if (.not. is_taken) exit
+      if (.not. is_accepted) exit
     end do
     state%old = state%new
-    if (.not. is_taken) call set_error(error, EXIT_NOT_CONVERGED, 'The user routine SDVINI has ended the job (XIT).')
-  end subroutine start_variables
+    if (.not. is_accepted) call set_error(error, EXIT_NOT_CONVERGED, 'The user routine SDVINI has ended the job (XIT).')
+  end subroutine initialize_state_variables
 
 
   !> What UMAT has made of the history of the points of an element.
-  pure subroutine keep_user(model, e, points, fields)
+  pure subroutine store_umat_points(model, e, points, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                       !< element
-    type(points_type), intent(in) :: points
+    type(integration_points_type), intent(in) :: points
     type(fields_type), intent(inout) :: fields
     integer :: p, n_history
     n_history = model%materials(model%mesh%material(e))%n_history
@@ -142,45 +144,45 @@ contains
       fields%history(:USER_STRESS - 1, model%mesh%point_first(e) + p - 1) = 0
       fields%history(USER_STRESS:n_history, model%mesh%point_first(e) + p - 1) = points%user(p)%history
     end do
-  end subroutine keep_user
+  end subroutine store_umat_points
 
 
   !> The pressures that DLOAD gives at the points of a face.
-  pure subroutine ask_pressures(model, load, facet_kind, x, fields, pressures)
+  pure subroutine evaluate_dload(model, load, facet_kind, x, fields, pressures)
     type(model_type), intent(in) :: model
     type(distributed_type), intent(in) :: load
     integer, intent(in) :: facet_kind              !< FACET_...
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) of the face; current under NLGEOM [length]
     type(fields_type), intent(in) :: fields        !< times, numbers
     real(DP), allocatable, intent(out) :: pressures(:)   !< (points) [stress]
-    integer, parameter :: BY_USER = 20             ! JLTYP of P1NU is 21
+    integer, parameter :: JLTYP_BASE = 20             ! JLTYP of P1NU is 21
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
     real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
-    character(CALL_NAME) :: name
+    character(USER_NAME_LENGTH) :: name
     integer :: n_rule, p
-    logical :: is_taken
+    logical :: is_accepted
     name = ''
     call facet_quadrature(facet_kind, n_rule, xi, w)
     allocate (pressures(n_rule), source=load%end)
     do p = 1, n_rule
       call facet_shapes(facet_kind, xi(:, p), N, dN, ddN)
       call call_dload(model%routines, pressures(p), [fields%step_time, fields%total_time], matmul(x, N(:size(x, 2))), name, &
-        [fields%step, fields%increment, model%mesh%element_label(load%element), p, BY_USER + load%face], is_taken)
+        [fields%step, fields%increment, model%mesh%element_label(load%element), p, JLTYP_BASE + load%face], is_accepted)
     end do
-  end subroutine ask_pressures
+  end subroutine evaluate_dload
 
 
   !> The displacement that DISP prescribes.
-  pure subroutine ask_displacement(model, load, fields, value)
+  pure subroutine evaluate_disp(model, load, fields, value)
     type(model_type), intent(in) :: model
     type(prescribed_type), intent(in) :: load
     type(fields_type), intent(in) :: fields        !< times, numbers, displacements
     real(DP), intent(inout) :: value               !< in: of the card; out: of DISP [length]
-    logical :: is_taken
+    logical :: is_accepted
     if (.not. fields%time_increment > 0) return    ! before the first increment: only which unknowns are held is asked for
     call call_disp(model%routines, value, [fields%step_time, fields%total_time, fields%time_increment], &
       model%mesh%coordinates(:, load%node) + fields%u(:, load%node), &
-      [fields%step, fields%increment, model%mesh%node_label(load%node), load%dof], is_taken)
-  end subroutine ask_displacement
+      [fields%step, fields%increment, model%mesh%node_label(load%node), load%dof], is_accepted)
+  end subroutine evaluate_disp
 
 end module amontons_user_state

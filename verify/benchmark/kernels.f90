@@ -9,14 +9,14 @@ program kernels
   use, intrinsic :: iso_fortran_env, only: int64, output_unit
   use omp_lib, only: omp_set_num_threads
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, complaints_type
+  use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_model, only: model_type, job_options_type
   use amontons_deck, only: read_deck
   use amontons_state, only: state_type
-  use amontons_equilibrium, only: system_type, create_system
+  use amontons_equilibrium, only: equilibrium_type, create_equilibrium
   use amontons_assembly, only: assemble_forces, assemble_tangent
   use amontons_partition, only: order_unknowns
-  use amontons_factorization, only: factor_type, analyse, factorise, solve, set_blas_threads, choose_blas_kernels
+  use amontons_factorization, only: cholesky_type, analyse, factorise, solve, set_blas_threads, choose_blas_kernels
   implicit none
 
   integer, parameter :: RUNS = 5
@@ -26,7 +26,7 @@ program kernels
   real(DP), parameter :: WORK = 8 * (690.0_DP + 36 * 48)
 
   type(model_type) :: model
-  type(system_type) :: system
+  type(equilibrium_type) :: system
   type(state_type) :: state
   type(error_type), allocatable :: error
   character(:), allocatable :: processor
@@ -45,14 +45,14 @@ contains
   !> The model and its state, a little deformed.
   subroutine prepare()
     type(job_options_type) :: options
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: complaints
     character(1000) :: path
     integer :: i
     call get_command_argument(1, path)
     options%deck = trim(path)
     options%n_threads = 1
     call read_deck(options, model, complaints, error)
-    if (.not. allocated(error)) call create_system(system, model, state, error)
+    if (.not. allocated(error)) call create_equilibrium(system, model, state, error)
     if (allocated(error)) error stop error%message
     do i = 1, model%mesh%n_nodes
       state%new%u(:, i) = 1.0e-3_DP * sin(model%mesh%coordinates([2, 3, 1], i) + [0.1_DP, 0.2_DP, 0.3_DP])
@@ -122,7 +122,7 @@ contains
 
   !> Factor and solution, the diagonal being a little larger so that the body stands.
   subroutine time_factor()
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     integer, allocatable :: order(:)
     real(DP), allocatable :: shift(:), x(:), y(:)
     real(DP) :: ordering, analysis, first, best, solution, start

@@ -1,13 +1,13 @@
 !> Every verb of the module amontons_library once; verbs.c and test_verbs.py do the same in the same order.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module heard
-  use amontons_library, only: listener_type
+  use amontons_library, only: log_sink_type
   implicit none
   private
   public :: counter_type
 
   !> Counts the lines that it hears; of a line that holds several, each.
-  type, extends(listener_type) :: counter_type
+  type, extends(log_sink_type) :: counter_type
     integer, pointer :: n_lines => null()
   contains
     procedure :: hear
@@ -36,8 +36,8 @@ program verbs
   use, intrinsic :: iso_fortran_env, only: real64, int64
   use amontons_library, only: job_type, job_options_type, error_type, sparse_type, open_job, advance_job, advance_job_to, &
     try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix, VERDICT_GO_ON, classify_slip_scenarios, friction_limit, slip_point_type, slip_controls_type, &
-    slip_verdict_type, STATUS_STICK, STATUS_SLIP, NO_FRICTION_LIMIT
+    get_names, get_matrix, VERDICT_CONTINUE, classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
+    slip_result_type, STATUS_STICK, STATUS_SLIP, NO_FRICTION_LIMIT
   use heard, only: counter_type
   implicit none
   type(job_type), allocatable :: job
@@ -88,7 +88,7 @@ program verbs
     call iterate_job(job, verdict, error)
     call judge()
     n_iterations = n_iterations + 1
-    if (verdict /= VERDICT_GO_ON) exit
+    if (verdict /= VERDICT_CONTINUE) exit
   end do
   write (*, '(a,i0,a,i0)') 'verdict ', verdict, ' after ', n_iterations
   call commit_job(job, error)
@@ -200,8 +200,8 @@ contains
   !> Nodes in scenarios I to IV, and one that opens. The compiler sees to it that there are arrays: the second line is C's.
   subroutine tell_scenarios()
     real(real64) :: Rt(3, 5, 2), N(5, 2), slip(3, 5, 2), d(3, 5), alpha(5)
-    type(slip_point_type) :: at(5, 2)
-    type(slip_verdict_type) :: found(5)
+    type(slip_state_type) :: at(5, 2)
+    type(slip_result_type) :: found(5)
     integer :: i, k
     Rt = 0
     Rt(1, :, 1) = [5, 5, 1, 1, 1]
@@ -213,7 +213,7 @@ contains
     slip(1, 3:4, 2) = [0.1_real64, -0.1_real64]
     d = 0
     d(1, :) = [0.1_real64, 0.1_real64, -0.1_real64, -0.3_real64, 0.1_real64]
-    at = reshape([((slip_point_type(STATUS_SLIP, N(i, k), Rt(:, i, k), &
+    at = reshape([((slip_state_type(STATUS_SLIP, N(i, k), Rt(:, i, k), &
       friction_limit(0.3_real64, max(N(i, k), 0.0_real64), NO_FRICTION_LIMIT), slip(:, i, k)), i=1, 5), k=1, 2)], [5, 2])
     call classify_slip_scenarios(at(:, 1), at(:, 2), d, slip_controls_type(), found)
     alpha = found%alpha

@@ -2,12 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_unsymmetric_tangent
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, complaints_type
+  use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_model, only: model_type, job_options_type
   use amontons_deck, only: read_deck_text
   use amontons_state, only: state_type
-  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate
-  use amontons_newton_step, only: linearise, change_forces, tangent_matrix
+  use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
+  use amontons_newton_step, only: linearize_equilibrium, apply_unconstrained_tangent, assemble_tangent_matrix
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none
@@ -35,7 +35,7 @@ contains
     integer, intent(in) :: expected                !< 0: something is left of W; -1: a closed surface, nothing is
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
-    type(system_type) :: system
+    type(equilibrium_type) :: system
     type(state_type) :: state
     type(sparse_type) :: J
     type(error_type), allocatable :: error
@@ -51,18 +51,18 @@ contains
       call residual_at(system, model, state, u - H * du, minus)
       difference = (plus - minus) / (2 * H)
       call residual_at(system, model, state, u, plus)
-      call linearise(system, model, model%steps(1), state, trouble, error)
+      call linearize_equilibrium(system, model, model%steps(1), state, trouble, error)
       call suite%that(name // ': linearised', trouble == 0 .and. .not. allocated(error))
       call suite%that(name // ': what is left of W', allocated(system%assembly%skew%matrix%first) .eqv. expected == 0)
-      call change_forces(system, reshape(du, [3 * n]), w)
+      call apply_unconstrained_tangent(system, reshape(du, [3 * n]), w)
       call suite%near(name // ': operator', norm2(reshape(w, [3, n]) + difference), 0.0_DP, 1.0e-7_DP * norm2(w))
-      call tangent_matrix(system, J, error)
+      call assemble_tangent_matrix(system, J, error)
       call suite%that(name // ': the matrix is made', .not. allocated(error) .and. J%n_rows >= 2 * n)
       allocate (x(J%n_rows), y(J%n_rows), z(J%n_rows))
-      call multiply_transpose(system%whole%map, reshape(du, [3 * n]), x)   ! the free unknowns among du
-      call multiply(system%whole%map, x, v)
-      call change_forces(system, v, w)
-      call multiply_transpose(system%whole%map, w, z)
+      call multiply_transpose(system%constraints%transformation, reshape(du, [3 * n]), x)   ! the free unknowns among du
+      call multiply(system%constraints%transformation, x, v)
+      call apply_unconstrained_tangent(system, v, w)
+      call multiply_transpose(system%constraints%transformation, w, z)
       call multiply(J, x, y)
       call suite%near(name // ': matrix', norm2(y - z), 0.0_DP, 1.0e-12_DP * norm2(z))
       deallocate (x, y, z)
@@ -72,14 +72,14 @@ contains
 
   !> The residual of displacements.
   subroutine residual_at(system, model, state, u, residual)
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
     real(DP), intent(in) :: u(:, :)
     real(DP), intent(out) :: residual(:, :)
     integer :: trouble
     state%new%u = u
-    call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.true.)
+    call evaluate_equilibrium(system, model, model%steps(1), state, trouble, is_frozen=.true.)
     call suite%that('evaluated', trouble == 0)
     residual = system%residual
   end subroutine residual_at
@@ -89,16 +89,16 @@ contains
   subroutine make(mesh, loads, model, system, state)
     character(*), intent(in) :: mesh, loads
     type(model_type), intent(out) :: model
-    type(system_type), intent(out) :: system
+    type(equilibrium_type), intent(out) :: system
     type(state_type), intent(out) :: state
     type(job_options_type) :: options
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     call read_deck_text(mesh // '*MATERIAL, NAME=M' // NL // '*ELASTIC' // NL // '100., 0.3' // NL // &
       '*SOLID SECTION, ELSET=E, MATERIAL=M' // NL // '*STEP, NLGEOM' // NL // '*STATIC' // NL // '*DLOAD' // NL // loads // &
-      '*END STEP' // NL, options, model, complaints, error)
+      '*END STEP' // NL, options, model, diagnostics, error)
     call suite%that('the deck is read', .not. allocated(error))
-    call create_system(system, model, state, error)
+    call create_equilibrium(system, model, state, error)
     call begin_step(system, model, model%steps(1), state, error)
     call suite%that('the system is made', .not. allocated(error))
     state%new%step_time = 1

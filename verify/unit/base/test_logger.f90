@@ -3,10 +3,10 @@
 program test_logger
   use check, only: suite_type
   use amontons_kinds, only: DP
-  use amontons_errors, only: complaints_type
+  use amontons_errors, only: diagnostic_list_type
   use amontons_text, only: NEWLINE
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
-  use amontons_logger, only: journal_type, open_journal, PROGRESS_AUTO, PROGRESS_NONE
+  use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_NONE
   implicit none
   integer, parameter :: WIDTH = 200
   type(suite_type) :: suite
@@ -22,13 +22,13 @@ program test_logger
 contains
 
   !> A journal that writes into a scratch file.
-  subroutine open_scratch(journal, unit, is_quiet, progress)
-    type(journal_type), intent(out) :: journal
+  subroutine open_scratch(logger, unit, is_quiet, progress)
+    type(logger_type), intent(out) :: logger
     integer, intent(out) :: unit
     logical, intent(in) :: is_quiet
     integer, intent(in) :: progress
     open (newunit=unit, status='scratch', action='readwrite')
-    call open_journal(journal, is_quiet, progress, unit)
+    call open_logger(logger, is_quiet, progress, unit)
   end subroutine open_scratch
 
 
@@ -55,11 +55,11 @@ contains
 
   !> The first line of a message comes last, and starts with the word.
   subroutine test_failure()
-    type(journal_type) :: journal
+    type(logger_type) :: logger
     character(WIDTH), allocatable :: lines(:)
     integer :: unit
-    call open_scratch(journal, unit, .false., PROGRESS_NONE)
-    call journal%fail('It broke.' // NEWLINE // 'Look at node 7.' // NEWLINE // 'Or at node 8.')
+    call open_scratch(logger, unit, .false., PROGRESS_NONE)
+    call logger%fail('It broke.' // NEWLINE // 'Look at node 7.' // NEWLINE // 'Or at node 8.')
     lines = lines_of(unit)
     call suite%that('a failure of three lines writes three', size(lines) == 3)
     call suite%that('the details come first', lines(1) == 'Look at node 7.' .and. lines(2) == 'Or at node 8.')
@@ -69,15 +69,15 @@ contains
 
   !> No echo of a deck looks like a failure.
   subroutine test_harmless_echo()
-    type(journal_type) :: journal
+    type(logger_type) :: logger
     character(WIDTH), allocatable :: lines(:)
     character(30) :: details(1)
     integer :: unit
-    call open_scratch(journal, unit, .false., PROGRESS_NONE)
+    call open_scratch(logger, unit, .false., PROGRESS_NONE)
     details = 'a *ERROR'
-    call journal%say('*ERROR and *ERROR')
-    call journal%warn('Heading: *ERROR')
-    call journal%explain('Why *ERROR', details)
+    call logger%say('*ERROR and *ERROR')
+    call logger%warn('Heading: *ERROR')
+    call logger%show_report('Why *ERROR', details)
     lines = lines_of(unit)
     call suite%that('four lines', size(lines) == 4)
     call suite%that('none has the word', all(index(lines, '*ERROR') == 0))
@@ -88,15 +88,15 @@ contains
 
   !> File, line, text, card, and the count at the end.
   subroutine test_complaints()
-    type(journal_type) :: journal
-    type(complaints_type) :: complaints
+    type(logger_type) :: logger
+    type(diagnostic_list_type) :: diagnostics
     character(WIDTH), allocatable :: lines(:)
     integer :: unit
-    call open_scratch(journal, unit, .false., PROGRESS_NONE)
-    call complaints%add('a.inp', 12, '*ELASTIK', 'There is no such card.')
-    call complaints%add('a.inp', 0, '', 'There is no step.')
-    call complaints%add('b.inc', 3, '1, 2', 'Two nodes are one.', is_warning=.true.)
-    call journal%complain(complaints)
+    call open_scratch(logger, unit, .false., PROGRESS_NONE)
+    call diagnostics%add('a.inp', 12, '*ELASTIK', 'There is no such card.')
+    call diagnostics%add('a.inp', 0, '', 'There is no step.')
+    call diagnostics%add('b.inc', 3, '1, 2', 'Two nodes are one.', is_warning=.true.)
+    call logger%show_diagnostics(diagnostics)
     lines = lines_of(unit)
     call suite%that('six lines', size(lines) == 6)
     call suite%that('place and text', lines(1) == 'a.inp:12: *ERROR: There is no such card.')
@@ -109,21 +109,21 @@ contains
 
   !> A quiet journal writes failures and errors of the deck, nothing else.
   subroutine test_quiet()
-    type(journal_type) :: journal
-    type(complaints_type) :: complaints
+    type(logger_type) :: logger
+    type(diagnostic_list_type) :: diagnostics
     type(increment_record_type) :: record
     type(iteration_record_type) :: iteration
     character(WIDTH), allocatable :: lines(:)
     integer :: unit
-    call open_scratch(journal, unit, .true., PROGRESS_AUTO)
-    call complaints%add('a.inp', 1, '*X', 'A warning.', is_warning=.true.)
-    call journal%say('Hello')
-    call journal%warn('Hello')
-    call journal%complain(complaints)
-    call journal%show_iteration(iteration)
-    call journal%show_increment(record, 0.5_DP)
-    call journal%show_summary([record])
-    call journal%fail('The end.')
+    call open_scratch(logger, unit, .true., PROGRESS_AUTO)
+    call diagnostics%add('a.inp', 1, '*X', 'A warning.', is_warning=.true.)
+    call logger%say('Hello')
+    call logger%warn('Hello')
+    call logger%show_diagnostics(diagnostics)
+    call logger%show_iteration(iteration)
+    call logger%show_increment(record, 0.5_DP)
+    call logger%show_summary([record])
+    call logger%fail('The end.')
     lines = lines_of(unit)
     call suite%that('one line', size(lines) == 1)
     call suite%that('the failure', lines(1) == '*ERROR: The end.')
@@ -132,17 +132,17 @@ contains
 
   !> One head, one line for each attempt, and why an attempt failed.
   subroutine test_increments()
-    type(journal_type) :: journal
+    type(logger_type) :: logger
     type(increment_record_type) :: record
     character(WIDTH), allocatable :: lines(:)
     integer :: unit
-    call open_scratch(journal, unit, .false., PROGRESS_AUTO)
+    call open_scratch(logger, unit, .false., PROGRESS_AUTO)
     record = increment_record_type(step=2, increment=7, attempt=1, total_time=1.25_DP, dt=0.25_DP, n_iterations=5, &
       n_status=[10, 20, 30])
     record%reason = 'the residual grew'
-    call journal%show_increment(record, 0.25_DP)
+    call logger%show_increment(record, 0.25_DP)
     record%is_converged = .true.
-    call journal%show_increment(record, 0.5_DP)
+    call logger%show_increment(record, 0.5_DP)
     lines = lines_of(unit)
     call suite%that('four lines', size(lines) == 4)
     call suite%that('the head comes once', index(lines(1), 'step') > 0 .and. all(index(lines(2:), 'step') == 0))
@@ -168,18 +168,18 @@ contains
 
   !> Sums over all attempts; the worst balance is that of a converged increment.
   subroutine test_summary()
-    type(journal_type) :: journal
+    type(logger_type) :: logger
     type(increment_record_type) :: records(3)
     character(WIDTH), allocatable :: lines(:)
     integer :: unit
-    call open_scratch(journal, unit, .false., PROGRESS_NONE)
+    call open_scratch(logger, unit, .false., PROGRESS_NONE)
     records%n_iterations = [4, 9, 5]
     records%is_converged = [.true., .false., .true.]
     records%residual = [1.0e-8_DP, 0.5_DP, 2.0e-8_DP]
     records%step = 1
     records%increment = [1, 2, 2]
     records(3)%n_status = [1, 2, 3]
-    call journal%show_summary(records)
+    call logger%show_summary(records)
     lines = lines_of(unit)
     call suite%that('converged', has(lines, 'increments converged', '2'))
     call suite%that('failed', has(lines, 'attempts that failed', '1'))

@@ -3,8 +3,8 @@
 program test_text
   use amontons_kinds, only: DP
   use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_integers
-  use amontons_text, only: upper_case, squeezed, is_one_of, nth_word, count_words, text_of, joined_words, plural, parse_integer, &
-    parse_real, rows_as_text, NUMBER_OK, NUMBER_EMPTY, NUMBER_BAD, NUMBER_NOT_FINITE
+  use amontons_text, only: upper_case, name_key, is_one_of, nth_word, count_words, to_text, joined_words, plural, parse_integer, &
+    parse_real, format_value_rows, NUMBER_OK, NUMBER_EMPTY, NUMBER_INVALID, NUMBER_NOT_FINITE
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -26,8 +26,8 @@ contains
   subroutine test_words(suite)
     type(suite_type), intent(inout) :: suite
     call suite%that('upper_case', upper_case('*Node, nset=a_1') == '*NODE, NSET=A_1')
-    call suite%that('squeezed', squeezed(' "End ' // achar(9) // 'Step"' // achar(13)) == 'ENDSTEP')
-    call suite%that('squeezed of nothing', len(squeezed('')) == 0)
+    call suite%that('squeezed', name_key(' "End ' // achar(9) // 'Step"' // achar(13)) == 'ENDSTEP')
+    call suite%that('squeezed of nothing', len(name_key('')) == 0)
     call suite%that('count_words', count_words('A|B C|D') == 3 .and. count_words('') == 0 .and. count_words('A') == 1)
     call suite%that('nth_word', nth_word('A|B C|D', 2) == 'B C' .and. nth_word('A|B C|D', 3) == 'D' .and. &
       nth_word('A', 1) == 'A')
@@ -44,12 +44,12 @@ contains
     call expect_integer(suite, '42', 42, NUMBER_OK)
     call expect_integer(suite, '  -7 ' // achar(9), -7, NUMBER_OK)
     call expect_integer(suite, '+2147483647', 2147483647, NUMBER_OK)
-    call expect_integer(suite, '2147483648', 0, NUMBER_BAD)
-    call expect_integer(suite, '99999999999999999999999', 0, NUMBER_BAD)
-    call expect_integer(suite, '1.0', 0, NUMBER_BAD)
-    call expect_integer(suite, '1 2', 0, NUMBER_BAD)
-    call expect_integer(suite, '-', 0, NUMBER_BAD)
-    call expect_integer(suite, 'SET1', 0, NUMBER_BAD)
+    call expect_integer(suite, '2147483648', 0, NUMBER_INVALID)
+    call expect_integer(suite, '99999999999999999999999', 0, NUMBER_INVALID)
+    call expect_integer(suite, '1.0', 0, NUMBER_INVALID)
+    call expect_integer(suite, '1 2', 0, NUMBER_INVALID)
+    call expect_integer(suite, '-', 0, NUMBER_INVALID)
+    call expect_integer(suite, 'SET1', 0, NUMBER_INVALID)
     call expect_integer(suite, '   ', 0, NUMBER_EMPTY)
     call expect_integer(suite, '', 0, NUMBER_EMPTY)
   end subroutine test_integers
@@ -83,16 +83,16 @@ contains
     call expect_real(suite, '1e-400', 0.0_DP, NUMBER_OK)
     call expect_real(suite, '0e999', 0.0_DP, NUMBER_OK)
     call expect_real(suite, '', 0.0_DP, NUMBER_EMPTY)
-    call expect_real(suite, '.', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, 'e5', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1e', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1e+', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1 e5', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1e 5', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1.2.3', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1,5', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, '1/2', 0.0_DP, NUMBER_BAD)
-    call expect_real(suite, 'abc', 0.0_DP, NUMBER_BAD)
+    call expect_real(suite, '.', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, 'e5', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1e', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1e+', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1 e5', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1e 5', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1.2.3', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1,5', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, '1/2', 0.0_DP, NUMBER_INVALID)
+    call expect_real(suite, 'abc', 0.0_DP, NUMBER_INVALID)
     call expect_real(suite, 'NaN', 0.0_DP, NUMBER_NOT_FINITE)
     call expect_real(suite, '-inf', 0.0_DP, NUMBER_NOT_FINITE)
     call expect_real(suite, 'Infinity', 0.0_DP, NUMBER_NOT_FINITE)
@@ -149,12 +149,12 @@ contains
   !> Numbers in messages.
   subroutine test_written_numbers(suite)
     type(suite_type), intent(inout) :: suite
-    call suite%that('text_of integer', text_of(-12) == '-12')
-    call suite%that('text_of 0.3', text_of(0.3_DP) == '0.3')
-    call suite%that('text_of 210000', text_of(210000.0_DP) == '210000')
-    call suite%that('text_of 1.5e-6', text_of(1.5e-6_DP) == '1.5E-6')
-    call suite%that('text_of -2e9', text_of(-2.0e9_DP) == '-2E9')
-    call suite%that('text_of 0', text_of(0.0_DP) == '0')
+    call suite%that('text_of integer', to_text(-12) == '-12')
+    call suite%that('text_of 0.3', to_text(0.3_DP) == '0.3')
+    call suite%that('text_of 210000', to_text(210000.0_DP) == '210000')
+    call suite%that('text_of 1.5e-6', to_text(1.5e-6_DP) == '1.5E-6')
+    call suite%that('text_of -2e9', to_text(-2.0e9_DP) == '-2E9')
+    call suite%that('text_of 0', to_text(0.0_DP) == '0')
   end subroutine test_written_numbers
 
 
@@ -167,7 +167,7 @@ contains
     call suite%that('an empty table finds nothing', table%find('A') == 0)
     is_right = .true.
     do i = 1, 5000
-      call table%add('Set-' // text_of(i), position, is_new)
+      call table%add('Set-' // to_text(i), position, is_new)
       is_right = is_right .and. is_new .and. position == i
     end do
     call suite%that('5000 names are new', is_right)
@@ -175,7 +175,7 @@ contains
     call suite%that('a known name is found by add', position == 17 .and. .not. is_new .and. table%n == 5000)
     is_right = .true.
     do i = 1, 5000
-      is_right = is_right .and. table%find('SET-' // text_of(i)) == i
+      is_right = is_right .and. table%find('SET-' // to_text(i)) == i
     end do
     call suite%that('5000 names are found', is_right .and. table%find('SET-5001') == 0)
   end subroutine test_names
@@ -248,7 +248,7 @@ contains
       labels(i) = 37 * i
       if (mod(i, 2) == 0) values(3, i) = (real(nint(1.0e6_DP * r(3, i)), DP) + 0.5_DP) / real(2**mod(i, 7), DP)
     end do
-    text = rows_as_text(labels, values)
+    text = format_value_rows(labels, values)
     n_bad = 0
     do i = 1, N
       write (line, '(a,i10,1p,3e12.5)') ' -1', labels(i), in_single(values(:, i))
@@ -273,12 +273,12 @@ contains
     type(suite_type), intent(inout) :: suite
     real(DP) :: values(6, 1)
     values(:, 1) = [0.0_DP, -1.0_DP, 999999.5_DP, 1.0e-120_DP, -1.0e120_DP, 123456.0_DP]
-    call suite%that('known', rows_as_text([7], values) == ' -1         7 0.00000E+00-1.00000E+00 1.00000E+06 0.00000E+00' // &
+    call suite%that('known', format_value_rows([7], values) == ' -1         7 0.00000E+00-1.00000E+00 1.00000E+06 0.00000E+00' // &
       '-9.90000E+99 1.23456E+05')
     values(:, 1) = [0.5948074886524_DP, -0.9357425202014_DP, 0.091489452_DP, 0.9662355_DP, 0.0_DP, 1.0e-30_DP]
-    call suite%that('as CalculiX writes them', rows_as_text([7], values(:4, :)) == &
+    call suite%that('as CalculiX writes them', format_value_rows([7], values(:4, :)) == &
       ' -1         7 5.94808E-01-9.35742E-01 9.14894E-02 9.66236E-01')
-    call suite%that('nothing', len(rows_as_text([integer ::], values(:, :0))) == 0)
+    call suite%that('nothing', len(format_value_rows([integer ::], values(:, :0))) == 0)
   end subroutine test_known_rows
 
 end program test_text

@@ -2,11 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_nonlinear_mpc
   use amontons_kinds, only: DP
-  use amontons_nonlinear_mpc, only: bond_rows, curvature_of, curved_nodes, rotation_matrix
-  use amontons_constraints, only: constraints_type, row_type, start_constraints, fix_unknown, add_row, &
-    finish_constraints, find_multipliers, ROW_ACCEPTED
-  use amontons_mpc_data, only: bond_type, frame_rule_type, frame_at, BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, &
-    BOND_TURN
+  use amontons_nonlinear_mpc, only: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, rotation_matrix
+  use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
+    eliminate_constraints, find_multipliers, ROW_ACCEPTED
+  use amontons_mpc_data, only: nonlinear_mpc_type, coordinate_system_type, axes_at, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, &
+    MPC_DISTANCE, &
+    MPC_MEAN_ROTATION
   use check, only: suite_type
   implicit none
   integer, parameter :: N_NODES = 7
@@ -55,17 +56,17 @@ contains
   !> Directions of both kinds of rules.
   subroutine test_frames(suite)
     type(suite_type), intent(inout) :: suite
-    type(frame_rule_type) :: rule
+    type(coordinate_system_type) :: rule
     real(DP) :: axes(3, 3)
-    rule = frame_rule_type(is_cylindrical=.true., a=[1.0_DP, 0.0_DP, 0.0_DP], b=[1.0_DP, 0.0_DP, 2.0_DP])
-    axes = frame_at(rule, [1.0_DP, 5.0_DP, 7.0_DP])
+    rule = coordinate_system_type(is_cylindrical=.true., a=[1.0_DP, 0.0_DP, 0.0_DP], b=[1.0_DP, 0.0_DP, 2.0_DP])
+    axes = axes_at(rule, [1.0_DP, 5.0_DP, 7.0_DP])
     call suite%near('out', maxval(abs(axes(:, 1) - [0.0_DP, 1.0_DP, 0.0_DP])), 0.0_DP, 1.0e-15_DP)
     call suite%near('around', maxval(abs(axes(:, 2) - [-1.0_DP, 0.0_DP, 0.0_DP])), 0.0_DP, 1.0e-15_DP)
     call suite%near('along', maxval(abs(axes(:, 3) - [0.0_DP, 0.0_DP, 1.0_DP])), 0.0_DP, 1.0e-15_DP)
-    axes = frame_at(rule, [1.0_DP, 0.0_DP, 7.0_DP])
+    axes = axes_at(rule, [1.0_DP, 0.0_DP, 7.0_DP])
     call suite%near('on the axis too', maxval(abs(matmul(transpose(axes), axes) - eye())), 0.0_DP, 1.0e-14_DP)
-    rule = frame_rule_type(a=[0.0_DP, 2.0_DP, 0.0_DP], b=[-3.0_DP, 1.0_DP, 0.0_DP])
-    axes = frame_at(rule, [9.0_DP, 9.0_DP, 9.0_DP])
+    rule = coordinate_system_type(a=[0.0_DP, 2.0_DP, 0.0_DP], b=[-3.0_DP, 1.0_DP, 0.0_DP])
+    axes = axes_at(rule, [9.0_DP, 9.0_DP, 9.0_DP])
     call suite%near('rectangular x', maxval(abs(axes(:, 1) - [0.0_DP, 1.0_DP, 0.0_DP])), 0.0_DP, 1.0e-15_DP)
     call suite%near('rectangular y', maxval(abs(axes(:, 2) - [-1.0_DP, 0.0_DP, 0.0_DP])), 0.0_DP, 1.0e-15_DP)
   end subroutine test_frames
@@ -74,27 +75,27 @@ contains
   !> Every kind of bond, linear and not: the row is the derivative of what it lacks, the curvature that of the row.
   subroutine test_rows(suite)
     type(suite_type), intent(inout) :: suite
-    type(bond_type) :: bond
+    type(nonlinear_mpc_type) :: bond
     real(DP) :: X(3, N_NODES)
     integer :: kind
     X = reshape([0.0_DP, 0.0_DP, 0.0_DP, 2.0_DP, 0.1_DP, 0.0_DP, 0.3_DP, 1.5_DP, 0.2_DP, 0.2_DP, -0.4_DP, 1.7_DP, &
       1.1_DP, 0.9_DP, 0.8_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.6_DP, 0.7_DP, -0.5_DP], [3, N_NODES])
-    do kind = BOND_BODY, BOND_TURN
-      bond = bond_type(kind=kind)
+    do kind = MPC_RIGID_BODY, MPC_MEAN_ROTATION
+      bond = nonlinear_mpc_type(kind=kind)
       bond%card = 'TEST'
       select case (kind)
-      case (BOND_BODY)
+      case (MPC_RIGID_BODY)
         bond%node = [1, 2, 3, 4]
         bond%reference = 5
         bond%rotation = 6
         bond%is_bound(2) = .false.
-      case (BOND_PLANE)
+      case (MPC_PLANE)
         bond%node = [5, 1, 2, 3]
-      case (BOND_STRAIGHT)
+      case (MPC_STRAIGHT)
         bond%node = [5, 1, 2]
-      case (BOND_DISTANCE)
+      case (MPC_DISTANCE)
         bond%node = [5, 4]
-      case (BOND_TURN)
+      case (MPC_MEAN_ROTATION)
         bond%node = [1, 2, 3, 4, 7]
         bond%reference = 6
         bond%axis = [1.0_DP, 2.0_DP, 2.0_DP] / 3.0_DP
@@ -117,31 +118,31 @@ contains
   !> d(-rhs)/du = the coefficients, by central differences.
   subroutine check_rows(suite, bond, X, is_nlgeom)
     type(suite_type), intent(inout) :: suite
-    type(bond_type), intent(in) :: bond
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: X(:, :)
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: H = 1.0e-6_DP
-    type(row_type), allocatable :: rows(:), plus(:), minus(:)
+    type(constraint_row_type), allocatable :: rows(:), plus(:), minus(:)
     real(DP) :: u(3, N_NODES), v(3, N_NODES), slope
     integer :: i, k
     character(24) :: name
     write (name, '(a,i0,l2)') 'row of bond ', bond%kind, is_nlgeom
     u = some_displacement()
-    call bond_rows(bond, X, u, is_nlgeom, rows)
+    call evaluate_mpc_rows(bond, X, u, is_nlgeom, rows)
     do i = 1, 3 * N_NODES
       v = u
       v(mod(i - 1, 3) + 1, (i + 2) / 3) = v(mod(i - 1, 3) + 1, (i + 2) / 3) + H
-      call bond_rows(bond, X, v, is_nlgeom, plus)
+      call evaluate_mpc_rows(bond, X, v, is_nlgeom, plus)
       v(mod(i - 1, 3) + 1, (i + 2) / 3) = v(mod(i - 1, 3) + 1, (i + 2) / 3) - 2.0_DP * H
-      call bond_rows(bond, X, v, is_nlgeom, minus)
+      call evaluate_mpc_rows(bond, X, v, is_nlgeom, minus)
       do k = 1, size(rows)
         slope = sum(rows(k)%coefficient, mask=rows(k)%unknown == i)
         call suite%near(name, slope, (minus(k)%rhs - plus(k)%rhs) / (2.0_DP * H), 1.0e-8_DP)
       end do
     end do
     u = 0.0_DP
-    call bond_rows(bond, X, u, is_nlgeom, rows)
-    if (bond%kind /= BOND_PLANE .and. bond%kind /= BOND_STRAIGHT) call suite%near(name // ' at the start', &
+    call evaluate_mpc_rows(bond, X, u, is_nlgeom, rows)
+    if (bond%kind /= MPC_PLANE .and. bond%kind /= MPC_STRAIGHT) call suite%near(name // ' at the start', &
       maxval([(abs(rows(k)%rhs), k=1, size(rows))]), 0.0_DP, 1.0e-14_DP)
   end subroutine check_rows
 
@@ -149,26 +150,26 @@ contains
   !> The curvature is the difference of the rows, weighted.
   subroutine check_curvature(suite, bond, X)
     type(suite_type), intent(inout) :: suite
-    type(bond_type), intent(in) :: bond
+    type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: X(:, :)
     real(DP), parameter :: H = 1.0e-6_DP
-    type(row_type), allocatable :: rows(:), plus(:), minus(:)
+    type(constraint_row_type), allocatable :: rows(:), plus(:), minus(:)
     real(DP), allocatable :: weight(:), curvature(:, :)
     integer, allocatable :: nodes(:)
     real(DP) :: u(3, N_NODES), v(3, N_NODES), slope
     integer :: i, j, k, unknown
     u = some_displacement()
-    call bond_rows(bond, X, u, .true., rows)
+    call evaluate_mpc_rows(bond, X, u, .true., rows)
     weight = [(1.0_DP + 0.5_DP * real(k, DP), k=1, size(rows))]
-    call curvature_of(bond, X, u, weight, curvature)
-    nodes = curved_nodes(bond)
+    call evaluate_mpc_hessian(bond, X, u, weight, curvature)
+    nodes = list_hessian_nodes(bond)
     do j = 1, 3 * size(nodes)
       v = u
       associate (moved => v(mod(j - 1, 3) + 1, nodes((j + 2) / 3)))
         moved = moved + H
-        call bond_rows(bond, X, v, .true., plus)
+        call evaluate_mpc_rows(bond, X, v, .true., plus)
         moved = moved - 2.0_DP * H
-        call bond_rows(bond, X, v, .true., minus)
+        call evaluate_mpc_rows(bond, X, v, .true., minus)
       end associate
       do i = 1, 3 * size(nodes)
         unknown = 3 * (nodes((i + 2) / 3) - 1) + mod(i - 1, 3) + 1
@@ -187,29 +188,29 @@ contains
   subroutine test_multipliers(suite)
     type(suite_type), intent(inout) :: suite
     type(constraints_type) :: constraints
-    type(row_type) :: row
+    type(constraint_row_type) :: row
     real(DP) :: force(3, 2), balance(6)
     real(DP), allocatable :: multiplier(:)
     integer :: verdict, k
-    call start_constraints(constraints, 6)
-    call fix_unknown(constraints, 6, 0.25_DP)
+    call reset_constraints(constraints, 6)
+    call prescribe_unknown(constraints, 6, 0.25_DP)
     row%unknown = [1, 2, 3]
     row%coefficient = [1.0_DP, -2.0_DP, 0.5_DP]
-    call add_row(constraints, row, 1, 0.0_DP, verdict)
+    call add_constraint_row(constraints, row, 1, 0.0_DP, verdict)
     row%unknown = [2, 4, 1]
     row%coefficient = [3.0_DP, 1.0_DP, 1.0_DP]
-    call add_row(constraints, row, 1, 0.0_DP, verdict)
+    call add_constraint_row(constraints, row, 1, 0.0_DP, verdict)
     row%unknown = [4, 6, 2, 5]
     row%coefficient = [2.0_DP, 1.0_DP, 1.0_DP, -1.0_DP]
-    call add_row(constraints, row, 1, 0.0_DP, verdict)
+    call add_constraint_row(constraints, row, 1, 0.0_DP, verdict)
     call suite%that('three rows', verdict == ROW_ACCEPTED .and. constraints%n_rows == 3)
-    call finish_constraints(constraints)
+    call eliminate_constraints(constraints)
     force = reshape([1.0_DP, -2.0_DP, 3.0_DP, 0.5_DP, 4.0_DP, 7.0_DP], [3, 2])
     call find_multipliers(constraints, force, multiplier)
     balance = reshape(force, [6])
     do k = 1, 3
       associate (given => constraints%rows(k))
-        balance(given%given_unknown) = balance(given%given_unknown) + multiplier(k) * given%given_coefficient
+        balance(given%original_unknown) = balance(given%original_unknown) + multiplier(k) * given%original_coefficient
       end associate
     end do
     do k = 1, 3

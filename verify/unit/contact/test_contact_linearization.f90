@@ -4,20 +4,21 @@ program test_contact_linearization
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D8, KIND_CPE4_FULL, KIND_CAX8
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, &
     BEHAVIOR_TABULAR, BEHAVIOR_TIED
-  use amontons_steps, only: step_type, DIRECTION_EXACT, DIRECTION_SYMMETRIC, DIRECTION_LAGGED
+  use amontons_steps, only: step_type, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
-  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate, place_type, place_of, &
-    foresee
-  use amontons_newton_step, only: linearise, change_forces, tangent_matrix, find_direction
-  use amontons_contact_evaluation, only: is_cornered
-  use amontons_contact_linearization, only: linearise_contact
-  use amontons_contact_operators, only: contact_matrices, spring_factors
-  use amontons_woodbury_interface, only: springs_type
+  use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
+    configuration_type, save_configuration, &
+    evaluate_linearized
+  use amontons_newton_step, only: linearize_equilibrium, apply_unconstrained_tangent, assemble_tangent_matrix, solve_newton_step
+  use amontons_contact_evaluation, only: has_other_constraints
+  use amontons_contact_linearization, only: linearize_contact
+  use amontons_contact_operators, only: assemble_contact_tangents, factorise_spring_tangents
+  use amontons_woodbury_interface, only: contact_springs_type
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none
@@ -36,7 +37,7 @@ program test_contact_linearization
   call check_foresight()
   call check_symmetric('symmetric direction')
   call check_symmetric('symmetric direction, compliant', interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, &
-    tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP))
+    tension_limit=2.0_DP, cutoff_clearance=10.0_DP, stick_slope=120.0_DP))
   call check_lagged()
   call suite%finish()
 
@@ -48,14 +49,15 @@ contains
     type(interaction_type) :: law
     law%shear_limit = 0.4_DP
     call check_tangent('hard, shear limited', 0.15_DP, 0.4_DP, .true., .false., law)
-    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension_limit=2.0_DP, cutoff_clearance=10.0_DP, &
+      stick_slope=120.0_DP)
     call check_tangent('linear', 0.15_DP, 0.3_DP, .true., .false., law)
     call check_tangent('linear, small sliding', 0.15_DP, 0.3_DP, .true., .true., law)
     law%shear_limit = 8.0_DP
     call check_tangent('linear, shear limited', 0.15_DP, 0.5_DP, .true., .false., law)
-    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, reach=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
+    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, cutoff_clearance=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
     call check_tangent('exponential', 0.15_DP, 0.3_DP, .true., .false., law)
-    law = interaction_type(behavior=BEHAVIOR_TABULAR, reach=1.0_DP, stick_slope=120.0_DP)
+    law = interaction_type(behavior=BEHAVIOR_TABULAR, cutoff_clearance=1.0_DP, stick_slope=120.0_DP)
     law%table_pressure = [0.0_DP, 12.0_DP, 40.0_DP, 41.0_DP]
     law%table_overclosure = [-0.05_DP, 0.02_DP, 0.07_DP, 0.4_DP]
     call check_tangent('tabular', 0.15_DP, 0.3_DP, .true., .false., law)
@@ -71,7 +73,8 @@ contains
     call check_tangent('plane strain, frictionless', 0.15_DP, 0.0_DP, .true., .false., plane=KIND_CPE4_FULL)
     call check_tangent('plane strain, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CPE4_FULL)
     call check_tangent('axisymmetric, quadratic, friction', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CAX8)
-    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, tension_limit=2.0_DP, cutoff_clearance=10.0_DP, &
+      stick_slope=120.0_DP)
     call check_tangent('axisymmetric, quadratic, linear law', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8)
   end subroutine check_planes
 
@@ -91,7 +94,7 @@ contains
     type(interaction_type) :: law
     call check_tangent('mortar, small sliding', 0.15_DP, 0.3_DP, .true., .true., shared=3)
     call check_tangent('mortar, small displacements', 0.1_DP, 0.5_DP, .false., .true., shared=3)
-    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, reach=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
+    law = interaction_type(behavior=BEHAVIOR_EXPONENTIAL, cutoff_clearance=0.3_DP, pressure=15.0_DP, stick_slope=120.0_DP)
     call check_tangent('mortar, exponential', 0.15_DP, 0.3_DP, .true., .true., law, shared=3)
     call check_tangent('mortar, quadratic lines, small sliding', 0.15_DP, 0.3_DP, .true., .true., plane=KIND_CAX8, shared=3)
     call check_tangent('mortar, finite sliding', 0.15_DP, 0.3_DP, .true., .false., shared=3)
@@ -99,7 +102,8 @@ contains
     call check_tangent('mortar, finite sliding, exponential', 0.15_DP, 0.3_DP, .true., .false., law, shared=3)
     call check_tangent('mortar, nearly off its master', 0.0_DP, 0.3_DP, .true., .false., shared=4)
     call check_tangent('mortar, finite sliding, lines', 0.15_DP, 0.3_DP, .true., .false., plane=KIND_CPE4_FULL, shared=3)
-    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=300.0_DP, tension=2.0_DP, reach=10.0_DP, stick_slope=120.0_DP)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=300.0_DP, tension_limit=2.0_DP, cutoff_clearance=10.0_DP, &
+      stick_slope=120.0_DP)
     call check_tangent('mortar, finite sliding, quadratic lines', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8, shared=3)
   end subroutine check_mortar
 
@@ -119,7 +123,7 @@ contains
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
     type(step_type) :: step
-    type(system_type) :: system
+    type(equilibrium_type) :: system
     type(state_type) :: state
     type(error_type), allocatable :: error
     real(DP), allocatable :: u(:, :), du(:, :), exact(:, :), plus(:, :), minus(:, :), w(:)
@@ -140,11 +144,11 @@ contains
     if (present(law)) model%interactions(1) = law
     model%interactions(1)%friction = friction
     step = model%steps(1)
-    call create_system(system, model, state, error)
+    call create_equilibrium(system, model, state, error)
     call suite%that(name // ': the system is made', .not. allocated(error))
     if (allocated(error)) return
     call begin_step(system, model, step, state, error)
-    if (present(is_symmetric)) call lean(system%contact%facets(1)%in_plane(:, :, ::2))
+    if (present(is_symmetric)) call lean(system%contact%facets(1)%symmetry_projector(:, :, ::2))
     call begin_increment(system, model, step, .true., state)
     n = model%mesh%n_nodes
     allocate (u(3, n), du(3, n), exact(3, n), plus(3, n), minus(3, n), w(3 * n))
@@ -165,31 +169,31 @@ contains
       if (shared == 4) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.26_DP
     end if
     state%new%u = u
-    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
     call suite%that(name // ': evaluated', trouble == 0)
     if (present(shared)) then
-      if (shared == 1) call suite%that(name // ': there are levels', system%contact%overlaps%n_levels > 1)
-      if (shared == 2) call suite%that(name // ': a node touches twice', any([(is_cornered(system%contact, s), &
+      if (shared == 1) call suite%that(name // ': there are levels', system%contact%shared_slaves%n_levels > 1)
+      if (shared == 2) call suite%that(name // ': a node touches twice', any([(has_other_constraints(system%contact, s), &
         s=1, size(state%new%slaves))]))
     end if
     call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > merge(0, 1, present(shared)))
     call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 2)
-    call linearise(system, model, step, state, trouble, error)
+    call linearize_equilibrium(system, model, step, state, trouble, error)
     state%new%slaves%stiffness = stiffness
-    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
-    call linearise_contact(system%contact, model, state%old, state%new, system%links)
-    if (all(system%links%is_spring)) call check_factors(name, system)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
+    call linearize_contact(system%contact, model, state%old, state%new, system%contact_tangents)
+    if (all(system%contact_tangents%is_compliant_node)) call check_factors(name, system)
     if (friction > 0.0_DP) call check_condensed(name, system, model, step, state)   ! without friction the upper block is free
     do i = 1, 4
       call fill(du, i + 1, 1.0_DP)
       if (present(plane)) du(3, :) = 0.0_DP
-      call change_forces(system, reshape(du, [3 * n]), w)
+      call apply_unconstrained_tangent(system, reshape(du, [3 * n]), w)
       call condense_forces(system%base, reshape(w, [3, n]), exact)
       state%new%u = u + H * du
-      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+      call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
       plus = system%residual
       state%new%u = u - H * du
-      call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+      call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
       minus = system%residual
       call check_matrix(name, system, i)
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
@@ -212,35 +216,35 @@ contains
   !! nodes that open and close on the way.
   subroutine check_foresight()
     type(model_type) :: model
-    type(system_type) :: system
+    type(equilibrium_type) :: system
     type(state_type) :: state, start
-    type(place_type) :: place
+    type(configuration_type) :: place
     type(error_type), allocatable :: error
     real(DP), allocatable :: du(:, :), foreseen(:, :)
     integer, allocatable :: status(:)
     integer :: trouble, i, n_changes
     call two_blocks(model, 0.1_DP, 0.3_DP, .false., .true.)
-    call create_system(system, model, state, error)
+    call create_equilibrium(system, model, state, error)
     call begin_step(system, model, model%steps(1), state, error)
     call begin_increment(system, model, model%steps(1), .true., state)
     allocate (du, mold=state%new%u)
     call fill(du, 1, 0.02_DP)
     state%new%u = du
-    call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.false.)
-    call linearise(system, model, model%steps(1), state, trouble, error)
+    call evaluate_equilibrium(system, model, model%steps(1), state, trouble, is_frozen=.false.)
+    call linearize_equilibrium(system, model, model%steps(1), state, trouble, error)
     start = state
-    place = place_of(system, state)
+    place = save_configuration(system, state)
     n_changes = 0
     do i = 2, 4
       call fill(du, i, 0.05_DP)
       state = start
-      call foresee(system, model, place, du, state)
+      call evaluate_linearized(system, model, place, du, state)
       foreseen = system%residual
       status = state%new%slaves%status
       n_changes = n_changes + count(status /= start%new%slaves%status)
       state = start
       state%new%u = start%new%u + du
-      call evaluate(system, model, model%steps(1), state, trouble, is_frozen=.false.)
+      call evaluate_equilibrium(system, model, model%steps(1), state, trouble, is_frozen=.false.)
       call suite%that('foresight: the same statuses', all(status == state%new%slaves%status))
       call suite%near('foresight: the same residual', norm2(foreseen - system%residual) / norm2(foreseen), 0.0_DP, 1.0e-11_DP)
     end do
@@ -251,22 +255,23 @@ contains
   !> The products of the springs, B A + M X, are the matrix of their change.
   subroutine check_factors(name, system)
     character(*), intent(in) :: name
-    type(system_type), intent(in) :: system
-    type(springs_type) :: springs
+    type(equilibrium_type), intent(in) :: system
+    type(contact_springs_type) :: springs
     type(sparse_type) :: by_imbalance, by_displacement
     type(error_type), allocatable :: error
     real(DP), allocatable :: du(:, :), force(:), place(:), change(:), w(:), moved(:)
     integer :: n
-    n = system%whole%n_unknowns
-    call spring_factors(system%links, n, springs, error)
-    call contact_matrices(system%links, system%contact%passing, n, by_imbalance, by_displacement)
-    allocate (du(3, n / 3), change(n), w(n), moved(n), force(springs%follow%n_rows), place(springs%moving%n_rows))
+    n = system%constraints%n_unknowns
+    call factorise_spring_tangents(system%contact_tangents, n, springs, error)
+    call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, n, by_imbalance, by_displacement)
+    allocate (du(3, n / 3), change(n), w(n), moved(n), force(springs%spring_tangent%n_rows), &
+      place(springs%projection_gradient%n_rows))
     call fill(du, 7, 1.0_DP)
     call multiply(by_displacement, reshape(du, [n]), change)
-    call multiply(springs%follow, reshape(du, [n]), force)
-    call multiply(springs%moving, reshape(du, [n]), place)
-    call multiply(springs%spread, force, w)
-    call multiply(springs%moved, place, moved)
+    call multiply(springs%spring_tangent, reshape(du, [n]), force)
+    call multiply(springs%projection_gradient, reshape(du, [n]), place)
+    call multiply(springs%force_distribution, force, w)
+    call multiply(springs%distribution_change, place, moved)
     call suite%near(name // ': the products of the springs', norm2(w + moved - change) / norm2(change), 0.0_DP, 1.0e-13_DP)
   end subroutine check_factors
 
@@ -274,7 +279,7 @@ contains
   !> With a fresh factor of the bulk the condensed interface is the exact inverse of the tangent: one Krylov iteration.
   subroutine check_condensed(name, system, model, step, state)
     character(*), intent(in) :: name
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
@@ -283,12 +288,12 @@ contains
     integer :: trouble, before
     before = system%n_krylov
     stiffness = state%new%slaves%stiffness
-    call find_direction(system, model, step, state, du, trouble, error)
+    call solve_newton_step(system, model, step, state, du, trouble, error)
     call suite%that(name // ': a direction is found', trouble == 0 .and. .not. allocated(error))
-    call suite%that(name // ': by the condensed interface', system%is_condensed)
+    call suite%that(name // ': by the condensed interface', system%is_schur_active)
     call suite%that(name // ': which is exact (' // achar(48 + system%n_krylov - before) // ')', system%n_krylov - before <= 2)
     state%new%slaves%stiffness = stiffness
-    call linearise_contact(system%contact, model, state%old, state%new, system%links)
+    call linearize_contact(system%contact, model, state%old, state%new, system%contact_tangents)
   end subroutine check_condensed
 
 
@@ -298,7 +303,7 @@ contains
     type(interaction_type), intent(in), optional :: law
     type(model_type) :: model
     type(step_type) :: step
-    type(system_type) :: system
+    type(equilibrium_type) :: system
     type(state_type) :: state
     type(sparse_type) :: J
     type(error_type), allocatable :: error
@@ -310,11 +315,11 @@ contains
     model%interactions(1)%friction = 0.4_DP
     call start_sliding(model, step, system, state)
     do k = 1, 2
-      step%direction = merge(DIRECTION_EXACT, DIRECTION_SYMMETRIC, k == 1)
-      call linearise(system, model, step, state, trouble, error)
-      call tangent_matrix(system, J, error)
-      x = [(sin(real(7 * i + 1, DP)**2), i=1, system%whole%n_free)]
-      y = [(sin(real(11 * i + 2, DP)**2), i=1, system%whole%n_free)]
+      step%direction = merge(TANGENT_EXACT, TANGENT_SYMMETRIC, k == 1)
+      call linearize_equilibrium(system, model, step, state, trouble, error)
+      call assemble_tangent_matrix(system, J, error)
+      x = [(sin(real(7 * i + 1, DP)**2), i=1, system%constraints%n_free)]
+      y = [(sin(real(11 * i + 2, DP)**2), i=1, system%constraints%n_free)]
       allocate (Jx(size(x)), Jy(size(x)))
       call multiply(J, x, Jx)
       call multiply(J, y, Jy)
@@ -330,27 +335,27 @@ contains
   subroutine check_lagged()
     type(model_type) :: model
     type(step_type) :: step
-    type(system_type) :: system
+    type(equilibrium_type) :: system
     type(state_type) :: state
     type(error_type), allocatable :: error
     real(DP), allocatable :: first(:), u(:, :)
     integer :: trouble, n_links
     call two_blocks(model, 0.15_DP, 0.4_DP, .true., .false.)
     call start_sliding(model, step, system, state)
-    step%direction = DIRECTION_LAGGED
-    call linearise(system, model, step, state, trouble, error)
+    step%direction = TANGENT_LAGGED
+    call linearize_equilibrium(system, model, step, state, trouble, error)
     first = system%assembly%stiffness%value
-    n_links = size(system%links)
+    n_links = size(system%contact_tangents)
     u = state%new%u
     u(3, model%surfaces(1)%nodes) = u(3, model%surfaces(1)%nodes) + 0.2_DP
     state%new%u = u
-    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
-    call linearise(system, model, step, state, trouble, error)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.false.)
+    call linearize_equilibrium(system, model, step, state, trouble, error)
     call suite%near('lagged: K stays', norm2(system%assembly%stiffness%value - first), 0.0_DP, 0.0_DP)
-    call suite%that('lagged: contact does not', size(system%links) /= n_links)
+    call suite%that('lagged: contact does not', size(system%contact_tangents) /= n_links)
     call begin_increment(system, model, step, .false., state)
-    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
-    call linearise(system, model, step, state, trouble, error)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.false.)
+    call linearize_equilibrium(system, model, step, state, trouble, error)
     call suite%that('lagged: the next increment has its own', &
       norm2(system%assembly%stiffness%value - first) > 1.0e-6_DP * norm2(first))
   end subroutine check_lagged
@@ -360,12 +365,12 @@ contains
   subroutine start_sliding(model, step, system, state)
     type(model_type), intent(in) :: model
     type(step_type), intent(out) :: step
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(state_type), intent(inout) :: state
     type(error_type), allocatable :: error
     integer :: s, trouble
     step = model%steps(1)
-    call create_system(system, model, state, error)
+    call create_equilibrium(system, model, state, error)
     call begin_step(system, model, step, state, error)
     call begin_increment(system, model, step, .true., state)
     call fill(state%new%u, 1, 0.02_DP)
@@ -377,26 +382,26 @@ contains
         state%new%u(:, slave%node) = state%new%u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
       end associate
     end do
-    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
   end subroutine start_sliding
 
 
   !> The tangent as a matrix on the free unknowns does what the operator does.
   subroutine check_matrix(name, system, seed)
     character(*), intent(in) :: name
-    type(system_type), intent(in) :: system
+    type(equilibrium_type), intent(in) :: system
     integer, intent(in) :: seed
     type(sparse_type) :: J
     type(error_type), allocatable :: error
     real(DP), allocatable :: v(:), flat(:), w(:), y(:), z(:)
     integer :: i
-    call tangent_matrix(system, J, error)
+    call assemble_tangent_matrix(system, J, error)
     call suite%that(name // ': the matrix is made', .not. allocated(error))
-    v = [(sin(real(7 * i + seed, DP)**2), i=1, system%whole%n_free)]
-    allocate (flat(system%whole%n_unknowns), w(system%whole%n_unknowns), y(size(v)), z(size(v)))
-    call multiply(system%whole%map, v, flat)
-    call change_forces(system, flat, w)
-    call multiply_transpose(system%whole%map, w, y)
+    v = [(sin(real(7 * i + seed, DP)**2), i=1, system%constraints%n_free)]
+    allocate (flat(system%constraints%n_unknowns), w(system%constraints%n_unknowns), y(size(v)), z(size(v)))
+    call multiply(system%constraints%transformation, v, flat)
+    call apply_unconstrained_tangent(system, flat, w)
+    call multiply_transpose(system%constraints%transformation, w, y)
     call multiply(J, v, z)
     call suite%near(name // ': matrix and operator', norm2(y - z) / norm2(y), 0.0_DP, 1.0e-13_DP)
   end subroutine check_matrix
@@ -434,7 +439,7 @@ contains
       mesh%kind = spread(kind, 1, mesh%n_elements)
       mesh%material = spread(1, 1, mesh%n_elements)
       mesh%first = [(each * (i - 1) + 1, i=1, mesh%n_elements + 1)]
-      deallocate (mesh%coordinates, mesh%nodes, mesh%section, mesh%directions, mesh%is_abstract)
+      deallocate (mesh%coordinates, mesh%nodes, mesh%section_value, mesh%directions, mesh%is_auxiliary)
       allocate (mesh%coordinates(3, mesh%n_nodes), source=0.0_DP)
       allocate (mesh%nodes(each * mesh%n_elements))
       node = 0
@@ -442,7 +447,7 @@ contains
       do body = 1, 2
         call fill_plate(mesh, each, M(body), body == 2, sag, node, e)
       end do
-      call finish_mesh(mesh)
+      call finalize_mesh(mesh)
     end associate
     associate (slave => model%surfaces(1), master => model%surfaces(2))
       slave%element = [(M(1) + i, i=1, M(2))]
@@ -500,8 +505,8 @@ contains
       mesh%kind = [mesh%kind, mesh%kind(1)]
       mesh%material = [mesh%material, 1]
       mesh%first = [mesh%first, mesh%first(size(mesh%first)) + 4]
-      deallocate (mesh%section, mesh%directions, mesh%is_abstract)
-      call finish_mesh(mesh)
+      deallocate (mesh%section_value, mesh%directions, mesh%is_auxiliary)
+      call finalize_mesh(mesh)
       model%surfaces(3)%element = [4]
       model%surfaces(3)%face = [4]
       model%surfaces(3)%nodes = mesh%nodes(mesh%first(4) + [0, 3])
@@ -566,7 +571,7 @@ contains
       allocate (mesh%node_sets(0), mesh%element_sets(0))
       call fill_block(2, 0, 0, [-1.0_DP, 0.0_DP], sag, mesh)
       call fill_block(3, 18, 4, [0.0_DP, 1.0_DP], sag, mesh)
-      call finish_mesh(mesh)
+      call finalize_mesh(mesh)
     end associate
     allocate (model%materials(1), model%surfaces(2), model%interactions(1), model%pairs(1), model%amplitudes(0), &
       model%equations(0), model%steps(1))

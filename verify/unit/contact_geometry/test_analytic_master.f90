@@ -3,11 +3,13 @@
 program test_analytic_master
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
-  use amontons_surface_projection, only: gap_derivative_type, projection_type, project_point, find_projection, gap_derivative, &
-    PROJECT_ON, PROJECT_OFF
-  use amontons_facet_search, only: search_type
-  use amontons_analytic_profiles, only: profile_type, add_line, add_arc, finish_profile, PROFILE_FLAT, PROFILE_DRAWN, PROFILE_TURNED
-  use amontons_contact_constraint_rows, only: contact_row_type, facet_row, relative_position
+  use amontons_surface_projection, only: gap_derivatives_type, projection_type, track_projection, find_projection, &
+    evaluate_gap_derivatives, &
+    PROJECTION_INSIDE, PROJECTION_OUTSIDE
+  use amontons_facet_search, only: facet_search_type
+  use amontons_analytic_profiles, only: analytic_profile_type, add_line, add_arc, connect_pieces, PROFILE_PLANAR, &
+    PROFILE_EXTRUDED, PROFILE_REVOLVED
+  use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
   use amontons_analytic_master, only: build_profile_facets
   use check, only: suite_type
   implicit none
@@ -17,7 +19,7 @@ program test_analytic_master
   call check_cylinder(suite)
   call check_walk(suite)
   call check_deep(suite)
-  do kind = PROFILE_FLAT, PROFILE_TURNED
+  do kind = PROFILE_PLANAR, PROFILE_REVOLVED
     call check_derivatives(suite, kind, .true.)
     call check_derivatives(suite, kind, .false.)
   end do
@@ -28,17 +30,17 @@ contains
 
   !> Facets of a profile whose carriers are the nodes 2 to 5 (flat: 2 to 4); node 1 is the slave.
   subroutine carry(profile, facets, x)
-    type(profile_type), intent(inout) :: profile
+    type(analytic_profile_type), intent(inout) :: profile
     type(facets_type), intent(out) :: facets
     real(DP), intent(out) :: x(3, 5)
     integer :: k
-    call finish_profile(profile)
-    profile%n_carriers = merge(3, 4, profile%kind == PROFILE_FLAT)
+    call connect_pieces(profile)
+    profile%n_carrier_nodes = merge(3, 4, profile%kind == PROFILE_PLANAR)
     profile%carriers = [2, 3, 4, 5]
     profile%anchor = [0.3_DP, -0.2_DP, 0.0_DP]
     profile%span = 1.7_DP
     x = 0.0_DP
-    do k = 1, profile%n_carriers
+    do k = 1, profile%n_carrier_nodes
       x(:, k + 1) = profile%anchor + merge(profile%span, 0.0_DP, [1, 2, 3] == k - 1)
     end do
     call build_profile_facets(profile, 0.1_DP, facets)
@@ -56,8 +58,8 @@ contains
 
   !> Half a ball of radius 2 about (0, 0, 0), turned about the x axis, its pole at x = -2.
   subroutine make_ball(profile)
-    type(profile_type), intent(out) :: profile
-    profile%kind = PROFILE_TURNED
+    type(analytic_profile_type), intent(out) :: profile
+    profile%kind = PROFILE_REVOLVED
     profile%axes = reshape(real([0, 1, 0, 0, 0, 1, 1, 0, 0], DP), [3, 3])
     call add_arc(profile, [2.0_DP, 0.0_DP], [0.0_DP, -2.0_DP], [0.0_DP, 0.0_DP])
   end subroutine make_ball
@@ -66,9 +68,9 @@ contains
   !> Gap and normal of a ball that has moved are those of its centre and radius; the row of weights meets the foot.
   subroutine check_sphere(suite)
     type(suite_type), intent(inout) :: suite
-    type(profile_type) :: profile
+    type(analytic_profile_type) :: profile
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     type(contact_row_type) :: row
     real(DP) :: x(3, 5), y(3, 5), centre(3), point(3), way(3)
@@ -84,11 +86,11 @@ contains
       point = y(:, 1)
       call find_projection(facets, search, y, point, 5.0_DP, found)
       way = point - centre
-      call suite%that('ball: on', found%status == PROJECT_ON)
+      call suite%that('ball: on', found%status == PROJECTION_INSIDE)
       call suite%near('ball: gap', found%gap, norm2(way) - 2, 1.0e-14_DP)
       call suite%near('ball: normal', norm2(found%normal - way / norm2(way)), 0.0_DP, 1.0e-14_DP)
-      call facet_row(facets, found%facet, found%xi, 1, row)
-      call suite%near('ball: the row', norm2(relative_position(row, y) - found%gap * found%normal), 0.0_DP, 1.0e-14_DP)
+      call fill_facet_row(facets, found%facet, found%xi, 1, row)
+      call suite%near('ball: the row', norm2(evaluate_relative_position(row, y) - found%gap * found%normal), 0.0_DP, 1.0e-14_DP)
     end do
   end subroutine check_sphere
 
@@ -96,12 +98,12 @@ contains
   !> A bore: the outward side of an arc that runs counterclockwise is towards its axis.
   subroutine check_cylinder(suite)
     type(suite_type), intent(inout) :: suite
-    type(profile_type) :: profile
+    type(analytic_profile_type) :: profile
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP) :: x(3, 5)
-    profile%kind = PROFILE_DRAWN
+    profile%kind = PROFILE_EXTRUDED
     call add_arc(profile, [1.5_DP, 0.0_DP], [0.0_DP, 1.5_DP], [0.0_DP, 0.0_DP])
     call carry(profile, facets, x)
     x(:, 1) = [0.6_DP, 0.8_DP, 40.0_DP]
@@ -114,7 +116,7 @@ contains
   !> From a plateau over a rounded shoulder down a wall, and over a corner that is not rounded.
   subroutine check_walk(suite)
     type(suite_type), intent(inout) :: suite
-    type(profile_type) :: profile
+    type(analytic_profile_type) :: profile
     type(facets_type) :: facets
     real(DP) :: x(3, 5), xi(2), g, n(3)
     integer :: f, status
@@ -124,35 +126,35 @@ contains
     call add_line(profile, [0.0_DP, 3.0_DP], [1.0_DP, 3.0_DP])
     call carry(profile, facets, x)
     f = 1
-    call project_point(facets, x, [-0.1_DP, 2.0_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('walk: to the wall', f == 3 .and. status == PROJECT_ON)
+    call track_projection(facets, x, [-0.1_DP, 2.0_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('walk: to the wall', f == 3 .and. status == PROJECTION_INSIDE)
     call suite%near('walk: gap at the wall', g, 0.1_DP, 1.0e-14_DP)
     call suite%near('walk: place on the wall', xi(1), 0.5_DP, 1.0e-14_DP)
     f = 3
-    call project_point(facets, x, [0.25_DP, 0.25_DP, 0.0_DP], f, xi, g, n, status)
+    call track_projection(facets, x, [0.25_DP, 0.25_DP, 0.0_DP], f, xi, g, n, status)
     call suite%near('walk: gap at the shoulder', g, sqrt(1.125_DP) - 1, 1.0e-14_DP)
     call suite%that('walk: to the shoulder', f == 2)
-    call project_point(facets, x, [-0.005_DP, 3.004_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('walk: a little beyond a corner', status == PROJECT_ON)
-    call project_point(facets, x, [-0.1_DP, 3.1_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('walk: beyond a corner', status == PROJECT_OFF)
-    call project_point(facets, x, [4.05_DP, -0.1_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('walk: beyond an end', status == PROJECT_OFF)
+    call track_projection(facets, x, [-0.005_DP, 3.004_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('walk: a little beyond a corner', status == PROJECTION_INSIDE)
+    call track_projection(facets, x, [-0.1_DP, 3.1_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('walk: beyond a corner', status == PROJECTION_OUTSIDE)
+    call track_projection(facets, x, [4.05_DP, -0.1_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('walk: beyond an end', status == PROJECTION_OUTSIDE)
   end subroutine check_walk
 
 
   !> A point deeper than allowed has no place, one far in front has.
   subroutine check_deep(suite)
     type(suite_type), intent(inout) :: suite
-    type(profile_type) :: profile
+    type(analytic_profile_type) :: profile
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP) :: x(3, 5)
     call add_line(profile, [-1.0_DP, 0.0_DP], [1.0_DP, 0.0_DP])
     call carry(profile, facets, x)
     call find_projection(facets, search, x, [0.2_DP, -0.4_DP, 0.0_DP], 0.3_DP, found)
-    call suite%that('deep: none', found%facet == 0 .and. found%status == PROJECT_OFF)
+    call suite%that('deep: none', found%facet == 0 .and. found%status == PROJECTION_OUTSIDE)
     call find_projection(facets, search, x, [0.2_DP, 9.0_DP, 0.0_DP], 0.3_DP, found)
     call suite%near('deep: far in front', found%gap, 9.0_DP, 1.0e-14_DP)
   end subroutine check_deep
@@ -167,9 +169,9 @@ contains
     type(contact_row_type) :: row
     integer :: facet, status
     facet = f
-    call project_point(facets, x, x(:, 1), facet, xi, g, n, status)
+    call track_projection(facets, x, x(:, 1), facet, xi, g, n, status)
     if (facet /= f) error stop 'a point of the derivative test left its piece'
-    call facet_row(facets, facet, xi, 1, row)
+    call fill_facet_row(facets, facet, xi, 1, row)
     values = 0.0_DP
     values(:4) = [g, n]
     values(5:3 + size(row%nodes)) = row%weights(2:)
@@ -181,9 +183,9 @@ contains
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind
     logical, intent(in) :: is_rigid
-    type(profile_type) :: profile
+    type(analytic_profile_type) :: profile
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP) :: x(3, 5), worst
     integer :: i
@@ -196,7 +198,7 @@ contains
     call carry(profile, facets, x)
     worst = 0.0_DP
     do i = 1, 4
-      x(:, 1) = merge(POINTS(:, i), 0.0_DP, [.true., .true., kind /= PROFILE_FLAT])
+      x(:, 1) = merge(POINTS(:, i), 0.0_DP, [.true., .true., kind /= PROFILE_PLANAR])
       if (.not. is_rigid) x(:2, 4) = x(:2, 4) + [0.2_DP, 0.1_DP]
       x = moved(x, 0.4_DP * real(i, DP), [0.1_DP, 0.2_DP, 0.0_DP])
       call find_projection(facets, search, x, x(:, 1), 5.0_DP, found)
@@ -214,11 +216,11 @@ contains
     real(DP), intent(in) :: x(:, :)
     type(projection_type), intent(in) :: found
     real(DP), intent(inout) :: worst
-    type(gap_derivative_type) :: exact
+    type(gap_derivatives_type) :: exact
     real(DP) :: y(3, 5), difference(8), expected(8)
     real(DP), parameter :: H = 1.0e-5_DP
     integer :: j, k, n
-    call gap_derivative(facets, x, found%facet, found%xi, found%gap, exact)
+    call evaluate_gap_derivatives(facets, x, found%facet, found%xi, found%gap, exact)
     n = exact%n_nodes
     worst = max(worst, norm2(exact%n - found%normal))
     do j = 0, n
@@ -245,9 +247,9 @@ contains
   !> At the pole of a ball, where the angle about the axis means nothing, the derivatives are those of a ball all the same.
   subroutine check_pole(suite)
     type(suite_type), intent(inout) :: suite
-    type(profile_type) :: profile
+    type(analytic_profile_type) :: profile
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP) :: x(3, 5), worst
     call make_ball(profile)

@@ -5,9 +5,9 @@ program test_facet_search
   use amontons_errors, only: error_type
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
     KIND_C3D20
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets
-  use amontons_facet_search, only: search_type, build_search, near_facets
+  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -64,19 +64,19 @@ contains
     real(DP), intent(in) :: margin
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     integer, allocatable :: list(:)
     integer :: i, f, n, n_missed, n_far, n_unordered, n_found
     real(DP) :: point(3), distance
     call make_grid(kind, 9, 7, 0.5_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, margin, search)
+    call build_facet_search(facets, mesh%coordinates, margin, search)
     n_missed = 0
     n_far = 0
     n_unordered = 0
     n_found = 0
     do i = 1, 300
       point = [11.0_DP, 9.0_DP, 2.0_DP] * modulo([0.819173_DP, 0.671044_DP, 0.549700_DP] * real(i, DP), 1.0_DP) - 1.0_DP
-      call near_facets(search, point, list, n)
+      call find_near_facets(search, point, list, n)
       n_found = n_found + n
       if (any(list(2:n) <= list(:n - 1))) n_unordered = n_unordered + 1
       do f = 1, facets%n
@@ -96,25 +96,25 @@ contains
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     integer, allocatable :: list(:)
     integer :: n
     call make_grid(FACET_QUAD4, 1, 1, 0.0_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, 0.0_DP, search)
-    call near_facets(search, [0.5_DP, 0.5_DP, 0.0_DP], list, n)
+    call build_facet_search(facets, mesh%coordinates, 0.0_DP, search)
+    call find_near_facets(search, [0.5_DP, 0.5_DP, 0.0_DP], list, n)
     call suite%that('one facet: on it', n == 1 .and. list(1) == 1)
-    call near_facets(search, [1.1_DP, -0.1_DP, 0.0_DP], list, n)
+    call find_near_facets(search, [1.1_DP, -0.1_DP, 0.0_DP], list, n)
     call suite%that('one facet: in its extension zone', n == 1)
-    call near_facets(search, [0.5_DP, 0.5_DP, 0.2_DP], list, n)
+    call find_near_facets(search, [0.5_DP, 0.5_DP, 0.2_DP], list, n)
     call suite%that('one facet: above', n == 0)
-    call build_search(facets, mesh%coordinates, 1.0_DP, search)
-    call near_facets(search, [0.5_DP, 0.5_DP, 1.0_DP], list, n)
+    call build_facet_search(facets, mesh%coordinates, 1.0_DP, search)
+    call find_near_facets(search, [0.5_DP, 0.5_DP, 1.0_DP], list, n)
     call suite%that('one facet: at the margin', n == 1)
     if (allocated(list)) deallocate (list)
-    call near_facets(search, [-50.0_DP, 0.5_DP, 0.0_DP], list, n)
+    call find_near_facets(search, [-50.0_DP, 0.5_DP, 0.0_DP], list, n)
     call suite%that('one facet: far on one side', n == 0)
     call suite%that('a list that nothing was found for has bounds', allocated(list))
-    call near_facets(search, [50.0_DP, 0.5_DP, 0.0_DP], list, n)
+    call find_near_facets(search, [50.0_DP, 0.5_DP, 0.0_DP], list, n)
     call suite%that('one facet: far on the other', n == 0)
   end subroutine check_one_facet
 
@@ -124,24 +124,24 @@ contains
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh, moved
     type(facets_type) :: facets
-    type(search_type) :: here, there
+    type(facet_search_type) :: here, there
     integer, allocatable :: a(:), b(:)
     integer :: i, k, n, m, n_wrong
     real(DP) :: point(3)
     real(DP), parameter :: UNITS(3) = [1.0e-6_DP, 1.0_DP, 1.0e5_DP], SHIFT(3) = [3.0e3_DP, -7.0e3_DP, 11.0_DP]
     call make_grid(FACET_TRI3, 12, 5, 0.5_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, 0.25_DP, here)
+    call build_facet_search(facets, mesh%coordinates, 0.25_DP, here)
     n_wrong = 0
     do k = 1, 3
       moved = mesh
       do i = 1, mesh%n_nodes
         moved%coordinates(:, i) = UNITS(k) * (mesh%coordinates(:, i) + SHIFT)
       end do
-      call build_search(facets, moved%coordinates, UNITS(k) * 0.25_DP, there)
+      call build_facet_search(facets, moved%coordinates, UNITS(k) * 0.25_DP, there)
       do i = 1, 100
         point = [12.0_DP, 5.0_DP, 0.5_DP] * modulo([0.819173_DP, 0.671044_DP, 0.549700_DP] * real(i, DP), 1.0_DP)
-        call near_facets(here, point, a, n)
-        call near_facets(there, UNITS(k) * (point + SHIFT), b, m)
+        call find_near_facets(here, point, a, n)
+        call find_near_facets(there, UNITS(k) * (point + SHIFT), b, m)
         if (n /= m) n_wrong = n_wrong + 1
         if (n == m) n_wrong = n_wrong + count(a(:n) /= b(:n))
       end do
@@ -155,17 +155,17 @@ contains
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     integer :: i
     call make_grid(FACET_QUAD4, 60, 50, 0.3_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, 0.3_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 0.3_DP, search)
     call suite%that('cells per facet', size(search%first) <= 8 * facets%n + 65)
     call suite%that('entries per facet', size(search%facet) <= 30 * facets%n)
     call make_grid(FACET_QUAD4, 2000, 1, 0.0_DP, mesh, facets)
     do i = 1, mesh%n_nodes - 1                       ! along the diagonal of space
       mesh%coordinates(:, i) = mesh%coordinates(1, i) + [0.0_DP, mesh%coordinates(2, i), 0.0_DP]
     end do
-    call build_search(facets, mesh%coordinates, 0.1_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 0.1_DP, search)
     call suite%that('cells of a diagonal strip', size(search%first) <= 8 * facets%n + 65)
     call suite%that('entries of a diagonal strip', size(search%facet) <= 30 * facets%n)
   end subroutine check_size_of_grid
@@ -176,14 +176,14 @@ contains
     type(mesh_type) :: mesh
     type(facets_type) :: facets
     type(error_type), allocatable :: error
-    type(search_type) :: search
+    type(facet_search_type) :: search
     integer, allocatable :: element(:), face(:), list(:)
     integer :: n
     call flat_grid(FACET_QUAD4, 1, 1, mesh, element, face)
     call build_facets(mesh, element(:0), face(:0), facets, error)
     call suite%that('an empty surface is no error here', (.not. allocated(error)))
-    call build_search(facets, mesh%coordinates, 1.0_DP, search)
-    call near_facets(search, [0.0_DP, 0.0_DP, 0.0_DP], list, n)
+    call build_facet_search(facets, mesh%coordinates, 1.0_DP, search)
+    call find_near_facets(search, [0.0_DP, 0.0_DP, 0.0_DP], list, n)
     call suite%that('and nothing is near', n == 0)
   end subroutine check_empty
 

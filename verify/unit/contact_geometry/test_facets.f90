@@ -5,7 +5,7 @@ program test_facets
   use amontons_errors, only: error_type, EXIT_SETUP
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
     KIND_C3D20
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, EDGE_FREE, &
     EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use check, only: suite_type

@@ -3,12 +3,13 @@
 program test_line_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_CPE4, KIND_CPE8, KIND_T3D2, element_kind, kind_type
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_topology, only: KIND_CPE4, KIND_CPE8, KIND_T3D2, element_kind, element_kind_type
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
-  use amontons_facet_search, only: search_type, build_search
-  use amontons_surface_projection, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
-    fixed_point, smooth_normal, excess_over_edges, PROJECT_ON, PROJECT_OFF
+  use amontons_facet_search, only: facet_search_type, build_facet_search
+  use amontons_surface_projection, only: projection_type, gap_derivatives_type, track_projection, find_projection, &
+    evaluate_gap_derivatives, &
+    evaluate_facet_point, evaluate_smooth_normal, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
   use check, only: suite_type
   implicit none
   integer, parameter :: KINDS(2) = [KIND_CPE4, KIND_CPE8]
@@ -33,7 +34,7 @@ contains
     type(mesh_type), intent(out) :: mesh
     type(facets_type), intent(out) :: facets
     type(error_type), allocatable, intent(out) :: error
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     integer :: n, e, each, f
     entry = element_kind(kind)
     each = merge(2, 1, kind == KIND_CPE8)
@@ -53,7 +54,7 @@ contains
       mesh%nodes(f + 1:f + 2) = each * (e - 1) + [1, 1 + each]
       if (each == 2) mesh%nodes(f + 5) = 2 * e
     end do
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     call build_facets(mesh, [(f, f=1, n)], spread(1, 1, n), facets, error)
   end subroutine chain
 
@@ -96,7 +97,7 @@ contains
     call suite%near('ends: length', facets%edge_length(2), 1.0_DP, 1.0e-14_DP)
     call suite%that('ends: stencil of the second reaches its smooth neighbour only', &
       facets%stencil_first(3) - facets%stencil_first(2) == 3)
-    call suite%that('excess', all(abs(excess_over_edges(facets%kind(1), [1.2_DP, 9.0_DP]) - &
+    call suite%that('excess', all(abs(find_edge_excess(facets%kind(1), [1.2_DP, 9.0_DP]) - &
       [-1.1_DP, 0.1_DP, -1.0_DP, -1.0_DP]) < 1.0e-14_DP))
   end subroutine check_ends
 
@@ -128,25 +129,25 @@ contains
     integer, intent(in) :: kind
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.2_DP, -0.15_DP]
     real(DP) :: xi(2), want(2), g, n(3), xm(3), error
     integer :: goal, i, f, status, n_wrong
     call wavy(kind, 0.2_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, 0.5_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
     error = 0
     n_wrong = 0
     do goal = 1, facets%n
       do i = 1, 9
         want = [-1.0_DP + 0.2_DP * real(i, DP), 0.0_DP]
-        call fixed_point(facets, mesh%coordinates, goal, want, xm)
-        call smooth_normal(facets, mesh%coordinates, goal, want, n)
+        call evaluate_facet_point(facets, mesh%coordinates, goal, want, xm)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
         xm = xm + GAPS(1 + modulo(i, 3)) * n
         f = merge(1, facets%n, goal > 3)
-        call project_point(facets, mesh%coordinates, xm, f, xi, g, n, status)
+        call track_projection(facets, mesh%coordinates, xm, f, xi, g, n, status)
         call find_projection(facets, search, mesh%coordinates, xm, 0.5_DP, found)
-        if (f /= goal .or. status /= PROJECT_ON .or. found%facet /= goal) n_wrong = n_wrong + 1
+        if (f /= goal .or. status /= PROJECTION_INSIDE .or. found%facet /= goal) n_wrong = n_wrong + 1
         error = max(error, norm2(xi - want), abs(g - GAPS(1 + modulo(i, 3))), norm2(found%xi - want))
       end do
     end do
@@ -178,7 +179,7 @@ contains
     do i = 1, 24
       angle = 2 * PI * real(i, DP) / 24.0_DP
       f = 1 + modulo(i - 4, 24)
-      call project_point(facets, mesh%coordinates, 1.1_DP * [cos(angle), sin(angle), 0.0_DP], f, xi, g, n, status)
+      call track_projection(facets, mesh%coordinates, 1.1_DP * [cos(angle), sin(angle), 0.0_DP], f, xi, g, n, status)
       worst = max(worst, norm2(n - [cos(angle), sin(angle), 0.0_DP]), abs(g - 0.1_DP))
     end do
     call suite%near('circle: gap and normal from 45 degrees away', worst, 0.0_DP, 1.0e-12_DP)
@@ -195,17 +196,17 @@ contains
     integer :: f, status
     call chain(KIND_CPE4, POINTS, mesh, facets, error)
     f = 1
-    call project_point(facets, mesh%coordinates, [4.09_DP, 0.2_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('free end: a tenth beyond is on', status == PROJECT_ON .and. f == 1)
-    call project_point(facets, mesh%coordinates, [4.11_DP, 0.2_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('free end: farther is off', status == PROJECT_OFF)
+    call track_projection(facets, mesh%coordinates, [4.09_DP, 0.2_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('free end: a tenth beyond is on', status == PROJECTION_INSIDE .and. f == 1)
+    call track_projection(facets, mesh%coordinates, [4.11_DP, 0.2_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('free end: farther is off', status == PROJECTION_OUTSIDE)
     f = 2
-    call project_point(facets, mesh%coordinates, [1.95_DP, 0.5_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('valley: the wall takes over', f == 3 .and. status == PROJECT_ON)
+    call track_projection(facets, mesh%coordinates, [1.95_DP, 0.5_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('valley: the wall takes over', f == 3 .and. status == PROJECTION_INSIDE)
     call suite%near('valley: gap to the wall', g, -0.05_DP, 1.0e-13_DP)
     f = 3
-    call project_point(facets, mesh%coordinates, [1.5_DP, 1.3_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('ridge: over it', f == 4 .and. status == PROJECT_ON)
+    call track_projection(facets, mesh%coordinates, [1.5_DP, 1.3_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('ridge: over it', f == 4 .and. status == PROJECTION_INSIDE)
     call suite%near('ridge: gap to the top', g, 0.3_DP, 1.0e-13_DP)
   end subroutine check_corners
 
@@ -216,7 +217,7 @@ contains
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.15_DP, -0.1_DP], H = 2.0e-5_DP
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(gap_derivative_type) :: exact
+    type(gap_derivatives_type) :: exact
     real(DP) :: worst, drift, xi(2), point(3), n(3), values(6), moved(3)
     integer :: c, f, i, j, k
     worst = 0
@@ -227,10 +228,10 @@ contains
         do i = 1, 3
           xi = [-0.7_DP + 0.45_DP * real(i, DP), 0.0_DP]
           associate (x => mesh%coordinates)
-            call fixed_point(facets, x, f, xi, point)
-            call smooth_normal(facets, x, f, xi, n)
+            call evaluate_facet_point(facets, x, f, xi, point)
+            call evaluate_smooth_normal(facets, x, f, xi, n)
             point = point + GAPS(i) * n
-            call gap_derivative(facets, x, f, xi, GAPS(i), exact)
+            call evaluate_gap_derivatives(facets, x, f, xi, GAPS(i), exact)
             do k = 1, 2
               moved = 0
               moved(k) = H
@@ -260,7 +261,7 @@ contains
     real(DP) :: values(6), xi(2), g, n(3)
     integer :: facet, status
     facet = f
-    call project_point(facets, x, point, facet, xi, g, n, status)
+    call track_projection(facets, x, point, facet, xi, g, n, status)
     if (facet /= f) error stop 'a point of the derivative test left its facet'
     values = [xi, g, n]
   end function at

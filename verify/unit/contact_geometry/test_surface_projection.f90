@@ -5,11 +5,12 @@ program test_surface_projection
   use amontons_errors, only: error_type
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
     KIND_C3D20
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets
-  use amontons_facet_search, only: search_type, build_search
-  use amontons_surface_projection, only: projection_type, gap_derivative_type, project_point, find_projection, gap_derivative, &
-    fixed_point, vertex_normal, smooth_normal, excess_over_edges, PROJECT_ON, PROJECT_OFF
+  use amontons_facet_search, only: facet_search_type, build_facet_search
+  use amontons_surface_projection, only: projection_type, gap_derivatives_type, track_projection, find_projection, &
+    evaluate_gap_derivatives, &
+    evaluate_facet_point, evaluate_vertex_normal, evaluate_smooth_normal, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -43,7 +44,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: place
     type(error_type), allocatable :: error
     integer, allocatable :: element(:), face(:)
@@ -54,7 +55,7 @@ contains
     call shake(mesh, 0.0_DP, 0.0_DP)
     call fold(mesh, 1.0_DP, LEAN)
     call build_facets(mesh, element, face, facets, error, is_faceted=.true.)
-    call build_search(facets, mesh%coordinates, 1.0_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 1.0_DP, search)
     call find_projection(facets, search, mesh%coordinates, [1.0_DP, 1.01_DP, -1.0e-9_DP], 0.5_DP, place)
     call suite%that('over an edge: the square with the nearest triangle', place%facet == 4)
     call suite%near('over an edge: its normal', norm2(place%normal - [sin(LEAN), 0.0_DP, cos(LEAN)]), 0.0_DP, 1.0e-12_DP)
@@ -62,8 +63,8 @@ contains
     call suite%that('below it: the first one', place%facet == 1)
     call suite%near('below it: its normal', norm2(place%normal - [0.0_DP, 0.0_DP, 1.0_DP]), 0.0_DP, 1.0e-12_DP)
     f = 1
-    call project_point(facets, mesh%coordinates, [1.2_DP, 0.5_DP, 0.0_DP], f, xi, g, n, status)
-    call suite%that('a walk over the edge', f == 2 .and. status == PROJECT_ON)
+    call track_projection(facets, mesh%coordinates, [1.2_DP, 0.5_DP, 0.0_DP], f, xi, g, n, status)
+    call suite%that('a walk over the edge', f == 2 .and. status == PROJECTION_INSIDE)
     call suite%near('the normal there', norm2(n - [sin(LEAN), 0.0_DP, cos(LEAN)]), 0.0_DP, 1.0e-12_DP)
   end subroutine check_faceted
 
@@ -109,14 +110,14 @@ contains
     integer :: f, status
     call make_surface(kind, 0.0_DP, 0.0_DP, 0.0_DP, mesh, facets)
     f = 1
-    call project_point(facets, mesh%coordinates, POINT, f, xi, g, n, status)
-    call suite%that('plane: on', status == PROJECT_ON)
+    call track_projection(facets, mesh%coordinates, POINT, f, xi, g, n, status)
+    call suite%that('plane: on', status == PROJECTION_INSIDE)
     call suite%near('plane: gap', g, 0.37_DP, 1.0e-14_DP)
     call suite%near('plane: normal', n(3), 1.0_DP, 1.0e-14_DP)
-    call fixed_point(facets, mesh%coordinates, f, xi, xm)
+    call evaluate_facet_point(facets, mesh%coordinates, f, xi, xm)
     call suite%near('plane: foot', norm2(xm - [POINT(1), POINT(2), 0.0_DP]), 0.0_DP, 1.0e-13_DP)
     f = facets%n
-    call project_point(facets, mesh%coordinates, POINT - [0.0_DP, 0.0_DP, 1.0_DP], f, xi, g, n, status)
+    call track_projection(facets, mesh%coordinates, POINT - [0.0_DP, 0.0_DP, 1.0_DP], f, xi, g, n, status)
     call suite%near('plane: penetration', g, -0.63_DP, 1.0e-14_DP)
   end subroutine check_flat
 
@@ -127,28 +128,28 @@ contains
     integer, intent(in) :: kind
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP) :: xi(2), want(2), g, n(3), xm(3), error, gap
     integer :: f, i, status, goal, n_wrong
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.2_DP, -0.15_DP]
     call make_surface(kind, 0.2_DP, 0.03_DP, 0.3_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, 0.5_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
     error = 0
     n_wrong = 0
     do goal = 1, facets%n
       do i = 1, 12
         want = place_inside(kind, i + goal)
         gap = GAPS(1 + modulo(i, 3))
-        call fixed_point(facets, mesh%coordinates, goal, want, xm)
-        call smooth_normal(facets, mesh%coordinates, goal, want, n)
+        call evaluate_facet_point(facets, mesh%coordinates, goal, want, xm)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
         f = merge(1, facets%n, modulo(i, 2) == 0)
-        call project_point(facets, mesh%coordinates, xm + gap * n, f, xi, g, n, status)
-        if (f /= goal .or. status /= PROJECT_ON) n_wrong = n_wrong + 1
+        call track_projection(facets, mesh%coordinates, xm + gap * n, f, xi, g, n, status)
+        if (f /= goal .or. status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
         if (f == goal) error = max(error, norm2(xi - want), abs(g - gap))
-        call smooth_normal(facets, mesh%coordinates, goal, want, n)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
         call find_projection(facets, search, mesh%coordinates, xm + gap * n, 0.5_DP, found)
-        if (found%facet /= goal .or. found%status /= PROJECT_ON) n_wrong = n_wrong + 1
+        if (found%facet /= goal .or. found%status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
         if (found%facet == goal) error = max(error, norm2(found%xi - want), abs(found%gap - gap))
       end do
     end do
@@ -182,20 +183,20 @@ contains
     do goal = 1, facets%n
       do i = 1, 6
         want = place_inside(kind, i + goal)
-        call fixed_point(facets, mesh%coordinates, goal, want, xm)
-        call smooth_normal(facets, mesh%coordinates, goal, want, n)
+        call evaluate_facet_point(facets, mesh%coordinates, goal, want, xm)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
         cell = (goal - 1) / cells
         f = 1 + cells * (12 * (cell / 12) + min(max(modulo(cell, 12) + merge(3, -3, modulo(i, 2) == 0), 0), 11))
-        call project_point(facets, mesh%coordinates, xm + GAPS(1 + modulo(i, 3)) * n, f, xi, g, n, status)
-        if (f /= goal .or. status /= PROJECT_ON) n_wrong = n_wrong + 1
+        call track_projection(facets, mesh%coordinates, xm + GAPS(1 + modulo(i, 3)) * n, f, xi, g, n, status)
+        if (f /= goal .or. status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
         if (f == goal) worst = max(worst, norm2(xi - want), abs(g - GAPS(1 + modulo(i, 3))))
       end do
     end do
     call suite%that('cylinder: every one is found', n_wrong == 0)
     call suite%near('cylinder: place and gap', worst, 0.0_DP, 1.0e-11_DP)
     f = facets%n / 2 - merge(1, 0, kind == FACET_TRI3 .or. kind == FACET_TRI6)
-    call fixed_point(facets, mesh%coordinates, f, corner(kind, 1), xm)
-    call smooth_normal(facets, mesh%coordinates, f, corner(kind, 1), n)
+    call evaluate_facet_point(facets, mesh%coordinates, f, corner(kind, 1), xm)
+    call evaluate_smooth_normal(facets, mesh%coordinates, f, corner(kind, 1), n)
     turned = norm2(n - side * [xm(1), 0.0_DP, xm(3)])
     call suite%near('cylinder: normal at a node', turned, 0.0_DP, 0.05_DP)
   end subroutine check_cylinder
@@ -238,9 +239,9 @@ contains
     xi = 0.3_DP * corner(facets%kind(f), k) + 0.7_DP * corner(facets%kind(f), k + 1)
     inner = xi + 1.0e-3_DP * (corner(facets%kind(f), k + 2) - corner(facets%kind(f), k + 1))
     associate (x => mesh%coordinates)
-      call fixed_point(facets, x, f, xi, point)
-      call fixed_point(facets, x, f, inner, within)
-      call smooth_normal(facets, x, f, xi, n)
+      call evaluate_facet_point(facets, x, f, xi, point)
+      call evaluate_facet_point(facets, x, f, inner, within)
+      call evaluate_smooth_normal(facets, x, f, xi, n)
       within = (within - point) * 1.0e-7_DP / norm2(within - point)
       point = point + 0.1_DP * n
       here = f
@@ -266,8 +267,8 @@ contains
     integer, intent(inout) :: f
     real(DP) :: values(6)
     integer :: status
-    call project_point(facets, x, point, f, values(1:2), values(3), values(4:6), status)
-    if (status /= PROJECT_ON) values = huge(1.0_DP)
+    call track_projection(facets, x, point, f, values(1:2), values(3), values(4:6), status)
+    if (status /= PROJECTION_INSIDE) values = huge(1.0_DP)
   end function values_at
 
 
@@ -323,15 +324,15 @@ contains
     integer, intent(in) :: f
     real(DP), intent(in) :: xi(2), gap
     real(DP), intent(inout) :: worst, drift
-    type(gap_derivative_type) :: exact
+    type(gap_derivatives_type) :: exact
     real(DP) :: point(3), n(3), moved(3), values(6)
     real(DP), parameter :: H = 2.0e-5_DP
     integer :: j, k
     associate (x => mesh%coordinates)
-      call fixed_point(facets, x, f, xi, point)
-      call smooth_normal(facets, x, f, xi, n)
+      call evaluate_facet_point(facets, x, f, xi, point)
+      call evaluate_smooth_normal(facets, x, f, xi, n)
       point = point + gap * n
-      call gap_derivative(facets, x, f, xi, gap, exact)
+      call evaluate_gap_derivatives(facets, x, f, xi, gap, exact)
       worst = max(worst, norm2(exact%n - n))
       do k = 1, 3
         moved = 0
@@ -377,9 +378,9 @@ contains
   subroutine check_excess(suite)
     type(suite_type), intent(inout) :: suite
     call suite%that('excess of a square', &
-      all(abs(excess_over_edges(FACET_QUAD4, [1.2_DP, -1.4_DP]) - [0.2_DP, 0.1_DP, -1.2_DP, -1.1_DP]) < 1.0e-14_DP))
+      all(abs(find_edge_excess(FACET_QUAD4, [1.2_DP, -1.4_DP]) - [0.2_DP, 0.1_DP, -1.2_DP, -1.1_DP]) < 1.0e-14_DP))
     call suite%that('excess of a triangle', &
-      all(abs(excess_over_edges(FACET_TRI6, [1.2_DP, -0.1_DP]) - [0.1_DP, 0.1_DP, -1.2_DP, -1.0_DP]) < 1.0e-14_DP))
+      all(abs(find_edge_excess(FACET_TRI6, [1.2_DP, -0.1_DP]) - [0.1_DP, 0.1_DP, -1.2_DP, -1.0_DP]) < 1.0e-14_DP))
   end subroutine check_excess
 
 
@@ -389,18 +390,18 @@ contains
     real(DP), parameter :: BEYOND(6) = [0.0_DP, 1.0e-9_DP, 0.09_DP, 0.11_DP, 0.55_DP, 5.0_DP]
     type(mesh_type) :: mesh
     type(facets_type) :: facets
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP) :: xi(2), g, n(3), point(3)
     integer :: i, f, status, wanted, kind
     do kind = FACET_TRI3, FACET_QUAD8
       call make_surface(kind, 0.0_DP, 0.0_DP, 0.0_DP, mesh, facets)
-      call build_search(facets, mesh%coordinates, 0.2_DP, search)
+      call build_facet_search(facets, mesh%coordinates, 0.2_DP, search)
       do i = 1, 6
-        wanted = merge(PROJECT_ON, PROJECT_OFF, i <= 3)
+        wanted = merge(PROJECTION_INSIDE, PROJECTION_OUTSIDE, i <= 3)
         point = [2.4_DP, -BEYOND(i), 0.01_DP]
         f = facets%n
-        call project_point(facets, mesh%coordinates, point, f, xi, g, n, status)
+        call track_projection(facets, mesh%coordinates, point, f, xi, g, n, status)
         call suite%that('beyond a free edge: walk', status == wanted)
         call suite%that('beyond a free edge: it walked there', any(facets%neighbour(:, f) == 0))
         call find_projection(facets, search, mesh%coordinates, point, 0.2_DP, found)
@@ -411,8 +412,8 @@ contains
       end do
       point = [4.05_DP, 3.05_DP, -0.01_DP]
       f = 1
-      call project_point(facets, mesh%coordinates, point, f, xi, g, n, status)
-      call suite%that('beyond two free edges', status == PROJECT_ON .and. abs(g + 0.01_DP) < 1.0e-14_DP)
+      call track_projection(facets, mesh%coordinates, point, f, xi, g, n, status)
+      call suite%that('beyond two free edges', status == PROJECTION_INSIDE .and. abs(g + 0.01_DP) < 1.0e-14_DP)
     end do
   end subroutine check_free_edges
 
@@ -430,20 +431,20 @@ contains
     call fold(mesh, 1.0_DP, PI / 2)
     call build_facets(mesh, element, face, facets, error)
     f = 1
-    call project_point(facets, mesh%coordinates, [1.05_DP, 0.5_DP, 0.02_DP], f, xi, g, n, status)
-    call suite%that('ridge: the extension holds', status == PROJECT_ON .and. f == 1 .and. abs(g - 0.02_DP) < 1.0e-14_DP)
-    call project_point(facets, mesh%coordinates, [1.05_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
-    call suite%that('ridge: it holds from below', status == PROJECT_ON .and. f == 1)
-    call project_point(facets, mesh%coordinates, [1.15_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
+    call track_projection(facets, mesh%coordinates, [1.05_DP, 0.5_DP, 0.02_DP], f, xi, g, n, status)
+    call suite%that('ridge: the extension holds', status == PROJECTION_INSIDE .and. f == 1 .and. abs(g - 0.02_DP) < 1.0e-14_DP)
+    call track_projection(facets, mesh%coordinates, [1.05_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
+    call suite%that('ridge: it holds from below', status == PROJECTION_INSIDE .and. f == 1)
+    call track_projection(facets, mesh%coordinates, [1.15_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
     call suite%that('ridge: past it the other side', &
-      status == PROJECT_ON .and. f == 2 .and. abs(g - 0.15_DP) < 1.0e-14_DP)
+      status == PROJECTION_INSIDE .and. f == 2 .and. abs(g - 0.15_DP) < 1.0e-14_DP)
     call suite%near('ridge: its normal', n(1), 1.0_DP, 1.0e-14_DP)
     f = 1
-    call project_point(facets, mesh%coordinates, [1.15_DP, 0.5_DP, 0.05_DP], f, xi, g, n, status)
-    call suite%that('ridge: the extension of the other side', status == PROJECT_ON .and. f == 2)
+    call track_projection(facets, mesh%coordinates, [1.15_DP, 0.5_DP, 0.05_DP], f, xi, g, n, status)
+    call suite%that('ridge: the extension of the other side', status == PROJECTION_INSIDE .and. f == 2)
     f = 1
-    call project_point(facets, mesh%coordinates, [1.15_DP, 0.5_DP, 0.15_DP], f, xi, g, n, status)
-    call suite%that('ridge: off beyond both', status == PROJECT_OFF)
+    call track_projection(facets, mesh%coordinates, [1.15_DP, 0.5_DP, 0.15_DP], f, xi, g, n, status)
+    call suite%that('ridge: off beyond both', status == PROJECTION_OUTSIDE)
   end subroutine check_ridge
 
 
@@ -453,7 +454,7 @@ contains
     type(mesh_type) :: mesh
     type(facets_type) :: facets
     type(error_type), allocatable :: error
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     integer, allocatable :: element(:), face(:)
     real(DP) :: xi(2), g, n(3)
@@ -462,18 +463,18 @@ contains
     call fold(mesh, 1.0_DP, -PI / 2)
     call build_facets(mesh, element, face, facets, error)
     f = 1
-    call project_point(facets, mesh%coordinates, [0.95_DP, 0.5_DP, 0.1_DP], f, xi, g, n, status)
-    call suite%that('valley: the floor', status == PROJECT_ON .and. f == 1 .and. abs(g - 0.1_DP) < 1.0e-14_DP)
-    call project_point(facets, mesh%coordinates, [1.01_DP, 0.5_DP, 0.1_DP], f, xi, g, n, status)
-    call suite%that('valley: into the wall', status == PROJECT_ON .and. f == 2 .and. abs(g + 0.01_DP) < 1.0e-14_DP)
-    call project_point(facets, mesh%coordinates, [1.02_DP, 0.5_DP, -0.01_DP], f, xi, g, n, status)
+    call track_projection(facets, mesh%coordinates, [0.95_DP, 0.5_DP, 0.1_DP], f, xi, g, n, status)
+    call suite%that('valley: the floor', status == PROJECTION_INSIDE .and. f == 1 .and. abs(g - 0.1_DP) < 1.0e-14_DP)
+    call track_projection(facets, mesh%coordinates, [1.01_DP, 0.5_DP, 0.1_DP], f, xi, g, n, status)
+    call suite%that('valley: into the wall', status == PROJECTION_INSIDE .and. f == 2 .and. abs(g + 0.01_DP) < 1.0e-14_DP)
+    call track_projection(facets, mesh%coordinates, [1.02_DP, 0.5_DP, -0.01_DP], f, xi, g, n, status)
     call suite%that('valley: the corner from below', &
-      status == PROJECT_ON .and. f == 2 .and. abs(g + 0.02_DP) < 1.0e-14_DP)
-    call project_point(facets, mesh%coordinates, [1.2_DP, 0.5_DP, -0.2_DP], f, xi, g, n, status)
-    call suite%that('valley: too deep', status == PROJECT_OFF)
-    call build_search(facets, mesh%coordinates, 0.5_DP, search)
+      status == PROJECTION_INSIDE .and. f == 2 .and. abs(g + 0.02_DP) < 1.0e-14_DP)
+    call track_projection(facets, mesh%coordinates, [1.2_DP, 0.5_DP, -0.2_DP], f, xi, g, n, status)
+    call suite%that('valley: too deep', status == PROJECTION_OUTSIDE)
+    call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
     call find_projection(facets, search, mesh%coordinates, [1.02_DP, 0.5_DP, -0.01_DP], 0.5_DP, found)
-    call suite%that('valley: found from below', found%status == PROJECT_ON .and. abs(found%gap) < 0.021_DP)
+    call suite%that('valley: found from below', found%status == PROJECTION_INSIDE .and. abs(found%gap) < 0.021_DP)
   end subroutine check_valley
 
 
@@ -483,7 +484,7 @@ contains
     type(mesh_type) :: mesh
     type(facets_type) :: facets
     type(error_type), allocatable :: error
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(projection_type) :: found
     integer, allocatable :: element(:), face(:)
     real(DP), parameter :: UP(3) = [0.0_DP, 0.0_DP, 1.0_DP]
@@ -491,7 +492,7 @@ contains
     x = reshape(real([0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0, 0, 0, -1, 2, 0, -1, 2, 2, -1, 0, 2, -1], DP), [3, 8])
     call mesh_of_facets(FACET_QUAD4, x, reshape([1, 2, 3, 4, 5, 8, 7, 6], [4, 2]), mesh, element, face)
     call build_facets(mesh, element, face, facets, error)
-    call build_search(facets, mesh%coordinates, 2.0_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 2.0_DP, search)
     associate (y => mesh%coordinates)
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, -0.6_DP], 2.0_DP, found)
       call suite%that('plate: nearest side', found%facet == 2 .and. abs(found%gap + 0.4_DP) < 1.0e-14_DP)
@@ -503,12 +504,12 @@ contains
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, 0.3_DP], 0.5_DP, found, UP)
       call suite%that('plate: one that does not face is better than none', found%facet == 1)
       call find_projection(facets, search, y, [0.5_DP, 0.7_DP, -0.6_DP], 0.3_DP, found)
-      call suite%that('plate: nothing within the distance', found%facet == 0 .and. found%status == PROJECT_OFF)
+      call suite%that('plate: nothing within the distance', found%facet == 0 .and. found%status == PROJECTION_OUTSIDE)
       call find_projection(facets, search, y, [9.0_DP, 0.7_DP, 0.0_DP], 2.0_DP, found)
-      call suite%that('plate: nothing near', found%facet == 0 .and. found%status == PROJECT_OFF)
+      call suite%that('plate: nothing near', found%facet == 0 .and. found%status == PROJECTION_OUTSIDE)
     end associate
     call make_surface(FACET_QUAD4, 0.0_DP, 0.0_DP, 0.0_DP, mesh, facets)
-    call build_search(facets, mesh%coordinates, 0.5_DP, search)
+    call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
     call find_projection(facets, search, mesh%coordinates, [1.0_DP, 1.0_DP, 0.25_DP], 0.5_DP, found)
     call suite%that('grid: lowest of four equals', found%facet == 1)
   end subroutine check_find
@@ -520,7 +521,7 @@ contains
     type(mesh_type) :: mesh
     type(facets_type) :: facets
     type(error_type), allocatable :: error
-    type(gap_derivative_type) :: derivative
+    type(gap_derivatives_type) :: derivative
     integer, allocatable :: element(:), face(:)
     real(DP) :: x(3, 5), xi(2), worst, drift
     x = 0.05_DP * reshape(real([0, 0, 0, 20, 0, 2, 20, 20, 0, 0, 20, 1, 40, 4, 0], DP), [3, 5])
@@ -532,7 +533,7 @@ contains
     call compare_derivative(mesh, facets, 2, xi, 0.05_DP, worst, drift)
     call suite%near('collapsed: derivatives', worst, 0.0_DP, 1.0e-7_DP)
     call suite%near('collapsed: translation', drift, 0.0_DP, 1.0e-12_DP)
-    call gap_derivative(facets, mesh%coordinates, 2, xi, 0.05_DP, derivative)
+    call evaluate_gap_derivatives(facets, mesh%coordinates, 2, xi, 0.05_DP, derivative)
     call suite%that('collapsed: three nodes have weight', derivative%n_weights == 3)
     call suite%near('collapsed: weights', derivative%weights(3), 0.5_DP * (1 + xi(2)), 1.0e-14_DP)
     call suite%near('collapsed: their sum', sum(derivative%weights), 1.0_DP, 1.0e-14_DP)
@@ -548,12 +549,12 @@ contains
     integer :: f, status, kind
     do kind = FACET_TRI3, FACET_QUAD8
       call make_surface(kind, 0.0_DP, 0.0_DP, 0.0_DP, mesh, facets)
-      m = vertex_normal(facets, mesh%coordinates, facets%vertex(facets%first(1)))
+      m = evaluate_vertex_normal(facets, mesh%coordinates, facets%vertex(facets%first(1)))
       call suite%near('vertex normal of a plane', m(3), 1.0_DP, 1.0e-13_DP)
       call make_surface(kind, 0.2_DP, 0.03_DP, 0.3_DP, mesh, facets)
       f = 1
-      call project_point(facets, mesh%coordinates, [300.0_DP, 200.0_DP, 500.0_DP], f, xi, g, n, status)
-      call suite%that('far away: not on', status /= PROJECT_ON)
+      call track_projection(facets, mesh%coordinates, [300.0_DP, 200.0_DP, 500.0_DP], f, xi, g, n, status)
+      call suite%that('far away: not on', status /= PROJECTION_INSIDE)
       call suite%that('far away: numbers are numbers', abs(g) < 1.0e9_DP .and. all(abs(xi) < 10))
     end do
   end subroutine check_far

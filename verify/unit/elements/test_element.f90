@@ -2,19 +2,19 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_element
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
-  use amontons_element, only: points_type, element_forces, element_tangent, element_volume, &
-    element_body_force, facet_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_element, only: integration_points_type, evaluate_element_forces, evaluate_element_tangent, evaluate_element_volume, &
+    integrate_body_force, integrate_facet_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_shape_functions, only: node_coordinates, shape_functions
-  use amontons_elasticity, only: stress_small, stress_finite
+  use amontons_elasticity, only: small_strain_stress, finite_strain_stress
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, determinant
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_FACE_NODES, &
+  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
     N_SOLID_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, &
     KIND_C3D20R, FACET_TRI3, FACET_QUAD8
   use check, only: suite_type
   implicit none
-  integer, parameter :: N_DOF = 3 * MAX_NODES
+  integer, parameter :: N_DOF = 3 * MAX_ELEMENT_NODES
   type(suite_type) :: suite
   type(material_type) :: material
   integer :: kind, law, i, n
@@ -53,11 +53,12 @@ contains
   subroutine distort(kind, amount, X)
     integer, intent(in) :: kind
     real(DP), intent(in) :: amount                 !< of the corners, and a tenth of it for the mid-side nodes
-    real(DP), intent(out) :: X(3, MAX_NODES)
+    real(DP), intent(out) :: X(3, MAX_ELEMENT_NODES)
     real(DP), parameter :: A(3, 3) = reshape([1.3_DP, 0.2_DP, -0.1_DP, 0.1_DP, 0.8_DP, 0.3_DP, -0.2_DP, 0.1_DP, &
       1.1_DP], [3, 3])
-    real(DP) :: xi(3, MAX_NODES), r(3, MAX_NODES), N(MAX_NODES), dN(3, MAX_NODES), straight(3, MAX_NODES)
-    type(kind_type) :: entry
+    real(DP) :: xi(3, MAX_ELEMENT_NODES), r(3, MAX_ELEMENT_NODES), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), straight(3, &
+      MAX_ELEMENT_NODES)
+    type(element_kind_type) :: entry
     integer :: linear, corners, a_node
     entry = element_kind(kind)
     call node_coordinates(kind, xi)
@@ -84,7 +85,7 @@ contains
     logical, intent(in) :: is_nlgeom
     character(*), intent(in) :: what
     character(:), allocatable :: name
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     name = trim(entry%name) // merge(' plain', '      ', kind == KIND_C3D8_FULL) // merge(' large ', ' small ', &
       is_nlgeom) // what
@@ -97,9 +98,10 @@ contains
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: H(3, 3) = reshape([0.3_DP, 0.1_DP, -0.2_DP, -0.4_DP, -0.1_DP, 0.1_DP, 0.2_DP, 0.3_DP, &
       0.2_DP], [3, 3])
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), expected(6), strain(6), c(6, 6), energy
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), expected(6), strain(6), c(6, 6), &
+      energy
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: p, status, n
     entry = element_kind(kind)
     n = entry%n_nodes
@@ -107,13 +109,13 @@ contains
     u = matmul(H, X)
     u(3, :) = u(3, :) + 5
     if (is_nlgeom) then
-      call stress_finite(material, H, expected, c, strain, energy, status)
+      call finite_strain_stress(material, H, expected, c, strain, energy, status)
       expected = expected / determinant(IDENTITY + H)
     else
       strain = pack_voigt(H)
-      call stress_small(material, strain, expected, c, energy)
+      call small_strain_stress(material, strain, expected, c, energy)
     end if
-    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
     call suite%that(title(kind, is_nlgeom, 'patch: status'), status == ELEMENT_OK)
     do p = 1, entry%n_points
       call suite%near(title(kind, is_nlgeom, 'patch: stress'), maxval(abs(points%stress(:, p) - expected)), 0.0_DP, &
@@ -134,18 +136,19 @@ contains
     real(DP), parameter :: STEP = 1e-5_DP
     real(DP), parameter :: H(3, 3) = reshape([-0.6_DP, 0.9_DP, 0.1_DP, -0.8_DP, -0.4_DP, 0.3_DP, 0.2_DP, 0.1_DP, &
       0.2_DP], [3, 3])
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), K(N_DOF, N_DOF), again(3, MAX_NODES)
-    real(DP) :: K_again(N_DOF, N_DOF), differences(N_DOF, N_DOF), fp(3, MAX_NODES), fm(3, MAX_NODES), wp, wm, &
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), again(3, &
+      MAX_ELEMENT_NODES)
+    real(DP) :: K_again(N_DOF, N_DOF), differences(N_DOF, N_DOF), fp(3, MAX_ELEMENT_NODES), fm(3, MAX_ELEMENT_NODES), wp, wm, &
       slope(N_DOF)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, a, j, dof, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
     u = 0.2_DP * (u - 0.5_DP) + matmul(H, X)
-    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
     call suite%that(title(kind, is_nlgeom, 'system: status'), status == ELEMENT_OK)
     do a = 1, n
       do j = 1, 3
@@ -164,9 +167,9 @@ contains
       call suite%near(title(kind, is_nlgeom, 'symmetric'), &
         maxval(abs(K(:3 * n, :3 * n) - transpose(K(:3 * n, :3 * n)))), 0.0_DP, 0.0_DP)
     end associate
-    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, again, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, again, points, status)
     call suite%near(title(kind, is_nlgeom, 'forces alone'), maxval(abs(again - force)), 0.0_DP, 1e-15_DP * norm2(force))
-    call element_tangent(kind, material, X(:, :n), u(:, :n), is_nlgeom, K_again, points, status)
+    call evaluate_element_tangent(kind, material, X(:, :n), u(:, :n), is_nlgeom, K_again, points, status)
     call suite%near(title(kind, is_nlgeom, 'tangent alone'), maxval(abs(K_again(:3 * n, :3 * n) - K(:3 * n, :3 * n))), &
       0.0_DP, 0.0_DP)
   end subroutine check_derivatives
@@ -176,17 +179,17 @@ contains
   subroutine displaced(kind, is_nlgeom, X, u, a, j, step, force, energy)
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(in) :: X(3, MAX_NODES), u(3, MAX_NODES), step
+    real(DP), intent(in) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), step
     integer, intent(in) :: a, j
-    real(DP), intent(out) :: force(3, MAX_NODES), energy
-    real(DP) :: moved(3, MAX_NODES)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES), energy
+    real(DP) :: moved(3, MAX_ELEMENT_NODES)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: status
     entry = element_kind(kind)
     moved = u
     moved(j, a) = moved(j, a) + step
-    call element_forces(kind, material, X(:, :entry%n_nodes), moved(:, :entry%n_nodes), is_nlgeom, force, points, &
+    call evaluate_element_forces(kind, material, X(:, :entry%n_nodes), moved(:, :entry%n_nodes), is_nlgeom, force, points, &
       status)
     energy = sum(points%energy(:entry%n_points) * points%volume(:entry%n_points))
   end subroutine displaced
@@ -195,17 +198,18 @@ contains
   !> At displacements of 1e-9 the large theory gives the small one's forces and tangent to 1e-8.
   subroutine check_tiny(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), f1(3, MAX_NODES), f2(3, MAX_NODES), K1(N_DOF, N_DOF), K2(N_DOF, N_DOF)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), f1(3, MAX_ELEMENT_NODES), f2(3, MAX_ELEMENT_NODES), K1(N_DOF, &
+      N_DOF), K2(N_DOF, N_DOF)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
     u = 1e-9_DP * u
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., f1, points, status, K1)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .false., f2, points, status, K2)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., f1, points, status, K1)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .false., f2, points, status, K2)
     call suite%near(title(kind, .true., 'tiny: force'), norm2(f1 - f2), 0.0_DP, 2e-8_DP * norm2(f2))
     call suite%near(title(kind, .true., 'tiny: tangent'), norm2(K1(:3 * n, :3 * n) - K2(:3 * n, :3 * n)), 0.0_DP, &
       2e-8_DP * norm2(K2(:3 * n, :3 * n)))
@@ -217,21 +221,22 @@ contains
     integer, intent(in) :: kind
     real(DP), parameter :: Q(3, 3) = reshape([0.36_DP, 0.48_DP, -0.8_DP, -0.8_DP, 0.6_DP, 0.0_DP, 0.48_DP, 0.64_DP, &
       0.6_DP], [3, 3])
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), K0(N_DOF, N_DOF), K(N_DOF, N_DOF), worst
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), K0(N_DOF, N_DOF), K(N_DOF, N_DOF), &
+      worst
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, a, b, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
-    u = spread([1.234567e6_DP, -0.1_DP, 1.0_DP / 3], 2, MAX_NODES)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    u = spread([1.234567e6_DP, -0.1_DP, 1.0_DP / 3], 2, MAX_ELEMENT_NODES)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     call suite%near(title(kind, .true., 'translation: force'), maxval(abs(force)), 0.0_DP, 0.0_DP)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%near(title(kind, .false., 'translation: force'), maxval(abs(force)), 0.0_DP, 0.0_DP)
-    call element_tangent(kind, material, X(:, :n), 0 * u(:, :n), .true., K0, points, status)
+    call evaluate_element_tangent(kind, material, X(:, :n), 0 * u(:, :n), .true., K0, points, status)
     u = matmul(Q - IDENTITY, X)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status, K)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status, K)
     call suite%near(title(kind, .true., 'rotation: stress'), maxval(abs(points%stress(:, :entry%n_points))), 0.0_DP, &
       1e-14_DP * material%youngs_modulus)
     worst = 0
@@ -249,9 +254,10 @@ contains
   !> Internal forces have neither sum nor moment: about the current places under NLGEOM, the reference ones without.
   subroutine check_balance(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), place(3, MAX_NODES), moment(3)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), place(3, MAX_ELEMENT_NODES), &
+      moment(3)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     logical :: is_nlgeom
     integer :: n, a, i, status
     entry = element_kind(kind)
@@ -261,7 +267,7 @@ contains
     u = 0.2_DP * u
     do i = 1, 2
       is_nlgeom = i == 2
-      call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
+      call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
       place = X
       if (is_nlgeom) place = X + u
       moment = 0
@@ -279,19 +285,19 @@ contains
   subroutine check_volume(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: b(3) = [1.0_DP, -2.0_DP, 0.5_DP]
-    real(DP) :: X(3, MAX_NODES), force(3, MAX_NODES), volume, parent, centre(3), moment(3)
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), volume, parent, centre(3), moment(3)
+    type(element_kind_type) :: entry
     integer :: n, a, corners, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.0_DP, X)
-    call element_volume(kind, X(:, :n), 1.0_DP, volume, status)
+    call evaluate_element_volume(kind, X(:, :n), 1.0_DP, volume, status)
     parent = 8
     if (n == 4 .or. n == 10) parent = 1.0_DP / 6
     if (n == 6 .or. n == 15) parent = 1
     call suite%that(title(kind, .false., 'volume: status'), status == ELEMENT_OK)
     call suite%near(title(kind, .false., 'volume'), volume, 1.054_DP * parent, 1e-14_DP)
-    call element_body_force(kind, X(:, :n), 1.0_DP, b, force)
+    call integrate_body_force(kind, X(:, :n), 1.0_DP, b, force)
     call suite%near(title(kind, .false., 'body force: sum'), maxval(abs(sum(force, 2) - b * volume)), 0.0_DP, 1e-13_DP)
     corners = n
     if (n == 10) corners = 4
@@ -311,14 +317,14 @@ contains
   subroutine check_modes(kind)
     integer, intent(in) :: kind
     integer, parameter :: EXPECTED(N_SOLID_KINDS) = [6, 7, 6, 6, 6, 6, 12, 6, 6, 6]
-    real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(N_DOF)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(N_DOF)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
-    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
+    call evaluate_element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
     call find_eigenvalues(K(:3 * n, :3 * n), values(:3 * n))
     call suite%that(title(kind, .false., 'number of modes without energy'), &
       count(abs(values(:3 * n)) < 1e-10_DP * maxval(values(:3 * n))) == EXPECTED(kind))
@@ -330,20 +336,20 @@ contains
   !> Near incompressibility one mode of a C3D8 is stiff, the change of its volume; without mean dilatation seven are
   !! more.
   subroutine check_no_locking()
-    real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(24)
-    type(points_type) :: points
+    real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(24)
+    type(integration_points_type) :: points
     type(material_type) :: rubber
     integer :: status
     rubber%youngs_modulus = 3
     rubber%poissons_ratio = 0.5_DP - 1e-7_DP
     call distort(KIND_C3D8, 0.2_DP, X)
-    call element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .false., K, points, status)
+    call evaluate_element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .false., K, points, status)
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8: one stiff mode', count(values > 1e3_DP) == 1)
-    call element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .true., K, points, status)
+    call evaluate_element_tangent(KIND_C3D8, rubber, X(:, :8), 0 * X(:, :8), .true., K, points, status)
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8 large: one stiff mode', count(values > 1e3_DP) == 1)
-    call element_tangent(KIND_C3D8_FULL, rubber, X(:, :8), 0 * X(:, :8), .false., K, points, status)
+    call evaluate_element_tangent(KIND_C3D8_FULL, rubber, X(:, :8), 0 * X(:, :8), .false., K, points, status)
     call find_eigenvalues(K(:24, :24), values)
     call suite%that('C3D8 plain: many stiff modes', count(values > 1e3_DP) > 1)
   end subroutine check_no_locking
@@ -352,24 +358,24 @@ contains
   !> The pressure of a C3D8 is uniform, that of its change of volume v/V: K ln(v/V)/(v/V) by Hencky's law, under any
   !! displacements.
   subroutine check_mean_dilatation()
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), bulk, before, after, expected
-    type(points_type) :: points
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), bulk, before, after, expected
+    type(integration_points_type) :: points
     integer :: p, status
     material%law = LAW_HENCKY
     call distort(KIND_C3D8, 0.2_DP, X)
     call random_number(u)
     u = 0.6_DP * (u - 0.5_DP) + 0.1_DP * X
     bulk = material%youngs_modulus / (3 * (1 - 2 * material%poissons_ratio))
-    call element_volume(KIND_C3D8, X(:, :8), 1.0_DP, before, status)
-    call element_volume(KIND_C3D8, X(:, :8) + u(:, :8), 1.0_DP, after, status)
+    call evaluate_element_volume(KIND_C3D8, X(:, :8), 1.0_DP, before, status)
+    call evaluate_element_volume(KIND_C3D8, X(:, :8) + u(:, :8), 1.0_DP, after, status)
     expected = bulk * log(after / before) * before / after
-    call element_forces(KIND_C3D8, material, X(:, :8), u(:, :8), .true., force, points, status)
+    call evaluate_element_forces(KIND_C3D8, material, X(:, :8), u(:, :8), .true., force, points, status)
     do p = 1, 8
       call suite%near('C3D8 large: Cauchy pressure of the mean dilatation', sum(points%stress(:3, p)) / 3, expected, &
         1e-12_DP * bulk)
       call suite%near('C3D8 large: trace of the strain', sum(points%strain(:3, p)), log(after / before), 1e-13_DP)
     end do
-    call element_forces(KIND_C3D8, material, X(:, :8), u(:, :8), .false., force, points, status)
+    call evaluate_element_forces(KIND_C3D8, material, X(:, :8), u(:, :8), .false., force, points, status)
     do p = 1, 8
       call suite%near('C3D8 small: uniform pressure', sum(points%stress(:3, p)), sum(points%stress(:3, 1)), &
         1e-12_DP * bulk)
@@ -412,10 +418,11 @@ contains
   !! no sum. (Not of C3D6, C3D15, C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
   subroutine check_hydrostatic(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), outside(3, MAX_NODES), pressure
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), outside(3, MAX_ELEMENT_NODES), &
+      pressure
     real(DP) :: on_face(3, MAX_FACE_NODES), K(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: facet
     integer :: n, face, a, status
     entry = element_kind(kind)
@@ -427,13 +434,13 @@ contains
       X(:, [5, 7, 8]) = 0.5_DP * (spread(X(:, 1), 2, 3) + X(:, 2:4))
     end if
     u = -0.1_DP * X
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     pressure = -sum(points%stress(:3, 1)) / 3
     outside = 0
     do face = 1, entry%n_faces
       facet = facet_kind(entry%face_kind(face))
       associate (nodes => entry%face_nodes(:facet%n_nodes, face))
-        call facet_pressure(entry%face_kind(face), X(:, nodes) + u(:, nodes), pressure, on_face, K)
+        call integrate_facet_pressure(entry%face_kind(face), X(:, nodes) + u(:, nodes), pressure, on_face, K)
         do a = 1, facet%n_nodes
           outside(:, nodes(a)) = outside(:, nodes(a)) + on_face(:, a)
         end do
@@ -464,19 +471,19 @@ contains
     if (facet%n_corners == 4) x(:2, :) = SQUARE
     if (facet%n_corners == 3) x(:2, :6) = TRIANGLE
     area = merge(4.0_DP, 2.0_DP, facet%n_corners == 4)
-    call facet_pressure(kind, x(:, :n), 3.0_DP, force, K)
+    call integrate_facet_pressure(kind, x(:, :n), 3.0_DP, force, K)
     call suite%near('pressure: pushes against the normal', maxval(abs(sum(force, 2) &
       - [0.0_DP, 0.0_DP, -3 * area])), 0.0_DP, 1e-14_DP)
     call random_number(r)
     x = x + 0.3_DP * (r - 0.5_DP)
-    call facet_pressure(kind, x(:, :n), 3.0_DP, force, K)
+    call integrate_facet_pressure(kind, x(:, :n), 3.0_DP, force, K)
     do a = 1, n
       do j = 1, 3
         moved = x
         moved(j, a) = x(j, a) + STEP
-        call facet_pressure(kind, moved(:, :n), 3.0_DP, fp, unused)
+        call integrate_facet_pressure(kind, moved(:, :n), 3.0_DP, fp, unused)
         moved(j, a) = x(j, a) - STEP
-        call facet_pressure(kind, moved(:, :n), 3.0_DP, fm, unused)
+        call integrate_facet_pressure(kind, moved(:, :n), 3.0_DP, fm, unused)
         call suite%near('pressure: load stiffness', norm2(reshape((fp - fm) / (2 * STEP), [3 * MAX_FACE_NODES]) &
           - K(:, 3 * (a - 1) + j)), 0.0_DP, 1e-9_DP * norm2(K))
       end do
@@ -487,32 +494,32 @@ contains
   !> Inside out, NaN and infinity, and a mesh that was never right.
   subroutine check_exits(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), K(N_DOF, N_DOF), volume
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), volume
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.0_DP, X)
     u = 0
     u(1, :) = -2 * X(1, :)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     call suite%that(title(kind, .true., 'exit: inverted'), status == ELEMENT_INVERTED)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%that(title(kind, .false., 'small theory knows no inversion'), status == ELEMENT_OK)
     u(2, n) = ieee_value(1.0_DP, ieee_quiet_nan)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status, K)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status, K)
     call suite%that(title(kind, .true., 'exit: NaN'), status == ELEMENT_NOT_FINITE)
     u(2, n) = ieee_value(1.0_DP, ieee_positive_inf)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%that(title(kind, .false., 'exit: infinite'), status == ELEMENT_NOT_FINITE)
     u(2, n) = 1e200_DP
-    call element_tangent(kind, material, X(:, :n), u(:, :n), .true., K, points, status)
+    call evaluate_element_tangent(kind, material, X(:, :n), u(:, :n), .true., K, points, status)
     call suite%that(title(kind, .true., 'exit: beyond all bounds'), status == ELEMENT_NOT_FINITE)
     X(3, :) = -X(3, :)
-    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .true., K, points, status)
+    call evaluate_element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .true., K, points, status)
     call suite%that(title(kind, .true., 'exit: degenerate'), status == ELEMENT_DEGENERATE)
-    call element_volume(kind, X(:, :n), 1.0_DP, volume, status)
+    call evaluate_element_volume(kind, X(:, :n), 1.0_DP, volume, status)
     call suite%that(title(kind, .true., 'exit: negative volume'), status == ELEMENT_DEGENERATE .and. volume < 0)
   end subroutine check_exits
 

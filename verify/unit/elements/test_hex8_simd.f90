@@ -4,19 +4,20 @@
 program test_hex8_simd
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_hex8_simd, only: batch_type, rule_type, make_rule, is_batched, load_lane, batch_forces, batch_tangent, WIDTH
-  use amontons_element, only: element_forces, points_type, ELEMENT_OK
+  use amontons_hex8_simd, only: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, &
+    evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH
+  use amontons_element, only: evaluate_element_forces, integration_points_type, ELEMENT_OK
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, MAX_NODES
+  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
   real(DP), parameter :: CUBE(3, 8) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &
     0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1], [3, 8])
   type(suite_type) :: suite
-  type(rule_type) :: rule
+  type(batch_rule_type) :: rule
   integer :: k
   call random_seed(put=[(17 * k, k=1, 64)])
-  rule = make_rule()
+  rule = create_batch_rule()
   call test_case('small', KIND_C3D8_FULL, .false., 0.2_DP)
   call test_case('mean dilatation', KIND_C3D8, .false., 0.2_DP)
   call test_case('finite', KIND_C3D8_FULL, .true., 0.2_DP)
@@ -31,18 +32,18 @@ contains
   !> Eight distorted elements of different materials with random displacements.
   subroutine fill(batch, materials, size_of_u)
     type(batch_type), intent(out) :: batch
-    type(material_type), intent(out) :: materials(WIDTH)
+    type(material_type), intent(out) :: materials(BATCH_WIDTH)
     real(DP), intent(in) :: size_of_u
     real(DP) :: X(3, 8), u(3, 8), r(2)
     integer :: lane
-    do lane = 1, WIDTH
+    do lane = 1, BATCH_WIDTH
       call random_number(X)
       call random_number(u)
       call random_number(r)
       materials(lane)%youngs_modulus = 1 + r(1)
       materials(lane)%poissons_ratio = 0.45_DP * r(2)
       materials(lane)%law = LAW_SAINT_VENANT
-      call load_lane(batch, lane, materials(lane), CUBE + 0.3_DP * (X - 0.5_DP), size_of_u * (u - 0.5_DP))
+      call set_batch_lane(batch, lane, materials(lane), CUBE + 0.3_DP * (X - 0.5_DP), size_of_u * (u - 0.5_DP))
     end do
   end subroutine fill
 
@@ -55,17 +56,18 @@ contains
     real(DP), intent(in) :: size_of_u
     real(DP), parameter :: ROUNDING = 1.0e-13_DP
     type(batch_type) :: batch
-    type(material_type) :: materials(WIDTH)
-    type(points_type) :: points
-    real(DP) :: force(3, MAX_NODES), K_e(3 * MAX_NODES, 3 * MAX_NODES), worst(6)
+    type(material_type) :: materials(BATCH_WIDTH)
+    type(integration_points_type) :: points
+    real(DP) :: force(3, MAX_ELEMENT_NODES), K_e(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES), worst(6)
     integer :: lane, a, b, pair, status
     call fill(batch, materials, size_of_u)
-    call batch_forces(batch, rule, kind == KIND_C3D8, is_nlgeom)
+    call evaluate_batch_forces(batch, rule, kind == KIND_C3D8, is_nlgeom)
     call suite%that(name // ': sound', batch%is_sound)
-    call batch_tangent(batch, rule, kind == KIND_C3D8, is_nlgeom)
+    call evaluate_batch_tangent(batch, rule, kind == KIND_C3D8, is_nlgeom)
     worst = 0
-    do lane = 1, WIDTH
-      call element_forces(kind, materials(lane), batch%X(lane, :, :), batch%u(lane, :, :), is_nlgeom, force, points, status, K_e)
+    do lane = 1, BATCH_WIDTH
+      call evaluate_element_forces(kind, materials(lane), batch%X(lane, :, :), batch%u(lane, :, :), is_nlgeom, force, points, &
+        status, K_e)
       call suite%that(name // ': element', status == ELEMENT_OK)
       worst(1) = max(worst(1), maxval(abs(batch%force(lane, :, :) - force(:, :8))) / maxval(abs(force)))
       worst(2) = max(worst(2), maxval(abs(batch%stress(lane, :, :) - points%stress(:, :8))) / maxval(abs(points%stress(:, :8))))
@@ -94,21 +96,21 @@ contains
   subroutine test_difference()
     real(DP), parameter :: H = 1.0e-5_DP
     type(batch_type) :: batch, moved
-    type(material_type) :: materials(WIDTH)
-    real(DP) :: plus(WIDTH, 3, 8), worst
+    type(material_type) :: materials(BATCH_WIDTH)
+    real(DP) :: plus(BATCH_WIDTH, 3, 8), worst
     integer :: a, b, j, pair
     call fill(batch, materials, 0.2_DP)
-    call batch_tangent(batch, rule, .false., .true.)
+    call evaluate_batch_tangent(batch, rule, .false., .true.)
     worst = 0
     pair = 0
     do b = 1, 8
       do j = 1, 3
         moved = batch
         moved%u(:, j, b) = batch%u(:, j, b) + H
-        call batch_forces(moved, rule, .false., .true.)
+        call evaluate_batch_forces(moved, rule, .false., .true.)
         plus = moved%force
         moved%u(:, j, b) = batch%u(:, j, b) - H
-        call batch_forces(moved, rule, .false., .true.)
+        call evaluate_batch_forces(moved, rule, .false., .true.)
         do a = 1, b
           worst = max(worst, maxval(abs((plus(:, :, a) - moved%force(:, :, a)) / (2 * H) - batch%stiffness(:, :, j, pair + a))))
         end do
@@ -122,21 +124,21 @@ contains
   !> One inverted element, or one that is not a number, makes the batch unsound; so does a degenerate one.
   subroutine test_unsound()
     type(batch_type) :: batch, bad
-    type(material_type) :: materials(WIDTH)
+    type(material_type) :: materials(BATCH_WIDTH)
     call fill(batch, materials, 0.1_DP)
     bad = batch
     bad%u(5, 3, 5:8) = bad%u(5, 3, 5:8) - 3
-    call batch_forces(bad, rule, .false., .true.)
+    call evaluate_batch_forces(bad, rule, .false., .true.)
     call suite%that('inverted: forces', .not. bad%is_sound)
-    call batch_tangent(bad, rule, .false., .true.)
+    call evaluate_batch_tangent(bad, rule, .false., .true.)
     call suite%that('inverted: tangent', .not. bad%is_sound)
     bad = batch
     bad%u(8, 2, 3) = ieee_value(1.0_DP, ieee_quiet_nan)
-    call batch_forces(bad, rule, .false., .false.)
+    call evaluate_batch_forces(bad, rule, .false., .false.)
     call suite%that('not a number', .not. bad%is_sound)
     bad = batch
     bad%X(2, 1, :) = 0
-    call batch_forces(bad, rule, .true., .false.)
+    call evaluate_batch_forces(bad, rule, .true., .false.)
     call suite%that('without volume', .not. bad%is_sound)
   end subroutine test_unsound
 
@@ -145,14 +147,14 @@ contains
   subroutine test_choice()
     type(material_type) :: material
     material%law = LAW_SAINT_VENANT
-    call suite%that('full', is_batched(KIND_C3D8_FULL, material, .true.))
-    call suite%that('mean dilatation, finite', .not. is_batched(KIND_C3D8, material, .true.))
-    call suite%that('modes', .not. is_batched(KIND_C3D8I, material, .false.))
+    call suite%that('full', is_batch_kind(KIND_C3D8_FULL, material, .true.))
+    call suite%that('mean dilatation, finite', .not. is_batch_kind(KIND_C3D8, material, .true.))
+    call suite%that('modes', .not. is_batch_kind(KIND_C3D8I, material, .false.))
     material%law = LAW_HENCKY
-    call suite%that('Hencky', .not. is_batched(KIND_C3D8_FULL, material, .true.))
-    call suite%that('Hencky, small', is_batched(KIND_C3D8, material, .false.))
-    material%is_plain = .false.
-    call suite%that('not plain', .not. is_batched(KIND_C3D8_FULL, material, .false.))
+    call suite%that('Hencky', .not. is_batch_kind(KIND_C3D8_FULL, material, .true.))
+    call suite%that('Hencky, small', is_batch_kind(KIND_C3D8, material, .false.))
+    material%is_linear_isotropic = .false.
+    call suite%that('not plain', .not. is_batch_kind(KIND_C3D8_FULL, material, .false.))
   end subroutine test_choice
 
 end program test_hex8_simd

@@ -2,17 +2,17 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_plane_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-  use amontons_element, only: points_type, element_forces, element_tangent, element_volume, &
-    element_body_force, edge_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_element, only: integration_points_type, evaluate_element_forces, evaluate_element_tangent, evaluate_element_volume, &
+    integrate_body_force, integrate_edge_pressure, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP, PI
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_shape_functions, only: node_coordinates, shape_functions
-  use amontons_topology, only: element_kind, kind_type, KIND_CPS3, KIND_CPS4, KIND_CPE4, KIND_CPE4_FULL, &
-    KIND_CAX3, KIND_CAX4, KIND_CAX4R, KIND_CAX8R, KIND_CPS8R, KIND_CPE8R, MAX_NODES, MAX_FACE_NODES, &
+  use amontons_topology, only: element_kind, element_kind_type, KIND_CPS3, KIND_CPS4, KIND_CPE4, KIND_CPE4_FULL, &
+    KIND_CAX3, KIND_CAX4, KIND_CAX4R, KIND_CAX8R, KIND_CPS8R, KIND_CPE8R, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
     FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FACET_LINE2, FACET_LINE3
   use check, only: suite_type
   implicit none
-  integer, parameter :: N_DOF = 3 * MAX_NODES
+  integer, parameter :: N_DOF = 3 * MAX_ELEMENT_NODES
   real(DP), parameter :: THICKNESS = 0.7_DP
   type(suite_type) :: suite
   type(material_type) :: material
@@ -50,10 +50,10 @@ contains
   subroutine distort(kind, amount, X)
     integer, intent(in) :: kind
     real(DP), intent(in) :: amount                 !< of the corners, and a tenth of it for the mid-side nodes
-    real(DP), intent(out) :: X(3, MAX_NODES)
+    real(DP), intent(out) :: X(3, MAX_ELEMENT_NODES)
     real(DP), parameter :: A(2, 2) = reshape([1.3_DP, 0.2_DP, -0.1_DP, 0.8_DP], [2, 2])
-    real(DP) :: xi(3, MAX_NODES), r(3, MAX_NODES), N(MAX_NODES), dN(3, MAX_NODES), place(2)
-    type(kind_type) :: entry
+    real(DP) :: xi(3, MAX_ELEMENT_NODES), r(3, MAX_ELEMENT_NODES), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), place(2)
+    type(element_kind_type) :: entry
     integer :: b
     entry = element_kind(kind)
     call node_coordinates(kind, xi)
@@ -75,7 +75,7 @@ contains
     logical, intent(in) :: is_nlgeom
     character(*), intent(in) :: what
     character(:), allocatable :: name
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     name = trim(entry%name) // merge(' large ', ' small ', is_nlgeom) // what
   end function title
@@ -87,18 +87,18 @@ contains
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: H(2, 2) = reshape([0.2_DP, 0.1_DP, -0.3_DP, -0.1_DP], [2, 2])
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: p, status, n
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.3_DP, X)
     u = 0
     u(:2, :) = matmul(H, X(:2, :))
-    if (entry%family == FAMILY_AXISYMMETRIC) u(:2, :) = spread([0.2_DP, -0.1_DP], 2, MAX_NODES) * X(:2, :)
-    points%section = THICKNESS
-    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
+    if (entry%family == FAMILY_AXISYMMETRIC) u(:2, :) = spread([0.2_DP, -0.1_DP], 2, MAX_ELEMENT_NODES) * X(:2, :)
+    points%section_value = THICKNESS
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
     call suite%that(title(kind, is_nlgeom, 'patch: status'), status == ELEMENT_OK)
     do p = 1, entry%n_points
       call suite%near(title(kind, is_nlgeom, 'patch: uniform'), maxval(abs(points%stress(:, p) - points%stress(:, 1))), &
@@ -127,10 +127,11 @@ contains
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: STEP = 1e-5_DP
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), K(N_DOF, N_DOF)
-    real(DP) :: moved(3, MAX_NODES), fp(3, MAX_NODES), fm(3, MAX_NODES), slope, difference(N_DOF), worst, worst_force
-    type(points_type) :: points, plus, minus
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF)
+    real(DP) :: moved(3, MAX_ELEMENT_NODES), fp(3, MAX_ELEMENT_NODES), fm(3, MAX_ELEMENT_NODES), slope, difference(N_DOF), worst, &
+      worst_force
+    type(integration_points_type) :: points, plus, minus
+    type(element_kind_type) :: entry
     integer :: n, a, j, status
     entry = element_kind(kind)
     n = entry%n_nodes
@@ -139,10 +140,10 @@ contains
     u(:2, :) = 0.2_DP * (u(:2, :) - 0.5_DP) + matmul(reshape([-0.2_DP, 0.4_DP, -0.3_DP, 0.1_DP], [2, 2]), X(:2, :))
     u(1, :) = u(1, :) + 0.5_DP
     u(3, :) = 0
-    points%section = THICKNESS
-    plus%section = THICKNESS
-    minus%section = THICKNESS
-    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
+    points%section_value = THICKNESS
+    plus%section_value = THICKNESS
+    minus%section_value = THICKNESS
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
     call suite%that(title(kind, is_nlgeom, 'system: status'), status == ELEMENT_OK)
     worst = 0
     worst_force = 0
@@ -150,9 +151,9 @@ contains
       do j = 1, 2
         moved = u
         moved(j, a) = u(j, a) + STEP
-        call element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fp, plus, status)
+        call evaluate_element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fp, plus, status)
         moved(j, a) = u(j, a) - STEP
-        call element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fm, minus, status)
+        call evaluate_element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fm, minus, status)
         difference = reshape((fp - fm) / (2 * STEP), [N_DOF])
         slope = sum((plus%energy(:entry%n_points) - minus%energy(:entry%n_points)) * plus%volume(:entry%n_points)) &
           / (2 * STEP)
@@ -173,18 +174,19 @@ contains
   !> At displacements of 1e-9 the large theory gives the small one's forces and tangent to 1e-8.
   subroutine check_tiny(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), f1(3, MAX_NODES), f2(3, MAX_NODES), K1(N_DOF, N_DOF), K2(N_DOF, N_DOF)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), f1(3, MAX_ELEMENT_NODES), f2(3, MAX_ELEMENT_NODES), K1(N_DOF, &
+      N_DOF), K2(N_DOF, N_DOF)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
     u = 1e-9_DP * u
-    points%section = THICKNESS
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., f1, points, status, K1)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .false., f2, points, status, K2)
+    points%section_value = THICKNESS
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., f1, points, status, K1)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .false., f2, points, status, K2)
     call suite%near(title(kind, .true., 'tiny: force'), norm2(f1 - f2), 0.0_DP, 3e-8_DP * norm2(f2))
     call suite%near(title(kind, .true., 'tiny: tangent'), norm2(K1(:3 * n, :3 * n) - K2(:3 * n, :3 * n)), 0.0_DP, &
       2e-8_DP * norm2(K2(:3 * n, :3 * n)))
@@ -194,22 +196,22 @@ contains
   !> A translation gives exactly nothing, along the axis too; a rotation nothing but rounding (plane kinds).
   subroutine check_rotation(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
-    points%section = THICKNESS
+    points%section_value = THICKNESS
     u = 0
     u(2, :) = 1.234567e6_DP
     if (entry%family /= FAMILY_AXISYMMETRIC) u(1, :) = -1.0_DP / 3
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     call suite%near(title(kind, .true., 'translation: force'), maxval(abs(force)), 0.0_DP, 0.0_DP)
     if (entry%family == FAMILY_AXISYMMETRIC) return
     u(:2, :) = matmul(reshape([-0.4_DP, 0.8_DP, -0.8_DP, -0.4_DP], [2, 2]), X(:2, :))
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     call suite%near(title(kind, .true., 'rotation: stress'), maxval(abs(points%stress(:, :entry%n_points))), 0.0_DP, &
       1e-13_DP * material%youngs_modulus)
   end subroutine check_rotation
@@ -219,13 +221,13 @@ contains
   subroutine check_volume(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: b(3) = [1.0_DP, -2.0_DP, 5.0_DP], JACOBIAN = 1.06_DP
-    real(DP) :: X(3, MAX_NODES), force(3, MAX_NODES), volume, expected
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), volume, expected
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.0_DP, X)
-    call element_volume(kind, X(:, :n), THICKNESS, volume, status)
+    call evaluate_element_volume(kind, X(:, :n), THICKNESS, volume, status)
     expected = JACOBIAN * merge(0.5_DP, 4.0_DP, entry%n_faces == 3)
     if (entry%family == FAMILY_AXISYMMETRIC) then
       expected = expected * 2 * PI * sum(X(1, :entry%n_faces)) / real(entry%n_faces, DP)
@@ -234,7 +236,7 @@ contains
     end if
     call suite%that(title(kind, .false., 'volume: status'), status == ELEMENT_OK)
     call suite%near(title(kind, .false., 'volume'), volume, expected, 1e-13_DP * expected)
-    call element_body_force(kind, X(:, :n), THICKNESS, b, force)
+    call integrate_body_force(kind, X(:, :n), THICKNESS, b, force)
     call suite%near(title(kind, .false., 'body force: sum'), maxval(abs(sum(force(:2, :), 2) - b(:2) * volume)), 0.0_DP, &
       1e-12_DP * volume)
     call suite%that(title(kind, .false., 'body force: none across'), all(abs(force(3, :)) <= 0))
@@ -245,16 +247,16 @@ contains
   !! axisymmetric kinds of one point (a turn about the point); these do not fit from element to element.
   subroutine check_modes(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(24)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(24)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status, expected, a, b, i, j
     real(DP) :: flat(16, 16)
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
-    points%section = THICKNESS
-    call element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
+    points%section_value = THICKNESS
+    call evaluate_element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
     do concurrent(a=1:n, b=1:n, i=1:2, j=1:2)
       flat(2 * a - 2 + i, 2 * b - 2 + j) = K(3 * a - 3 + i, 3 * b - 3 + j)
     end do
@@ -271,21 +273,21 @@ contains
 
   !> Near incompressibility one mode of CPE4 and CAX4 is stiff; without mean dilatation more are.
   subroutine check_no_locking()
-    real(DP) :: X(3, MAX_NODES), K(N_DOF, N_DOF), values(12)
+    real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(12)
     type(material_type) :: rubber
-    type(points_type) :: points
+    type(integration_points_type) :: points
     integer :: status
     rubber%youngs_modulus = 3
     rubber%poissons_ratio = 0.5_DP - 1e-7_DP
-    points%section = 1
+    points%section_value = 1
     call distort(KIND_CPE4, 0.2_DP, X)
-    call element_tangent(KIND_CPE4, rubber, X(:, :4), 0 * X(:, :4), .false., K, points, status)
+    call evaluate_element_tangent(KIND_CPE4, rubber, X(:, :4), 0 * X(:, :4), .false., K, points, status)
     call find_eigenvalues(K(:12, :12), values)
     call suite%that('CPE4: one stiff mode', count(values > 1e4_DP) == 1)
-    call element_tangent(KIND_CAX4, rubber, X(:, :4), 0 * X(:, :4), .true., K, points, status)
+    call evaluate_element_tangent(KIND_CAX4, rubber, X(:, :4), 0 * X(:, :4), .true., K, points, status)
     call find_eigenvalues(K(:12, :12), values)
     call suite%that('CAX4 large: one stiff mode', count(values > 1e4_DP) == 1)
-    call element_tangent(KIND_CPE4_FULL, rubber, X(:, :4), 0 * X(:, :4), .false., K, points, status)
+    call evaluate_element_tangent(KIND_CPE4_FULL, rubber, X(:, :4), 0 * X(:, :4), .false., K, points, status)
     call find_eigenvalues(K(:12, :12), values)
     call suite%that('CPE4 plain: many stiff modes', count(values > 1e4_DP) > 1)
   end subroutine check_no_locking
@@ -333,19 +335,19 @@ contains
     x = reshape([real(DP) :: 2, 0, 0, 4, 0, 0, 3, 0, 0], [3, 3])
     depth = THICKNESS
     if (family == FAMILY_AXISYMMETRIC) depth = 2 * PI * 3
-    call edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
+    call integrate_edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
     call suite%near('edge: sum, pushes to the left', maxval(abs(sum(force, 2) - [0.0_DP, 10 * depth, 0.0_DP])), 0.0_DP, &
       1e-12_DP * depth)
     call random_number(r)
     x(:2, :) = x(:2, :) + 0.3_DP * (r(:2, :) - 0.5_DP)
-    call edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
+    call integrate_edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
     do a = 1, n
       do j = 1, 2
         moved = x
         moved(j, a) = x(j, a) + STEP
-        call edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fp, unused, edge)
+        call integrate_edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fp, unused, edge)
         moved(j, a) = x(j, a) - STEP
-        call edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fm, unused, edge)
+        call integrate_edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fm, unused, edge)
         call suite%near('edge: load stiffness', norm2(reshape((fp - fm) / (2 * STEP), [3 * MAX_FACE_NODES]) &
           - K(:, 3 * (a - 1) + j)), 0.0_DP, 1e-8_DP * norm2(K))
       end do
@@ -356,26 +358,26 @@ contains
   !> Inside out, NaN, and a mesh that counts clockwise.
   subroutine check_exits(kind)
     integer, intent(in) :: kind
-    real(DP) :: X(3, MAX_NODES), u(3, MAX_NODES), force(3, MAX_NODES), volume
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), volume
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     call distort(kind, 0.0_DP, X)
-    points%section = THICKNESS
+    points%section_value = THICKNESS
     u = 0
     u(2, :) = -2 * X(2, :)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     call suite%that(title(kind, .true., 'exit: inverted'), status == ELEMENT_INVERTED)
     u(2, n) = ieee_value(1.0_DP, ieee_quiet_nan)
-    call element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .false., force, points, status)
     call suite%that(title(kind, .false., 'exit: NaN'), status == ELEMENT_NOT_FINITE)
     u(2, n) = 1e200_DP
-    call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
     call suite%that(title(kind, .true., 'exit: beyond all bounds'), status == ELEMENT_NOT_FINITE)
     X(2, :) = -X(2, :)
-    call element_volume(kind, X(:, :n), THICKNESS, volume, status)
+    call evaluate_element_volume(kind, X(:, :n), THICKNESS, volume, status)
     call suite%that(title(kind, .true., 'exit: clockwise'), status == ELEMENT_DEGENERATE .and. volume < 0)
   end subroutine check_exits
 

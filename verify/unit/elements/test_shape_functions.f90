@@ -3,11 +3,12 @@
 program test_shape_functions
   use amontons_kinds, only: DP
   use amontons_shape_functions, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
-    facet_quadrature, facet_node_coordinates, face_rule, MAX_FACET_POINTS
-  use amontons_topology, only: element_kind, facet_kind, kind_type, facet_kind_type, MAX_NODES, MAX_POINTS, &
+    facet_quadrature, facet_node_coordinates, choose_face_rule, MAX_FACET_POINTS
+  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
+    MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
-    FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, kind_of_name
+    FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, element_kind_by_name
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -36,18 +37,18 @@ contains
   !> A name leads back to its kind; the names of two kinds of one shape lead to the first of them.
   subroutine check_name(kind)
     integer, intent(in) :: kind
-    type(kind_type) :: entry, found
+    type(element_kind_type) :: entry, found
     entry = element_kind(kind)
-    found = element_kind(kind_of_name(entry%name))
+    found = element_kind(element_kind_by_name(entry%name))
     call suite%that(entry%name // 'is found by its name', found%name == entry%name .and. entry%n_nodes > 0)
-    call suite%that(entry%name // 'the first of its name is found', kind_of_name(entry%name) <= kind)
+    call suite%that(entry%name // 'the first of its name is found', element_kind_by_name(entry%name) <= kind)
   end subroutine check_name
 
 
   !> Natural coordinates that count: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
   pure integer function n_dims(kind)
     integer, intent(in) :: kind
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     n_dims = 2
     if (entry%family == FAMILY_SOLID) n_dims = 3
@@ -60,9 +61,10 @@ contains
   subroutine check_element(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: STEP = 1e-6_DP
-    type(kind_type) :: entry
-    real(DP) :: at(3, MAX_NODES), xi(3), N(MAX_NODES), dN(3, MAX_NODES), plus(MAX_NODES), minus(MAX_NODES), &
-      unused(3, MAX_NODES)
+    type(element_kind_type) :: entry
+    real(DP) :: at(3, MAX_ELEMENT_NODES), xi(3), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), plus(MAX_ELEMENT_NODES), &
+      minus(MAX_ELEMENT_NODES), &
+      unused(3, MAX_ELEMENT_NODES)
     integer :: a, i
     entry = element_kind(kind)
     call node_coordinates(kind, at)
@@ -92,8 +94,8 @@ contains
   !> The number of points is that of the topology, they lie inside, and all monomials of the rule's degree are exact.
   subroutine check_rule(kind)
     integer, intent(in) :: kind
-    type(kind_type) :: entry
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), approximate
+    type(element_kind_type) :: entry
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), approximate
     integer :: n, i, j, k
     entry = element_kind(kind)
     call quadrature(kind, n, xi, w)
@@ -117,7 +119,7 @@ contains
   !> Is the monomial of these exponents within the degree promised?
   logical function is_exact(kind, i, j, k)
     integer, intent(in) :: kind, i, j, k
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     select case (kind)
     case (KIND_C3D4)
@@ -144,7 +146,7 @@ contains
 
   !> The same for the plane kinds.
   logical function is_exact_in_plane(entry, i, j) result(is_exact)
-    type(kind_type), intent(in) :: entry
+    type(element_kind_type), intent(in) :: entry
     integer, intent(in) :: i, j
     if (entry%n_faces == 3) then
       is_exact = i + j <= merge(1, 2, entry%n_points == 1)
@@ -157,7 +159,7 @@ contains
   !> The integral of xi^i eta^j zeta^k over the parent element.
   real(DP) function exact_integral(kind, i, j, k)
     integer, intent(in) :: kind, i, j, k
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     entry = element_kind(kind)
     select case (kind)
     case (KIND_C3D4, KIND_C3D10)
@@ -191,9 +193,9 @@ contains
   !> On each face the element's shape functions are those of the facet, and its other nodes' are zero.
   subroutine check_faces(kind)
     integer, intent(in) :: kind
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     type(facet_kind_type) :: facet
-    real(DP) :: at(3, MAX_NODES), N(MAX_NODES), dN(3, MAX_NODES)
+    real(DP) :: at(3, MAX_ELEMENT_NODES), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     real(DP) :: facet_N(MAX_FACE_NODES), facet_dN(2, MAX_FACE_NODES), facet_ddN(3, MAX_FACE_NODES)
     integer :: face
     entry = element_kind(kind)
@@ -215,8 +217,9 @@ contains
   !> Linear fields come out exactly at every node, constants for the one-point tetrahedron.
   subroutine check_extrapolation(kind)
     integer, intent(in) :: kind
-    type(kind_type) :: entry
-    real(DP) :: matrix(MAX_NODES, MAX_POINTS), xi(3, MAX_POINTS), w(MAX_POINTS), at(3, MAX_NODES), field(3, MAX_NODES)
+    type(element_kind_type) :: entry
+    real(DP) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), at(3, &
+      MAX_ELEMENT_NODES), field(3, MAX_ELEMENT_NODES)
     integer :: n_nodes, n_points, n
     entry = element_kind(kind)
     call extrapolation_matrix(kind, matrix, n_nodes, n_points)
@@ -238,7 +241,7 @@ contains
 
   !> The coefficients are those that CalculiX prints with, to its printed digits.
   subroutine check_calculix()
-    real(DP) :: matrix(MAX_NODES, MAX_POINTS)
+    real(DP) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     integer :: n_nodes, n_points
     call extrapolation_matrix(KIND_C3D8, matrix, n_nodes, n_points)
     call suite%near('C3D8: nearest point', matrix(1, 1), 2.549_DP, 5e-4_DP)
@@ -292,12 +295,12 @@ contains
   !> CalculiX's rules of the faces: constants and linear functions are exact, their points are as few as it takes.
   subroutine check_calculix_rules(kind)
     integer, intent(in) :: kind
-    type(kind_type) :: entry
+    type(element_kind_type) :: entry
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), own_w(MAX_FACET_POINTS), own_xi(2, MAX_FACET_POINTS)
     integer :: face, n, own
     entry = element_kind(kind)
     do face = 1, entry%n_faces
-      call facet_quadrature(face_rule(kind, entry%face_kind(face), .true.), n, xi, w)
+      call facet_quadrature(choose_face_rule(kind, entry%face_kind(face), .true.), n, xi, w)
       call facet_quadrature(entry%face_kind(face), own, own_xi, own_w)
       call suite%that('no more points than the own rule', n <= own .and. n >= 1)
       call suite%near('weights', sum(w), sum(own_w), 1e-14_DP)

@@ -2,15 +2,15 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_truss_spring_mass
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-  use amontons_element, only: points_type, element_forces, element_volume, &
-    element_body_force, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_element, only: integration_points_type, evaluate_element_forces, evaluate_element_volume, &
+    integrate_body_force, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_materials, only: spring_type, material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_topology, only: element_kind, kind_type, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
-    KIND_GAPUNI, KIND_MASS, MAX_NODES
+  use amontons_topology, only: element_kind, element_kind_type, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
+    KIND_GAPUNI, KIND_MASS, MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
-  integer, parameter :: N_DOF = 3 * MAX_NODES
+  integer, parameter :: N_DOF = 3 * MAX_ELEMENT_NODES
   type(suite_type) :: suite
   type(material_type) :: material
   type(spring_type), allocatable :: spring       ! law that points get
@@ -48,8 +48,8 @@ contains
 
   !> Points with a section and directions.
   subroutine equip(points)
-    type(points_type), intent(out) :: points
-    points%section = 0.25_DP
+    type(integration_points_type), intent(out) :: points
+    points%section_value = 0.25_DP
     points%directions = [3, 1]
     points%temperature = 30
     if (allocated(spring)) points%spring = spring
@@ -79,7 +79,7 @@ contains
     end do
     spring%is_gap = .true.
     spring%stiffness = 3
-    spring%pull = 0.1_DP
+    spring%open_force = 0.1_DP
     do i = -1, 1
       spring%clearance = 0.5_DP * real(i, DP)                ! the elongation is -0.34
       call check_derivatives(KIND_GAPUNI, .true.)
@@ -95,10 +95,11 @@ contains
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: STEP = 1e-6_DP
-    real(DP) :: X(3, 3), u(3, 3), moved(3, 3), force(3, MAX_NODES), fp(3, MAX_NODES), fm(3, MAX_NODES), K(N_DOF, N_DOF)
+    real(DP) :: X(3, 3), u(3, 3), moved(3, 3), force(3, MAX_ELEMENT_NODES), fp(3, MAX_ELEMENT_NODES), fm(3, MAX_ELEMENT_NODES), &
+      K(N_DOF, N_DOF)
     real(DP) :: difference(N_DOF), slope, worst, worst_force
-    type(points_type) :: points, plus, minus
-    type(kind_type) :: entry
+    type(integration_points_type) :: points, plus, minus
+    type(element_kind_type) :: entry
     integer :: n, m, a, j, status
     entry = element_kind(kind)
     n = entry%n_nodes
@@ -108,7 +109,7 @@ contains
     call equip(plus)
     call equip(minus)
     u = reshape([-0.1_DP, 0.3_DP, 0.2_DP, 0.4_DP, -0.5_DP, 0.1_DP, 0.15_DP, -0.12_DP, 0.11_DP], [3, 3])
-    call element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), is_nlgeom, force, points, status, K)
     call suite%that(entry%name // 'status', status == ELEMENT_OK)
     worst = 0
     worst_force = 0
@@ -116,9 +117,9 @@ contains
       do j = 1, 3
         moved = u
         moved(j, a) = u(j, a) + STEP
-        call element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fp, plus, status)
+        call evaluate_element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fp, plus, status)
         moved(j, a) = u(j, a) - STEP
-        call element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fm, minus, status)
+        call evaluate_element_forces(kind, material, X(:, :n), moved(:, :n), is_nlgeom, fm, minus, status)
         difference = reshape((fp - fm) / (2 * STEP), [N_DOF])
         worst = max(worst, maxval(abs(difference(:3 * n) - K(:3 * n, 3 * a - 3 + j))))
         slope = sum((plus%energy(:m) - minus%energy(:m)) * plus%volume(:m)) / (2 * STEP)
@@ -139,9 +140,9 @@ contains
   subroutine check_hencky_bar(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: STRETCH(3) = [0.3_DP, 1.0_DP + 1e-9_DP, 3.0_DP]
-    real(DP) :: X(3, 3), u(3, 3), force(3, MAX_NODES), tau
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, 3), u(3, 3), force(3, MAX_ELEMENT_NODES), tau
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: i, n, status
     entry = element_kind(kind)
     n = entry%n_nodes
@@ -151,7 +152,7 @@ contains
     do i = 1, 3
       u = (STRETCH(i) - 1) * X
       call equip(points)
-      call element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
+      call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., force, points, status)
       tau = material%youngs_modulus * log(STRETCH(i))
       call suite%near('Hencky bar: force', force(1, 2), tau * 0.25_DP / STRETCH(i), max(1e-12_DP * abs(tau), 1e-11_DP))
       call suite%near('Hencky bar: Cauchy stress', points%stress(1, 1), tau / STRETCH(i)**(1 - 0.6_DP), &
@@ -163,8 +164,8 @@ contains
 
   !> Saint-Venant's law in uniaxial stress: S = E E11, force = A S s.
   subroutine check_green_bar()
-    real(DP) :: X(3, 2), u(3, 2), force(3, MAX_NODES), s
-    type(points_type) :: points
+    real(DP) :: X(3, 2), u(3, 2), force(3, MAX_ELEMENT_NODES), s
+    type(integration_points_type) :: points
     integer :: status
     material%law = LAW_SAINT_VENANT
     X = 0
@@ -172,7 +173,7 @@ contains
     s = 1.4_DP
     u = (s - 1) * X
     call equip(points)
-    call element_forces(KIND_T3D2, material, X, u, .true., force, points, status)
+    call evaluate_element_forces(KIND_T3D2, material, X, u, .true., force, points, status)
     call suite%near('Saint-Venant bar: force', force(2, 2), 0.25_DP * material%youngs_modulus * 0.5_DP * (s**2 - 1) * s, &
       1e-10_DP * material%youngs_modulus)
   end subroutine check_green_bar
@@ -183,19 +184,19 @@ contains
     integer, intent(in) :: kind
     real(DP), parameter :: Q(3, 3) = reshape([0.36_DP, 0.48_DP, -0.8_DP, -0.8_DP, 0.6_DP, 0.0_DP, 0.48_DP, 0.64_DP, &
       0.6_DP], [3, 3])
-    real(DP) :: X(3, 3), force(3, MAX_NODES), turned(3, MAX_NODES)
-    type(points_type) :: points
-    type(kind_type) :: entry
+    real(DP) :: X(3, 3), force(3, MAX_ELEMENT_NODES), turned(3, MAX_ELEMENT_NODES)
+    type(integration_points_type) :: points
+    type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
     n = entry%n_nodes
     material%law = LAW_HENCKY
     call place(X)
     call equip(points)
-    call element_forces(kind, material, X(:, :n), matmul(Q, X(:, :n)) - X(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), matmul(Q, X(:, :n)) - X(:, :n), .true., force, points, status)
     call suite%near(entry%name // 'rotation', maxval(abs(force)), 0.0_DP, 1e-13_DP * material%youngs_modulus)
-    call element_forces(kind, material, X(:, :n), 0.2_DP * X(:, :n), .true., force, points, status)
-    call element_forces(kind, material, X(:, :n), 1.2_DP * matmul(Q, X(:, :n)) - X(:, :n), .true., turned, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), 0.2_DP * X(:, :n), .true., force, points, status)
+    call evaluate_element_forces(kind, material, X(:, :n), 1.2_DP * matmul(Q, X(:, :n)) - X(:, :n), .true., turned, points, status)
     call suite%near(entry%name // 'stretched and turned', maxval(abs(turned - matmul(Q, force))), 0.0_DP, &
       1e-12_DP * material%youngs_modulus)
   end subroutine check_rotation
@@ -203,22 +204,22 @@ contains
 
   !> Springs pull with constant times elongation.
   subroutine check_springs()
-    real(DP) :: X(3, 3), u(3, 3), force(3, MAX_NODES)
-    type(points_type) :: points
+    real(DP) :: X(3, 3), u(3, 3), force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type) :: points
     integer :: status
     call place(X)
     u = reshape([1.0_DP, 2.0_DP, 3.0_DP, 5.0_DP, 7.0_DP, 11.0_DP, 0.0_DP, 0.0_DP, 0.0_DP], [3, 3])
     call equip(points)
-    call element_forces(KIND_SPRING1, material, X(:, :1), u(:, :1), .true., force, points, status)
+    call evaluate_element_forces(KIND_SPRING1, material, X(:, :1), u(:, :1), .true., force, points, status)
     call suite%near('SPRING1', norm2(force(:, 1) - [0.0_DP, 0.0_DP, 0.75_DP]), 0.0_DP, 1e-15_DP)
-    call element_forces(KIND_SPRING2, material, X(:, :2), u(:, :2), .true., force, points, status)
+    call evaluate_element_forces(KIND_SPRING2, material, X(:, :2), u(:, :2), .true., force, points, status)
     call suite%near('SPRING2', norm2(force(:, :2) - reshape([0.0_DP, 0.0_DP, -0.5_DP, 0.5_DP, 0.0_DP, 0.0_DP], [3, 2])), &
       0.0_DP, 1e-15_DP)
     X(:, 2) = X(:, 1) + [0.0_DP, 2.0_DP, 0.0_DP]
     u(:, 2) = u(:, 1) + [3.0_DP, 2.0_DP, 0.0_DP]
-    call element_forces(KIND_SPRINGA, material, X(:, :2), u(:, :2), .true., force, points, status)
+    call evaluate_element_forces(KIND_SPRINGA, material, X(:, :2), u(:, :2), .true., force, points, status)
     call suite%near('SPRINGA large: 3-4-5', norm2(force(:, 2) - 0.75_DP * [0.6_DP, 0.8_DP, 0.0_DP]), 0.0_DP, 1e-15_DP)
-    call element_forces(KIND_SPRINGA, material, X(:, :2), u(:, :2), .false., force, points, status)
+    call evaluate_element_forces(KIND_SPRINGA, material, X(:, :2), u(:, :2), .false., force, points, status)
     call suite%near('SPRINGA small', norm2(force(:, 2) - [0.0_DP, 0.5_DP, 0.0_DP]), 0.0_DP, 1e-15_DP)
   end subroutine check_springs
 
@@ -226,45 +227,45 @@ contains
   !> Volumes and weights.
   subroutine check_weights()
     real(DP), parameter :: b(3) = [1.0_DP, -2.0_DP, 5.0_DP]
-    real(DP) :: X(3, 3), force(3, MAX_NODES), volume
+    real(DP) :: X(3, 3), force(3, MAX_ELEMENT_NODES), volume
     integer :: status
     X = 0
     X(1, :) = [1.0_DP, 3.0_DP, 2.0_DP]
-    call element_volume(KIND_T3D3, X, 0.25_DP, volume, status)
+    call evaluate_element_volume(KIND_T3D3, X, 0.25_DP, volume, status)
     call suite%near('volume of a truss', volume, 0.5_DP, 1e-15_DP)
-    call element_body_force(KIND_T3D3, X, 0.25_DP, b, force)
+    call integrate_body_force(KIND_T3D3, X, 0.25_DP, b, force)
     call suite%near('weight of a truss', norm2(sum(force, 2) - 0.5_DP * b), 0.0_DP, 1e-14_DP)
-    call element_body_force(KIND_MASS, X(:, :1), 3.0_DP, b, force)
+    call integrate_body_force(KIND_MASS, X(:, :1), 3.0_DP, b, force)
     call suite%near('weight of a mass', norm2(force(:, 1) - 3 * b), 0.0_DP, 0.0_DP)
-    call element_body_force(KIND_SPRINGA, X(:, :2), 3.0_DP, b, force)
+    call integrate_body_force(KIND_SPRINGA, X(:, :2), 3.0_DP, b, force)
     call suite%near('a spring has none', norm2(force), 0.0_DP, 0.0_DP)
-    call element_volume(KIND_MASS, X(:, :1), 3.0_DP, volume, status)
+    call evaluate_element_volume(KIND_MASS, X(:, :1), 3.0_DP, volume, status)
     call suite%that('a mass has no volume', status == ELEMENT_OK .and. abs(volume) <= 0)
   end subroutine check_weights
 
 
   !> NaN, a bar pressed to nothing, nodes on one place.
   subroutine check_exits()
-    real(DP) :: X(3, 3), u(3, 3), force(3, MAX_NODES), volume
-    type(points_type) :: points
+    real(DP) :: X(3, 3), u(3, 3), force(3, MAX_ELEMENT_NODES), volume
+    type(integration_points_type) :: points
     integer :: status
     call place(X)
     call equip(points)
     u = 0
     u(:, 2) = X(:, 1) - X(:, 2)
-    call element_forces(KIND_T3D2, material, X(:, :2), u(:, :2), .true., force, points, status)
+    call evaluate_element_forces(KIND_T3D2, material, X(:, :2), u(:, :2), .true., force, points, status)
     call suite%that('exit: pressed to nothing', status == ELEMENT_INVERTED)
-    call element_forces(KIND_SPRINGA, material, X(:, :2), u(:, :2), .true., force, points, status)
+    call evaluate_element_forces(KIND_SPRINGA, material, X(:, :2), u(:, :2), .true., force, points, status)
     call suite%that('exit: spring pressed to nothing', status == ELEMENT_INVERTED)
     u(1, 1) = ieee_value(1.0_DP, ieee_quiet_nan)
-    call element_forces(KIND_T3D2, material, X(:, :2), u(:, :2), .true., force, points, status)
+    call evaluate_element_forces(KIND_T3D2, material, X(:, :2), u(:, :2), .true., force, points, status)
     call suite%that('exit: NaN', status == ELEMENT_NOT_FINITE)
-    call element_forces(KIND_SPRING2, material, X(:, :2), u(:, :2), .true., force, points, status)
+    call evaluate_element_forces(KIND_SPRING2, material, X(:, :2), u(:, :2), .true., force, points, status)
     call suite%that('exit: NaN of a spring', status == ELEMENT_NOT_FINITE)
     X(:, 2) = X(:, 1)
-    call element_volume(KIND_SPRINGA, X(:, :2), 1.0_DP, volume, status)
+    call evaluate_element_volume(KIND_SPRINGA, X(:, :2), 1.0_DP, volume, status)
     call suite%that('exit: spring without length', status == ELEMENT_DEGENERATE)
-    call element_volume(KIND_T3D2, X(:, :2), 1.0_DP, volume, status)
+    call evaluate_element_volume(KIND_T3D2, X(:, :2), 1.0_DP, volume, status)
     call suite%that('exit: truss without length', status == ELEMENT_DEGENERATE)
   end subroutine check_exits
 

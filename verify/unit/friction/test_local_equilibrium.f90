@@ -3,22 +3,23 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_local_equilibrium
   use amontons_kinds, only: DP
-  use amontons_tensor, only: outer, IDENTITY
+  use amontons_tensor, only: outer_product, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
-  use amontons_pressure_overclosure, only: law_pressure, law_reach
-  use amontons_local_equilibrium, only: meeting_type, asked_type, meet_law
+  use amontons_pressure_overclosure, only: evaluate_pressure_overclosure, find_activation_gap
+  use amontons_local_equilibrium, only: local_solution_type, local_problem_type, solve_local_problem
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   type(interaction_type) :: laws(6)
-  laws = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, reach=0.0_DP, stick_slope=120.0_DP, friction=0.3_DP)
-  laws(2)%tension = 2.0_DP
-  laws(2)%reach = 10.0_DP
+  laws = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, cutoff_clearance=0.0_DP, stick_slope=120.0_DP, &
+    friction=0.3_DP)
+  laws(2)%tension_limit = 2.0_DP
+  laws(2)%cutoff_clearance = 10.0_DP
   laws(3)%behavior = BEHAVIOR_EXPONENTIAL
-  laws(3)%reach = 0.3_DP
+  laws(3)%cutoff_clearance = 0.3_DP
   laws(3)%pressure = 15.0_DP
   laws(4)%behavior = BEHAVIOR_TABULAR
-  laws(4)%reach = 1.0_DP
+  laws(4)%cutoff_clearance = 1.0_DP
   laws(4)%table_pressure = [0.0_DP, 12.0_DP, 40.0_DP, 41.0_DP]
   laws(4)%table_overclosure = [-0.05_DP, 0.02_DP, 0.07_DP, 0.4_DP]
   laws(5)%behavior = BEHAVIOR_TIED
@@ -35,23 +36,23 @@ contains
   !! node is.
   subroutine check_shear()
     type(interaction_type) :: law
-    type(meeting_type) :: met
+    type(local_solution_type) :: met
     law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=10.0_DP, stick_slope=2.0_DP, friction=1.05_DP)
-    call meet_law(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
+    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
     call suite%that('shear: sticks', .not. (met%is_slipping .or. met%is_open))
     call suite%near('shear: pressure', met%pressure, 10.0_DP, 1.0e-14_DP)
     call suite%near('shear: elastic', met%elastic(1), 3.0_DP, 1.0e-14_DP)
     call suite%near('shear: no slip', norm2(met%slip), 0.0_DP, 0.0_DP)
     call suite%near('shear: energy', met%energy, 5.0_DP + 25.0_DP, 1.0e-13_DP)
     law%friction = 0.4_DP
-    call meet_law(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
+    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
     call suite%that('shear: slips', met%is_slipping)
     call suite%near('shear: at the limit', norm2(met%shear), 4.0_DP, 1.0e-14_DP)
     call suite%near('shear: slip and elastic slip make the whole', norm2(met%elastic + met%slip), 5.0_DP, 1.0e-14_DP)
     call suite%near('shear: slip', met%slip(2), 2.4_DP, 1.0e-14_DP)
     law%stick_slope = 0.0_DP
     law%friction = 0.0_DP
-    call meet_law(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
+    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
     call suite%that('shear: frictionless slips', met%is_slipping .and. norm2(met%elastic) <= 0.0_DP)
   end subroutine check_shear
 
@@ -60,25 +61,26 @@ contains
   subroutine check_equilibrium()
     real(DP), parameter :: AT(5) = [-0.2_DP, 0.0_DP, 0.01_DP, 0.06_DP, 0.3_DP], SLIPS(3) = [0.0_DP, 0.005_DP, 0.4_DP], &
       STIFFNESS(3) = [1.0e-2_DP, 1.0e2_DP, 1.0e9_DP]
-    type(asked_type) :: asked
-    type(meeting_type) :: met, law_alone
+    type(local_problem_type) :: asked
+    type(local_solution_type) :: met, law_alone
     integer :: l, i, j, k
     do l = 1, size(laws)
       do i = 1, size(AT)
         do j = 1, size(SLIPS)
           asked = place(laws(l), AT(i), SLIPS(j) * [0.6_DP, 0.8_DP, 0.0_DP])
-          call meet_law(laws(l), asked, law_alone)
+          call solve_local_problem(laws(l), asked, law_alone)
           asked%imbalance = -force_of(asked, law_alone)
-          asked%free = IDENTITY - outer([0.0_DP, 1.0_DP, 0.0_DP], [0.0_DP, 1.0_DP, 0.0_DP])   ! a support takes the rest
+          asked%free = IDENTITY - outer_product([0.0_DP, 1.0_DP, 0.0_DP], [0.0_DP, 1.0_DP, 0.0_DP])   ! a support takes the rest
           do k = 1, size(STIFFNESS)
             asked%stiffness = STIFFNESS(k)
-            call meet_law(laws(l), asked, met)
+            call solve_local_problem(laws(l), asked, met)
             call suite%that('equilibrium: open or not', met%is_open .eqv. law_alone%is_open)
             if (SLIPS(j) > 0.0_DP .and. abs(norm2(law_alone%shear) - limit_of(laws(l), law_alone)) > 1.0e-9_DP) &
               call suite%that('equilibrium: sticks or slips', met%is_slipping .eqv. law_alone%is_slipping)
             call suite%near('equilibrium: force', norm2(force_of(asked, met) - force_of(asked, law_alone)), 0.0_DP, &
               1.0e-9_DP * (1.0_DP + norm2(force_of(asked, law_alone))))
-            call suite%near('equilibrium: nothing ahead', norm2(met%ahead), 0.0_DP, 1.0e-6_DP * (1.0_DP + norm2(asked%imbalance)))
+            call suite%near('equilibrium: nothing ahead', norm2(met%law_linearization_force), 0.0_DP, &
+              1.0e-6_DP * (1.0_DP + norm2(asked%imbalance)))
           end do
         end do
       end do
@@ -89,8 +91,8 @@ contains
   !> Any node: A p(h') = N + c (h - h') with N what its balance wants, the shear that is wanted up to its limit.
   subroutine check_elsewhere()
     real(DP), parameter :: AT(4) = [-0.02_DP, 0.01_DP, 0.06_DP, 0.3_DP], PULL(4) = [-30.0_DP, -1.0_DP, 0.0_DP, 5.0_DP]
-    type(asked_type) :: asked
-    type(meeting_type) :: met
+    type(local_problem_type) :: asked
+    type(local_solution_type) :: met
     real(DP) :: h, p, slope, energy
     integer :: l, i, j
     do l = 1, size(laws)
@@ -100,14 +102,15 @@ contains
           asked%stiffness = 40.0_DP
           asked%free = IDENTITY
           asked%imbalance = [-3.0_DP, 1.0_DP, PULL(j)]
-          call meet_law(laws(l), asked, met)
+          call solve_local_problem(laws(l), asked, met)
           h = asked%overclosure + (-PULL(j) - asked%area * met%pressure) / asked%stiffness
           if (met%is_open) then
-            call suite%that('elsewhere: beyond the reach', -h > law_reach(laws(l), asked%area) .or. laws(l)%tension > 0.0_DP)
+            call suite%that('elsewhere: beyond the reach', -h > find_activation_gap(laws(l), &
+              asked%area) .or. laws(l)%tension_limit > 0.0_DP)
             call suite%near('elsewhere: open', norm2(force_of(asked, met)), 0.0_DP, 0.0_DP)
             cycle
           end if
-          call law_pressure(laws(l), h, p, slope, energy)
+          call evaluate_pressure_overclosure(laws(l), h, p, slope, energy)
           call suite%near('elsewhere: pressure', met%pressure, p, 1.0e-8_DP * (1.0_DP + abs(p)))
           call suite%that('elsewhere: shear within its limit', norm2(met%shear) <= limit_of(laws(l), met) * (1.0_DP + 1.0e-12_DP))
           if (.not. met%is_slipping) call suite%near('elsewhere: elastic', norm2(120.0_DP * asked%area * met%elastic + met%shear), &
@@ -127,8 +130,8 @@ contains
       1.0e3_DP, 1.0e6_DP, 1.0e9_DP]
     integer, parameter :: N_ITERATIONS(4) = [2, 4, 4, 4]
     type(interaction_type) :: law
-    type(asked_type) :: asked
-    type(meeting_type) :: met
+    type(local_problem_type) :: asked
+    type(local_solution_type) :: met
     real(DP) :: x(3), x0(3), J(3, 3), left(3), N
     integer :: i, n_done
     x0 = [0.0_DP, 0.0_DP, -DEPTH] + WAY
@@ -142,12 +145,13 @@ contains
         asked%stiffness = 2.0_DP * C                 ! not that of the springs: it only has to be of their size
         asked%free = IDENTITY
         asked%imbalance = C * (x0 - x)
-        call meet_law(law, asked, met)
+        call solve_local_problem(law, asked, met)
         left = asked%imbalance + force_of(asked, met)
         if (norm2(left) <= 1.0e-11_DP) exit
-        J = C * IDENTITY + met%slope * AREA * outer(asked%normal, asked%normal) - outer(met%by_gap, asked%normal) &
-          - matmul(met%by_slip, IDENTITY - outer(asked%normal, asked%normal))
-        x = x + solved(J, left + met%ahead)
+        J = C * IDENTITY + met%slope * AREA * outer_product(asked%normal, asked%normal) - outer_product(met%d_force_d_gap, &
+          asked%normal) &
+          - matmul(met%d_force_d_slip, IDENTITY - outer_product(asked%normal, asked%normal))
+        x = x + solved(J, left + met%law_linearization_force)
       end do
       N = C * DEPTH / (1.0_DP + 1.0_DP / STIFF(i))
       call suite%near('iterations: pressure', met%pressure * AREA, N, 1.0e-9_DP)
@@ -159,7 +163,7 @@ contains
 
 
   !> A node at an overclosure, with a slip, on a plane along x and y; the law alone decides.
-  pure type(asked_type) function place(law, overclosure, slip) result(asked)
+  pure type(local_problem_type) function place(law, overclosure, slip) result(asked)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: overclosure, slip(3)
     asked%area = merge(0.7_DP, 1.0_DP, law%behavior /= BEHAVIOR_LINEAR)
@@ -171,8 +175,8 @@ contains
 
   !> The whole force at a node.
   pure function force_of(asked, met) result(force)
-    type(asked_type), intent(in) :: asked
-    type(meeting_type), intent(in) :: met
+    type(local_problem_type), intent(in) :: asked
+    type(local_solution_type), intent(in) :: met
     real(DP) :: force(3)
     force = asked%area * met%pressure * asked%normal + met%shear
   end function force_of
@@ -181,7 +185,7 @@ contains
   !> The limit of the shear at a pressure.
   pure real(DP) function limit_of(law, met)
     type(interaction_type), intent(in) :: law
-    type(meeting_type), intent(in) :: met
+    type(local_solution_type), intent(in) :: met
     real(DP) :: area
     area = merge(0.7_DP, 1.0_DP, law%behavior /= BEHAVIOR_LINEAR)
     limit_of = min(law%friction * max(met%pressure, 0.0_DP), law%shear_limit) * area

@@ -2,8 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_slip_scenarios
   use amontons_kinds, only: DP, PI
-  use amontons_slip_scenarios, only: trial_type, slip_point_type, slip_controls_type, slip_verdict_type, split_imbalance, &
-    trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, guarded_length, STATUS_OPEN, STATUS_STICK, &
+  use amontons_slip_scenarios, only: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type, &
+    split_nodal_imbalance, &
+    evaluate_trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, find_bounded_step_length, STATUS_OPEN, &
+    STATUS_STICK, &
     STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, &
     SCENARIO_IV, NO_FRICTION_LIMIT
   use check, only: suite_type
@@ -29,7 +31,7 @@ contains
     type(suite_type), intent(inout) :: suite
     real(DP) :: N, Rt(3)
     real(DP), parameter :: NORMAL(3) = [0.6_DP, 0.0_DP, 0.8_DP]
-    call split_imbalance([1.0_DP, 2.0_DP, -3.0_DP], NORMAL, N, Rt)
+    call split_nodal_imbalance([1.0_DP, 2.0_DP, -3.0_DP], NORMAL, N, Rt)
     call suite%near('N = -n.Rhat', N, 1.8_DP, 1.0e-14_DP)
     call suite%near('Rt is tangential', dot_product(Rt, NORMAL), 0.0_DP, 1.0e-14_DP)
     call suite%near('Rt = Rhat + N n', norm2(Rt - [2.08_DP, 2.0_DP, -1.56_DP]), 0.0_DP, 1.0e-14_DP)
@@ -39,35 +41,38 @@ contains
   !> Status by trial traction: each branch, with numbers that can be followed by hand; c = 10, normal z.
   subroutine check_trial(suite)
     type(suite_type), intent(inout) :: suite
-    type(trial_type) :: trial
+    type(trial_traction_type) :: trial
     real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0, C = 10
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('pressed, small shear: stick', trial%status == STATUS_STICK)
     call suite%near('sigma = N', trial%sigma, 10.0_DP, 1.0e-14_DP)
     call suite%near('tau = -Rt', norm2(trial%tau - [-2.0_DP, 0.0_DP, 0.0_DP]), 0.0_DP, 1.0e-14_DP)
-    call trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('pressed, large shear: slip', trial%status == STATUS_SLIP)
     call suite%near('friction against the drive', trial%direction(1), -1.0_DP, 1.0e-14_DP)
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, &
+      trial)
     call suite%near('tau = -Rt - c P g', trial%tau(1), -2.5_DP, 1.0e-14_DP)
     call suite%near('the normal part of g does not count', trial%tau(3), 0.0_DP, 1.0e-14_DP)
     call suite%that('still stick', trial%status == STATUS_STICK)
-    call trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, &
+      trial)
     call suite%that('slip against the drive goes back to stick', trial%status == STATUS_STICK)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%near('sigma = N - c g', trial%sigma, 1.0_DP, 1.0e-14_DP)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('sigma = 0 is open', trial%status == STATUS_OPEN)
-    call trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
     call suite%that('tension opens', trial%status == STATUS_OPEN)
-    call trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
     call suite%that('an open node with a gap stays open whatever its imbalance', trial%status == STATUS_OPEN)
-    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
     call suite%that('an open node that penetrates closes, as stick', trial%status == STATUS_STICK)
     call suite%near('its sigma', trial%sigma, 0.1_DP, 1.0e-14_DP)
-    call trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .false., 1.0e3_DP, &
+      trial)
     call suite%that('or as slip if it slid since it touched', trial%status == STATUS_SLIP .and. trial%direction(1) < 0)
-    call trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, 10.0_DP, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, 10.0_DP, .true., 1.0e3_DP, trial)
     call suite%that('without friction a closed node slips', &
       trial%status == STATUS_SLIP .and. norm2(trial%direction) <= 0)
   end subroutine check_trial
@@ -76,7 +81,7 @@ contains
   !> The four rows with numbers from the formulas: mu N = 3 in both configurations, angles of 60 degrees.
   subroutine check_rows_by_number(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     real(DP) :: rt_u(3), rt_ud(3), x(3)
     x = along(0.0_DP)
     rt_u = 5 * along(0.0_DP)
@@ -111,7 +116,7 @@ contains
       0.671044_DP, 0.549700_DP]
     integer :: i, n(4)
     real(DP) :: r(8), t_u(3), t_d(3), t_g(3), normal(3), a, b, expected, d(3), worst, size_d
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     n = 0
     worst = 0
     do i = 1, 400
@@ -155,7 +160,7 @@ contains
   !> A node on a spring: Rt = F - k s with N constant. I and II on a straight path land on balance in one step.
   subroutine check_linear_node(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     real(DP) :: t(3), d(3), slip
     integer :: i
     t = unit([1.0_DP, -2.0_DP, 0.5_DP])
@@ -178,9 +183,9 @@ contains
   subroutine check_cut(suite)
     type(suite_type), intent(inout) :: suite
     real(DP), parameter :: STEPS(6) = [0.5_DP, 1.0_DP, 1.5_DP, 2.0_DP, 2.5_DP, 40.0_DP]
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
-    type(slip_point_type) :: at_ud
+    type(slip_state_type) :: at_ud
     real(DP) :: t(3), g(3), d(3), alpha
     integer :: i
     t = along(25.0_DP)
@@ -234,7 +239,7 @@ contains
   !> Vanishing denominators and negative lengths mean 1; bounds; missing directions.
   subroutine check_guards(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
     real(DP) :: t(3), zero(3)
     t = along(10.0_DP)
@@ -253,12 +258,12 @@ contains
     call expect(suite, 'II: upper bound', verdict, SCENARIO_II, 1.5_DP)
     call classify(point(3.1_DP * t, zero), point(1 * t, zero), t, verdict, controls)
     call expect(suite, 'I: lower bound', verdict, SCENARIO_I, 0.4_DP)
-    call suite%near('guarded: plain', guarded_length(-1.0_DP, 2.0_DP, controls), 0.5_DP, 1.0e-15_DP)
-    call suite%near('guarded: no denominator', guarded_length(1.0_DP, 1.0e-14_DP, controls), 1.0_DP, 0.0_DP)
-    call suite%near('guarded: negative', guarded_length(1.0_DP, 2.0_DP, controls), 1.0_DP, 0.0_DP)
-    call suite%near('guarded: nothing at all', guarded_length(0.0_DP, 0.0_DP, controls), 1.0_DP, 0.0_DP)
+    call suite%near('guarded: plain', find_bounded_step_length(-1.0_DP, 2.0_DP, controls), 0.5_DP, 1.0e-15_DP)
+    call suite%near('guarded: no denominator', find_bounded_step_length(1.0_DP, 1.0e-14_DP, controls), 1.0_DP, 0.0_DP)
+    call suite%near('guarded: negative', find_bounded_step_length(1.0_DP, 2.0_DP, controls), 1.0_DP, 0.0_DP)
+    call suite%near('guarded: nothing at all', find_bounded_step_length(0.0_DP, 0.0_DP, controls), 1.0_DP, 0.0_DP)
     ! N < 0 after the step carries no friction: DR = |Rt|.
-    call classify(point(5 * t, zero), slip_point_type(status=STATUS_SLIP, N=-4.0_DP, Rt=1 * t), t, verdict)
+    call classify(point(5 * t, zero), slip_state_type(status=STATUS_SLIP, N=-4.0_DP, Rt=1 * t), t, verdict)
     call expect(suite, 'II: N < 0 at ud', verdict, SCENARIO_II, 2.0_DP)
     ! Rt = 0 with some slip: t_u := t_g, so e(u) = -3 t_g.
     call classify(point(zero, 9 * t), point(1 * t, 8.9_DP * t), -0.1_DP * t, verdict)
@@ -273,16 +278,16 @@ contains
   !> The states that are no scenario.
   subroutine check_states(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
-    type(slip_point_type) :: at
+    type(slip_state_type) :: at
     real(DP) :: t(3), zero(3)
     t = along(200.0_DP)
     zero = 0
-    call classify(slip_point_type(), slip_point_type(), zero, verdict)
+    call classify(slip_state_type(), slip_state_type(), zero, verdict)
     call suite%that('state: open', verdict%status == STATUS_OPEN .and. verdict%scenario == SCENARIO_NONE)
-    call expect_state(suite, slip_point_type(Rt=9 * t), controls, STATUS_CLOSES, 'closes')
-    call expect_state(suite, slip_point_type(status=STATUS_SLIP, N=-1.0e-9_DP, Rt=t), controls, STATUS_OPENS, 'opens')
+    call expect_state(suite, slip_state_type(Rt=9 * t), controls, STATUS_CLOSES, 'closes')
+    call expect_state(suite, slip_state_type(status=STATUS_SLIP, N=-1.0e-9_DP, Rt=t), controls, STATUS_OPENS, 'opens')
     call expect_state(suite, point(2 * t, zero), controls, STATUS_STICK, 'stick')
     call expect_state(suite, point(zero, zero), controls, STATUS_STICK, 'no force and no slip')
     call expect_state(suite, point(2 * t, t), controls, STATUS_SLIP, 'slip to take back')
@@ -291,9 +296,9 @@ contains
     call expect_state(suite, point((3 - 1.0e-13_DP) * t, t), controls, STATUS_BALANCED, 'balance below')
     call expect_state(suite, point((3 + 1.0e-13_DP) * t, zero), controls, STATUS_STICK, 'at the limit without slip')
     call expect_state(suite, point(3.001_DP * t, t), controls, STATUS_SLIP, 'out of balance')
-    controls%balance = 1.0e-3_DP
+    controls%slip_tolerance = 1.0e-3_DP
     call expect_state(suite, point(3.001_DP * t, t), controls, STATUS_BALANCED, 'a wider balance')
-    controls%balance = 0
+    controls%slip_tolerance = 0
     controls%force_zero = 0.01_DP
     call expect_state(suite, point(3.009_DP * t, t), controls, STATUS_BALANCED, 'a balance in force')
     at = point(2 * t, 0.4_DP * t)
@@ -308,11 +313,11 @@ contains
   !> At u the given node: its state, and for all but slip no scenario and a full step.
   subroutine expect_state(suite, at_u, controls, expected, name)
     type(suite_type), intent(inout) :: suite
-    type(slip_point_type), intent(in) :: at_u
+    type(slip_state_type), intent(in) :: at_u
     type(slip_controls_type), intent(in) :: controls
     integer, intent(in) :: expected
     character(*), intent(in) :: name
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     real(DP) :: t(3)
     t = along(200.0_DP)
     call classify(at_u, point(4 * t, 0 * t), 0.1_DP * t, verdict, controls)
@@ -329,8 +334,8 @@ contains
     integer, parameter :: M = 5
     real(DP), parameter :: AT_U(M) = [5, 5, 1, 1, 1], AT_UD(M) = [2, 4, 4, 2, 1]   ! Rt along t
     real(DP), parameter :: G_U(M) = [0.0_DP, 0.0_DP, 0.2_DP, 0.2_DP, 0.0_DP], G_UD(M) = [0.0_DP, 0.0_DP, 0.1_DP, -0.1_DP, 0.0_DP]
-    type(slip_point_type) :: u(M), ud(M)
-    type(slip_verdict_type) :: verdicts(M)
+    type(slip_state_type) :: u(M), ud(M)
+    type(slip_result_type) :: verdicts(M)
     real(DP) :: d(3, M), t(3)
     integer :: i
     t = along(33.0_DP)
@@ -351,7 +356,7 @@ contains
   !> The friction limit: mu N, capped, homogeneous; a straight line below N = 0. The trial traction slips where it is exceeded.
   subroutine check_limit(suite)
     type(suite_type), intent(inout) :: suite
-    type(trial_type) :: trial
+    type(trial_traction_type) :: trial
     real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0
     real(DP), parameter :: PULL(3) = [1.0_DP, 0.0_DP, -10.0_DP]   ! |Rt| = 1, N = 10
     call suite%near('limit: mu N', friction_limit(MU, 10.0_DP, 5.0_DP), 3.0_DP, 1.0e-15_DP)
@@ -359,9 +364,9 @@ contains
     call suite%that('limit: is capped', all(is_friction_capped(MU, [10.0_DP, 20.0_DP], 5.0_DP) .eqv. [.false., .true.]))
     call suite%near('limit: a straight line below N = 0', friction_limit(MU, -10.0_DP, 5.0_DP), -3.0_DP, 1.0e-15_DP)
     call suite%near('limit: of stresses', 4 * friction_limit(MU, 20.0_DP / 4, 5.0_DP / 4), 5.0_DP, 1.0e-15_DP)
-    call trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 1.01_DP, trial)
+    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 1.01_DP, trial)
     call suite%that('limit: below TAUMAX A it sticks', trial%status == STATUS_STICK)
-    call trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 0.99_DP, trial)
+    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 0.99_DP, trial)
     call suite%that('limit: above it slips', trial%status == STATUS_SLIP)
   end subroutine check_limit
 
@@ -369,9 +374,9 @@ contains
   !> What the limit of a node makes of its scenario: TAUMAX, none at all, and zero (frictionless).
   subroutine check_limits_of_nodes(suite)
     type(suite_type), intent(inout) :: suite
-    type(slip_verdict_type) :: verdict
+    type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
-    type(slip_point_type) :: u, ud
+    type(slip_state_type) :: u, ud
     real(DP) :: t(3), zero(3)
     t = along(70.0_DP)
     zero = 0
@@ -414,12 +419,12 @@ contains
 
   !> One node by the procedure for many.
   subroutine classify(at_u, at_ud, d, verdict, controls)
-    type(slip_point_type), intent(in) :: at_u, at_ud
+    type(slip_state_type), intent(in) :: at_u, at_ud
     real(DP), intent(in) :: d(3)
-    type(slip_verdict_type), intent(out) :: verdict
+    type(slip_result_type), intent(out) :: verdict
     type(slip_controls_type), intent(in), optional :: controls
     type(slip_controls_type) :: bounds
-    type(slip_verdict_type) :: verdicts(1)
+    type(slip_result_type) :: verdicts(1)
     if (present(controls)) bounds = controls
     call classify_slip_scenarios([at_u], [at_ud], reshape(d, [3, 1]), bounds, verdicts)
     verdict = verdicts(1)
@@ -443,7 +448,7 @@ contains
   subroutine expect(suite, name, verdict, scenario, alpha)
     type(suite_type), intent(inout) :: suite
     character(*), intent(in) :: name
-    type(slip_verdict_type), intent(in) :: verdict
+    type(slip_result_type), intent(in) :: verdict
     integer, intent(in) :: scenario
     real(DP), intent(in) :: alpha
     call suite%that(name // ': scenario', verdict%scenario == scenario .and. verdict%status == STATUS_SLIP)
@@ -454,16 +459,16 @@ contains
   !> A closed node with N = 10, so mu N = 3.
   pure function point(Rt, slip) result(at)
     real(DP), intent(in) :: Rt(3), slip(3)
-    type(slip_point_type) :: at
-    at = slip_point_type(STATUS_SLIP, 10.0_DP, Rt, friction_limit(MU, 10.0_DP, NO_FRICTION_LIMIT), slip)
+    type(slip_state_type) :: at
+    at = slip_state_type(STATUS_SLIP, 10.0_DP, Rt, friction_limit(MU, 10.0_DP, NO_FRICTION_LIMIT), slip)
   end function point
 
 
   !> The same without friction.
   pure function without_friction(Rt, slip) result(at)
     real(DP), intent(in) :: Rt(3), slip(3)
-    type(slip_point_type) :: at
-    at = slip_point_type(status=STATUS_SLIP, N=10.0_DP, Rt=Rt, slip=slip)
+    type(slip_state_type) :: at
+    at = slip_state_type(status=STATUS_SLIP, N=10.0_DP, Rt=Rt, slip=slip)
   end function without_friction
 
 

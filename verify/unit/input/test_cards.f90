@@ -5,11 +5,11 @@ program test_cards
   use amontons_card_schema, only: card_table_type, find_entry, match_parameters, has_parameter, parameter_text, &
     parameter_word
   use amontons_card_table, only: make_card_table, list_cards
-  use amontons_cards, only: cards_type, parameter_type, row_type, remarks_type, open_cards, open_cards_text, &
-    publish_remarks, read_parameters, start_rows, next_row, field_text, field_integer, field_real, is_empty_field, &
+  use amontons_cards, only: cards_type, parameter_type, data_row_type, deck_messages_type, open_cards, open_cards_text, &
+    publish_messages, read_parameters, start_rows, next_row, field_text, field_integer, field_real, is_empty_field, &
     line_text
-  use amontons_errors, only: complaints_type, error_type, EXIT_IO
-  use amontons_text, only: NEWLINE, NUMBER_OK, NUMBER_EMPTY, text_of
+  use amontons_errors, only: diagnostic_list_type, error_type, EXIT_IO
+  use amontons_text, only: NEWLINE, NUMBER_OK, NUMBER_EMPTY, to_text
   use check, only: suite_type
   implicit none
   character(*), parameter :: NL = NEWLINE
@@ -33,17 +33,17 @@ contains
   subroutine test_cutting(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
+    type(deck_messages_type) :: messages
     call open_cards_text('** comment' // NL // '  * N O D E , nset=A' // NL // '1,0,0,0' // NL // &
       '******* E L E M E N T S *************' // NL // NL // '2,1,0,0' // NL // '*End Step' // NL // '*', 'deck', &
-      cards, remarks)
+      cards, messages)
     call suite%that('three cards', cards%n_cards == 3)
     call suite%that('keyword squeezed', cards%cards(1)%key == 'NODE' .and. cards%cards(2)%key == 'ENDSTEP')
     call suite%that('lone star', cards%cards(3)%key == '')
     call suite%that('card lines', cards%cards(1)%line == 2 .and. cards%cards(1)%data_first == 3 .and. &
       cards%cards(1)%data_last == 6)
     call suite%that('line as written', line_text(cards, 2) == '  * N O D E , nset=A' .and. line_text(cards, 0) == '')
-    call open_cards_text('', 'deck', cards, remarks)
+    call open_cards_text('', 'deck', cards, messages)
     call suite%that('empty deck', cards%n_cards == 0 .and. cards%n_lines == 0)
   end subroutine test_cutting
 
@@ -52,10 +52,10 @@ contains
   subroutine test_continuation(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
+    type(deck_messages_type) :: messages
     type(parameter_type), allocatable :: parameters(:)
     call open_cards_text('*ELEMENT, TYPE=C3D8,' // NL // '** in between' // NL // ' ELSET=E1,' // NL // 'OTHER' // NL &
-      // '1,2,3' // NL // '*NODE,' // NL // ' -1,2,3' // NL // '*STEP,' // NL // '*STATIC,', 'deck', cards, remarks)
+      // '1,2,3' // NL // '*NODE,' // NL // ' -1,2,3' // NL // '*STEP,' // NL // '*STATIC,', 'deck', cards, messages)
     call suite%that('continued card', cards%cards(1)%data_first == 5 .and. cards%cards(1)%data_last == 5)
     call read_parameters(cards, cards%cards(1), parameters)
     call suite%that('three parameters', size(parameters) == 3)
@@ -69,10 +69,10 @@ contains
   subroutine test_parameters(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
+    type(deck_messages_type) :: messages
     type(parameter_type), allocatable :: parameters(:)
     call open_cards_text('*Surface, n a m e = My Surf(2) ,, small Sliding, TITLE="a, b = c", EMPTY=', 'deck', cards, &
-      remarks)
+      messages)
     call read_parameters(cards, cards%cards(1), parameters)
     call suite%that('four parameters', size(parameters) == 4)
     call suite%that('value as written', parameters(1)%key == 'NAME' .and. parameters(1)%text == 'My Surf(2)')
@@ -92,12 +92,12 @@ contains
   subroutine test_rows(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
-    type(row_type) :: row
+    type(deck_messages_type) :: messages
+    type(data_row_type) :: row
     integer :: value, status
     real(DP) :: number
     call open_cards_text('*CARD' // NL // ' 1 , Set A ,, 2.5e0 , ' // NL // '** no row' // NL // NL // ',,' // NL // &
-      '"quoted",7', 'deck', cards, remarks)
+      '"quoted",7', 'deck', cards, messages)
     call start_rows(cards%cards(1), row)
     call suite%that('first row', next_row(cards, row))
     call suite%that('its fields', row%n == 4 .and. row%line == 2 .and. row%has_trailing_comma)
@@ -124,10 +124,10 @@ contains
   subroutine test_wide_rows(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
-    type(row_type) :: row
+    type(deck_messages_type) :: messages
+    type(data_row_type) :: row
     integer :: value, status
-    call open_cards_text('*CARD' // NL // repeat('1,', 199) // '200', 'deck', cards, remarks)
+    call open_cards_text('*CARD' // NL // repeat('1,', 199) // '200', 'deck', cards, messages)
     call start_rows(cards%cards(1), row)
     call suite%that('wide row', next_row(cards, row))
     call suite%that('all fields', row%n == 200)
@@ -140,11 +140,11 @@ contains
   subroutine test_line_ends(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
-    type(row_type) :: row
+    type(deck_messages_type) :: messages
+    type(data_row_type) :: row
     character(2), parameter :: CRLF = achar(13) // achar(10)
     call open_cards_text('*NODE' // CRLF // '1,' // achar(9) // '2' // achar(9) // CRLF // '3, 4' // achar(13), &
-      'deck', cards, remarks)
+      'deck', cards, messages)
     call suite%that('keyword without carriage return', cards%cards(1)%key == 'NODE')
     call suite%that('lines without carriage return', line_text(cards, 3) == '3, 4')
     call start_rows(cards%cards(1), row)
@@ -157,29 +157,29 @@ contains
   subroutine test_includes(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
-    type(complaints_type) :: complaints
+    type(deck_messages_type) :: messages
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     character(:), allocatable :: folder
     folder = temporary_folder()
     call write_file(folder // '/amontons_cards_main.inp', '*NODE' // NL // '*Include,' // NL // &
       ' input = amontons_cards_part.inp' // NL // '3,0,0,0' // NL)
     call write_file(folder // '/amontons_cards_part.inp', '1,0,0,0' // NL // '2,0,0,0')
-    call open_cards(folder // '/amontons_cards_main', cards, remarks, error)
+    call open_cards(folder // '/amontons_cards_main', cards, messages, error)
     call suite%that('.inp is found', .not. allocated(error))
     call suite%that('one card with all rows', cards%n_cards == 1 .and. cards%n_lines == 6)
     call suite%that('the card became a comment', line_text(cards, 2) == '** *Include,')
     call suite%that('included line', line_text(cards, 4) == '1,0,0,0' .and. cards%line_number(4) == 1)
     call suite%that('line after it', line_text(cards, 6) == '3,0,0,0' .and. cards%line_number(6) == 4)
-    call remarks%add(5, 'Wrong.')
-    call remarks%add(2, 'Odd.', is_warning=.true.)
-    call publish_remarks(cards, remarks, complaints)
-    call suite%that('remarks in order', complaints%n_items == 2 .and. complaints%items(1)%is_warning)
-    call suite%that('file and line', complaints%items(2)%line == 2 .and. &
-      index(complaints%items(2)%file, 'amontons_cards_part.inp') > 0)
-    call suite%that('chain', index(complaints%items(2)%text, 'included from') > 0 .and. &
-      index(complaints%items(2)%text, 'main.inp, line 2') > 0)
-    call suite%that('card as written', complaints%items(2)%card == '2,0,0,0')
+    call messages%add(5, 'Wrong.')
+    call messages%add(2, 'Odd.', is_warning=.true.)
+    call publish_messages(cards, messages, diagnostics)
+    call suite%that('remarks in order', diagnostics%n_items == 2 .and. diagnostics%items(1)%is_warning)
+    call suite%that('file and line', diagnostics%items(2)%line == 2 .and. &
+      index(diagnostics%items(2)%file, 'amontons_cards_part.inp') > 0)
+    call suite%that('chain', index(diagnostics%items(2)%text, 'included from') > 0 .and. &
+      index(diagnostics%items(2)%text, 'main.inp, line 2') > 0)
+    call suite%that('card as written', diagnostics%items(2)%card == '2,0,0,0')
     call delete_file(folder // '/amontons_cards_main.inp')
     call delete_file(folder // '/amontons_cards_part.inp')
   end subroutine test_includes
@@ -189,20 +189,20 @@ contains
   subroutine test_include_trouble(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
+    type(deck_messages_type) :: messages
     type(error_type), allocatable :: error
     character(:), allocatable :: folder
     folder = temporary_folder()
-    call open_cards(folder // '/amontons_no_such_deck', cards, remarks, error)
+    call open_cards(folder // '/amontons_no_such_deck', cards, messages, error)
     call suite%that('no deck is an error', allocated(error))
     if (allocated(error)) call suite%that('of input and output', error%code == EXIT_IO)
     call open_cards_text('*INCLUDE' // NL // '*INCLUDE, INPUT=/amontons/no/such/file' // NL // '*INCLUDES, INPUT=x', &
-      'deck', cards, remarks)
-    call suite%that('two errors, and INCLUDES is another card', remarks%n_errors == 2 .and. cards%n_cards == 1)
+      'deck', cards, messages)
+    call suite%that('two errors, and INCLUDES is another card', messages%n_errors == 2 .and. cards%n_cards == 1)
     call write_file(folder // '/amontons_cards_a.inp', '*INCLUDE, INPUT=amontons_cards_b.inp' // NL)
     call write_file(folder // '/amontons_cards_b.inp', '*INCLUDE, INPUT=amontons_cards_a.inp' // NL)
-    call open_cards(folder // '/amontons_cards_a.inp', cards, remarks, error)
-    call suite%that('a circle is told once', remarks%n_errors == 3 .and. .not. allocated(error))
+    call open_cards(folder // '/amontons_cards_a.inp', cards, messages, error)
+    call suite%that('a circle is told once', messages%n_errors == 3 .and. .not. allocated(error))
     call delete_file(folder // '/amontons_cards_a.inp')
     call delete_file(folder // '/amontons_cards_b.inp')
   end subroutine test_include_trouble
@@ -268,17 +268,17 @@ contains
     integer, intent(in) :: n_errors, n_notes
     type(card_table_type) :: table
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
+    type(deck_messages_type) :: messages
     type(parameter_type), allocatable :: parameters(:)
     integer :: position
     logical :: is_short
     call make_card_table(table)
-    call open_cards_text(line, 'deck', cards, remarks)
+    call open_cards_text(line, 'deck', cards, messages)
     call find_entry(table, cards%cards(1)%key, position, is_short)
     call read_parameters(cards, cards%cards(1), parameters)
-    call match_parameters(table%entries(position), parameters, 1, .false., remarks)
-    call suite%that(line // ' errors ' // text_of(remarks%n_errors) // ', remarks ' // text_of(remarks%n), &
-      remarks%n_errors == n_errors .and. remarks%n == n_errors + n_notes)
+    call match_parameters(table%entries(position), parameters, 1, .false., messages)
+    call suite%that(line // ' errors ' // to_text(messages%n_errors) // ', remarks ' // to_text(messages%n), &
+      messages%n_errors == n_errors .and. messages%n == n_errors + n_notes)
   end subroutine expect_match
 
 
@@ -286,18 +286,18 @@ contains
   subroutine test_many_remarks(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
-    type(remarks_type) :: remarks
-    type(complaints_type) :: complaints
+    type(deck_messages_type) :: messages
+    type(diagnostic_list_type) :: diagnostics
     integer :: i
-    call open_cards_text(repeat('1' // NL, 5000), 'deck', cards, remarks)
+    call open_cards_text(repeat('1' // NL, 5000), 'deck', cards, messages)
     do i = 1, 5000
-      call remarks%add(i, 'Wrong.')
+      call messages%add(i, 'Wrong.')
     end do
-    call remarks%add(0, 'In general.')
-    call publish_remarks(cards, remarks, complaints)
-    call suite%that('all are counted', complaints%n_errors == 5001)
-    call suite%that('few are listed', complaints%n_items == 201)
-    call suite%that('the last says so', index(complaints%items(201)%text, 'More errors') > 0)
+    call messages%add(0, 'In general.')
+    call publish_messages(cards, messages, diagnostics)
+    call suite%that('all are counted', diagnostics%n_errors == 5001)
+    call suite%that('few are listed', diagnostics%n_items == 201)
+    call suite%that('the last says so', index(diagnostics%items(201)%text, 'More errors') > 0)
   end subroutine test_many_remarks
 
 

@@ -3,14 +3,15 @@
 program test_deck
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck, read_deck_text
-  use amontons_errors, only: complaints_type, error_type, EXIT_DECK, EXIT_IO
+  use amontons_errors, only: diagnostic_list_type, error_type, EXIT_DECK, EXIT_IO
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, DISTRIBUTED_GRAVITY, &
     DISTRIBUTED_PRESSURE
   use amontons_materials, only: LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
-  use amontons_steps, only: step_type, SEARCH_AUTO, SEARCH_NODAL, SEARCH_NONE, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, &
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, LINE_SEARCH_NODAL, LINE_SEARCH_NONE, PRINT_NODE, PRINT_ELEMENT, &
+    PRINT_CONTACT, &
     N_FRD, FRD_DISP, FRD_STRESS, FRD_TOSTRAIN, FRD_CONTACT, FRD_SDV, FRD_ERROR
-  use amontons_text, only: NEWLINE, text_of
+  use amontons_text, only: NEWLINE, to_text
   use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D20, KIND_CPS4, &
     KIND_CPE4, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS
   use check, only: suite_type
@@ -62,15 +63,15 @@ program test_deck
 contains
 
   !> Reads a deck and returns what came of it. In the decks of this test a semicolon ends a line.
-  subroutine read(text, model, complaints, error, dialect)
+  subroutine read(text, model, diagnostics, error, dialect)
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
-    type(complaints_type), intent(out) :: complaints
+    type(diagnostic_list_type), intent(out) :: diagnostics
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in), optional :: dialect
     type(job_options_type) :: options
     if (present(dialect)) options%dialect = dialect
-    call read_deck_text(with_newlines(text), options, model, complaints, error)
+    call read_deck_text(with_newlines(text), options, model, diagnostics, error)
   end subroutine read
 
 
@@ -93,15 +94,15 @@ contains
     type(model_type), intent(out) :: model
     integer, intent(in), optional :: n_notes     !< notes expected, default 0
     integer, intent(in), optional :: dialect
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: n
-    call read(text, model, complaints, error, dialect)
-    call suite%that(name // ' is read' // first_text(complaints), .not. allocated(error) .and. complaints%n_errors == 0)
+    call read(text, model, diagnostics, error, dialect)
+    call suite%that(name // ' is read' // first_text(diagnostics), .not. allocated(error) .and. diagnostics%n_errors == 0)
     n = 0
     if (present(n_notes)) n = n_notes
-    call suite%that(name // ' gives ' // text_of(n) // ' notes, not ' // text_of(complaints%n_warnings) // &
-      first_text(complaints), complaints%n_warnings == n)
+    call suite%that(name // ' gives ' // to_text(n) // ' notes, not ' // to_text(diagnostics%n_warnings) // &
+      first_text(diagnostics), diagnostics%n_warnings == n)
   end subroutine read_good
 
 
@@ -113,31 +114,31 @@ contains
     character(*), intent(in), optional :: line   !< the line as written; absent: not compared
     integer, intent(in), optional :: dialect
     type(model_type) :: model
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: i
-    call read(text, model, complaints, error, dialect)
-    call suite%that('one error for: ' // piece // first_text(complaints), complaints%n_errors == 1)
+    call read(text, model, diagnostics, error, dialect)
+    call suite%that('one error for: ' // piece // first_text(diagnostics), diagnostics%n_errors == 1)
     call suite%that('deck is refused for: ' // piece, allocated(error))
     if (.not. allocated(error)) return
     call suite%that('exit code for: ' // piece, error%code == EXIT_DECK .and. error%message == '1 error in the deck.')
-    do i = 1, complaints%n_items
-      if (complaints%items(i)%is_warning) cycle
-      call suite%that('message has: ' // piece // ' / ' // complaints%items(i)%text, index(complaints%items(i)%text, &
+    do i = 1, diagnostics%n_items
+      if (diagnostics%items(i)%is_warning) cycle
+      call suite%that('message has: ' // piece // ' / ' // diagnostics%items(i)%text, index(diagnostics%items(i)%text, &
         piece) > 0)
-      if (present(line)) call suite%that('line of: ' // piece // ' / ' // complaints%items(i)%card, &
-        complaints%items(i)%card == line .and. complaints%items(i)%line > 0)
+      if (present(line)) call suite%that('line of: ' // piece // ' / ' // diagnostics%items(i)%card, &
+        diagnostics%items(i)%card == line .and. diagnostics%items(i)%line > 0)
       return
     end do
   end subroutine expect_error
 
 
   !> The first complaint, for the name of a check.
-  function first_text(complaints) result(text)
-    type(complaints_type), intent(in) :: complaints
+  function first_text(diagnostics) result(text)
+    type(diagnostic_list_type), intent(in) :: diagnostics
     character(:), allocatable :: text
     text = ''
-    if (complaints%n_items > 0) text = ' [' // complaints%items(1)%text // ']'
+    if (diagnostics%n_items > 0) text = ' [' // diagnostics%items(1)%text // ']'
   end function first_text
 
 
@@ -187,7 +188,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(job_options_type) :: options
     type(model_type) :: model
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     character(1000) :: folder
     integer :: unit, status
@@ -197,11 +198,11 @@ contains
     open (newunit=unit, file=options%deck // '.inp', access='stream', form='unformatted', status='replace')
     write (unit) with_newlines(MODEL_PART // STEP_PART)
     close (unit)
-    call read_deck(options, model, complaints, error)
+    call read_deck(options, model, diagnostics, error)
     call suite%that('deck from a file', .not. allocated(error) .and. model%mesh%n_nodes == 16)
     open (newunit=unit, file=options%deck // '.inp')
     close (unit, status='delete')
-    call read_deck(options, model, complaints, error)
+    call read_deck(options, model, diagnostics, error)
     call suite%that('no deck', allocated(error))
     if (allocated(error)) call suite%that('code of no deck', error%code == EXIT_IO)
   end subroutine test_files
@@ -260,7 +261,7 @@ contains
     call suite%that('kinds', all(model%mesh%kind == [KIND_C3D8, KIND_C3D8, KIND_C3D4, KIND_C3D6]))
     twenty = '*NODE;'
     do i = 101, 120
-      twenty = twenty // text_of(i) // ',0,0,' // text_of(i) // ';'
+      twenty = twenty // to_text(i) // ',0,0,' // to_text(i) // ';'
     end do
     call read_good(suite, 'twenty nodes on two lines, on one, and without a comma', MODEL_PART // twenty // &
       '*ELEMENT,TYPE=C3D20,ELSET=E;3,101,102,103,104,105,106,107,108,109,110,111,112,113,114,115,;116,117,118,119,' // &
@@ -295,7 +296,8 @@ contains
       '*SOLID SECTION,ELSET=T,MATERIAL=steel;0.25,;*SPRING,ELSET=A;;7.5,;*SPRING,ELSET=B;3,1;2.;*MASS,ELSET=M;9.;' // &
       STEP_PART, model)
     call suite%that('kinds', all(model%mesh%kind(3:) == [KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS]))
-    call suite%near('constants', maxval(abs(model%mesh%section - [1.0_DP, 1.0_DP, 0.25_DP, 7.5_DP, 2.0_DP, 9.0_DP])), 0.0_DP, &
+    call suite%near('constants', maxval(abs(model%mesh%section_value - [1.0_DP, 1.0_DP, 0.25_DP, 7.5_DP, 2.0_DP, 9.0_DP])), &
+      0.0_DP, &
       0.0_DP)
     call suite%that('directions', all(model%mesh%directions(:, 5) == [3, 1]))
     call suite%that('the middle of a truss comes last', all(model%mesh%nodes(model%mesh%first(3):model%mesh%first(4) - 1) &
@@ -303,8 +305,8 @@ contains
     call read_good(suite, 'plane', NODES // '*ELEMENT,TYPE=CPE4H,ELSET=E;1,1,2,3,4;*ELEMENT,TYPE=T3D2,ELSET=L;2,1,2;' // &
       STEEL // STEP_START // '*CLOAD;1,1,1.;' // STEP_END, model, n_notes=2)
     call suite%that('mean dilatation; the line is left out', all(model%mesh%kind == [KIND_CPE4]))
-    call suite%that('the third displacement is idle', all(model%mesh%is_idle(3, :4)) .and. &
-      .not. any(model%mesh%is_idle(:2, :4)))
+    call suite%that('the third displacement is idle', all(model%mesh%is_unstiffened(3, :4)) .and. &
+      .not. any(model%mesh%is_unstiffened(:2, :4)))
     call read_good(suite, 'a C3D8I with nodes for its modes', MODEL_PART // '*ELEMENT,TYPE=C3D8I,ELSET=E;3,1,2,3,4,5,6,7,8,11,' &
       // '12,;4,1,2,3,4,5,6,7,8;' // STEP_PART, model)
     call suite%that('eight stay', all(model%mesh%kind(3:) == KIND_C3D8I) .and. size(model%mesh%nodes) == 32)
@@ -337,7 +339,7 @@ contains
     call suite%that('nodes of the face', all(model%mesh%node_sets(4)%members == [1, 2, 3, 4]))
     call read_good(suite, 'a face with a section stays', MODEL_PART // LINES // &
       '*SOLID SECTION, ELSET=Surface1, MATERIAL=steel;0.5;' // STEP_PART, model, n_notes=1)
-    call suite%that('with its thickness', model%mesh%kind(3) == KIND_CPS4 .and. abs(model%mesh%section(3) - 0.5_DP) &
+    call suite%that('with its thickness', model%mesh%kind(3) == KIND_CPS4 .and. abs(model%mesh%section_value(3) - 0.5_DP) &
       <= 0)
     call expect_error(suite, MODEL_PART // '*NODE;99,9,9,9;*ELEMENT,TYPE=T3D2;60,1,99;' // STEP_PART, &
       'have no section')
@@ -863,7 +865,8 @@ contains
     type(model_type) :: model
     call read_good(suite, 'line search', MODEL_PART // STEP_PART // STEP_START // '*LINE SEARCH, TYPE=nodal;' // &
       STEP_END // STEP_PART // STEP_START // '*LINESEARCH,TYPE=NONE;' // STEP_END, model)
-    call suite%that('sticky', all(model%steps%line_search == [SEARCH_AUTO, SEARCH_NODAL, SEARCH_NODAL, SEARCH_NONE]))
+    call suite%that('sticky', all(model%steps%line_search == [LINE_SEARCH_AUTO, LINE_SEARCH_NODAL, LINE_SEARCH_NODAL, &
+      LINE_SEARCH_NONE]))
     call expect_error(suite, MODEL_PART // STEP_START // '*LINE SEARCH;' // STEP_END, 'TYPE=')
     call expect_error(suite, MODEL_PART // STEP_START // '*LINE SEARCH, TYPE=ARMIJO;' // STEP_END, 'ARMIJO')
     call expect_error(suite, MODEL_PART // '*LINE SEARCH, TYPE=ALL;' // STEP_PART, 'must stand in a step')
@@ -926,7 +929,7 @@ contains
     call expect_error(suite, MODEL_PART // STEP_START // '*FREQUENCY;10;' // STEP_END, 'Use *STATIC')
     call read_good(suite, 'noted cards', 'text;' // MODEL_PART // '*PREPRINT, ECHO=NO;*FILTER, NAME=T;1.,2.;' // &
       STEP_START // '*RESTART, WRITE;*MONITOR, NODE=1;' // STEP_END, model, n_notes=4)
-    call suite%that('RESTART, WRITE keeps the checkpoint', model%keeps_restart)
+    call suite%that('RESTART, WRITE keeps the checkpoint', model%keeps_checkpoint)
     call read_good(suite, 'abbreviations', MODEL_PART // '*BOUND;1,1;' // STEP_PART, model, n_notes=1)
     call suite%that('are expanded', size(model%steps(1)%prescribed) == 1)
   end subroutine test_refused
@@ -936,18 +939,18 @@ contains
   subroutine test_several_errors(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     logical :: is_ordered
     call read('*RELEASE;' // MODEL_PART // '*BOUNDARY;nix,1;*FRICTION;' // STEP_START // '*CLOAD;1,9,1.;' // STEP_END // &
-      '*NODE;x;', model, complaints, error)
-    call suite%that('six errors', complaints%n_errors == 6 .and. complaints%n_items == 6)
-    is_ordered = all(complaints%items(2:6)%line >= complaints%items(1:5)%line)
+      '*NODE;x;', model, diagnostics, error)
+    call suite%that('six errors', diagnostics%n_errors == 6 .and. diagnostics%n_items == 6)
+    is_ordered = all(diagnostics%items(2:6)%line >= diagnostics%items(1:5)%line)
     call suite%that('in the order of the deck', is_ordered)
     call suite%that('the deck is refused', allocated(error))
     if (allocated(error)) call suite%that('message', error%message == '6 errors in the deck.')
-    call read('', model, complaints, error)
-    call suite%that('an empty deck has no nodes, elements, steps', complaints%n_errors == 3)
+    call read('', model, diagnostics, error)
+    call suite%that('an empty deck has no nodes, elements, steps', diagnostics%n_errors == 3)
   end subroutine test_several_errors
 
 end program test_deck

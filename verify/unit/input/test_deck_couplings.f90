@@ -3,10 +3,10 @@
 program test_deck_couplings
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
-  use amontons_errors, only: complaints_type, error_type
-  use amontons_model, only: model_type, job_options_type, direction_of, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_errors, only: diagnostic_list_type, error_type
+  use amontons_model, only: model_type, job_options_type, dof_direction, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_text, only: NEWLINE
-  use amontons_mpc_data, only: BOND_BODY, BOND_PLANE, BOND_STRAIGHT, BOND_DISTANCE, BOND_TURN
+  use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
   use check, only: suite_type
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE, NSET=ALL;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;' // &
@@ -28,10 +28,10 @@ program test_deck_couplings
 contains
 
   !> Reads a deck whose lines are separated by semicolons, with the model part before and a step after it.
-  subroutine read(text, model, complaints, error, dialect, step)
+  subroutine read(text, model, diagnostics, error, dialect, step)
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
-    type(complaints_type), intent(inout) :: complaints
+    type(diagnostic_list_type), intent(inout) :: diagnostics
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in), optional :: dialect
     character(*), intent(in), optional :: step
@@ -49,7 +49,7 @@ contains
     end do
     options%dialect = DIALECT_ABAQUS
     if (present(dialect)) options%dialect = dialect
-    call read_deck_text(whole, options, model, complaints, error)
+    call read_deck_text(whole, options, model, diagnostics, error)
   end subroutine read
 
 
@@ -59,11 +59,11 @@ contains
     type(model_type), intent(out) :: model
     integer, intent(in), optional :: dialect
     character(*), intent(in), optional :: step
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
-    call read(text, model, complaints, error, dialect, step)
-    if (complaints%n_items > 0) then
-      call suite%that(text // ' is read: ' // complaints%items(1)%text, complaints%n_errors == 0)
+    call read(text, model, diagnostics, error, dialect, step)
+    if (diagnostics%n_items > 0) then
+      call suite%that(text // ' is read: ' // diagnostics%items(1)%text, diagnostics%n_errors == 0)
     else
       call suite%that(text // ' is read', .not. allocated(error))
     end if
@@ -75,15 +75,15 @@ contains
     character(*), intent(in) :: text, piece
     character(*), intent(in), optional :: step
     type(model_type) :: model
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: i, n
-    call read(text, model, complaints, error, step=step)
-    call suite%that('one error: ' // piece, complaints%n_errors == 1 .and. allocated(error))
+    call read(text, model, diagnostics, error, step=step)
+    call suite%that('one error: ' // piece, diagnostics%n_errors == 1 .and. allocated(error))
     n = 0
-    do i = 1, complaints%n_items
-      if (complaints%items(i)%is_warning) cycle
-      if (index(complaints%items(i)%text, piece) > 0) n = n + 1
+    do i = 1, diagnostics%n_items
+      if (diagnostics%items(i)%is_warning) cycle
+      if (index(diagnostics%items(i)%text, piece) > 0) n = n + 1
     end do
     call suite%that('it says: ' // piece, n == 1)
   end subroutine expect_error
@@ -94,12 +94,12 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     call read_good('*TRANSFORM, NSET=TOP, TYPE=C;0,0,0,0,0,1;*EQUATION;1;13,1,1.;', model)
-    call suite%near('out', maxval(abs(direction_of(model, 11, 1) - [1.0_DP, 1.0_DP, 0.0_DP] / sqrt(2.0_DP))), 0.0_DP, &
+    call suite%near('out', maxval(abs(dof_direction(model, 11, 1) - [1.0_DP, 1.0_DP, 0.0_DP] / sqrt(2.0_DP))), 0.0_DP, &
       1.0e-14_DP)
-    call suite%near('other nodes are global', maxval(abs(direction_of(model, 1, 2) - [0.0_DP, 1.0_DP, 0.0_DP])), 0.0_DP, &
+    call suite%near('other nodes are global', maxval(abs(dof_direction(model, 1, 2) - [0.0_DP, 1.0_DP, 0.0_DP])), 0.0_DP, &
       1.0e-14_DP)
     call suite%that('the equation has two terms that may be eliminated', size(model%equations(1)%node) == 2 .and. &
-      model%equations(1)%n_candidates == 2)
+      model%equations(1)%n_eliminable == 2)
     call expect_error('*TRANSFORM, NSET=TOP, TYPE=S;1,0,0,0,1,0;', 'R or C')
     call expect_error('*TRANSFORM, NSET=NIX;1,0,0,0,1,0;', 'no node or node set ''NIX''')
     call expect_error('*TRANSFORM, NSET=TOP;1,0,0,2,0,0;', 'give no directions')
@@ -113,25 +113,26 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     call read_good('*MPC;PLANE, TOP;STRAIGHT, 1, 5,;11, 90;', model)
-    call suite%that('one plane, two lines', size(model%bonds) == 3)
-    call suite%that('kinds', all(model%bonds%kind == [BOND_PLANE, BOND_STRAIGHT, BOND_STRAIGHT]))
-    call suite%that('the fourth in the plane of three', all(model%bonds(1)%node == [12, 9, 10, 11]))
+    call suite%that('one plane, two lines', size(model%nonlinear_mpcs) == 3)
+    call suite%that('kinds', all(model%nonlinear_mpcs%kind == [MPC_PLANE, MPC_STRAIGHT, MPC_STRAIGHT]))
+    call suite%that('the fourth in the plane of three', all(model%nonlinear_mpcs(1)%node == [12, 9, 10, 11]))
     call read_good('*MPC;BEAM, 1, 7;', model, DIALECT_CALCULIX)
-    call suite%that('BEAM in CalculiX', model%bonds(1)%kind == BOND_DISTANCE .and. model%mesh%n_nodes == 14)
+    call suite%that('BEAM in CalculiX', model%nonlinear_mpcs(1)%kind == MPC_DISTANCE .and. model%mesh%n_nodes == 14)
     call read_good('*MPC;BEAM, 1, 7;', model)
-    call suite%that('BEAM in Abaqus', model%bonds(1)%kind == BOND_BODY .and. model%mesh%n_nodes == 15)
+    call suite%that('BEAM in Abaqus', model%nonlinear_mpcs(1)%kind == MPC_RIGID_BODY .and. model%mesh%n_nodes == 15)
     call read_good('*MPC;TIE, 1, 7;PIN, 2, 8;', model)
     call suite%that('TIE and PIN', size(model%equations) == 6)
     call read_good('*MPC;MEANROT, 11, 11, 11, 12, 12, 12, 13, 13, 13, 90;', model)
-    call suite%that('MEANROT', model%bonds(1)%kind == BOND_TURN .and. size(model%bonds(1)%node) == 3)
-    call suite%that('its pilot is no displacement', model%mesh%is_abstract(13))
+    call suite%that('MEANROT', model%nonlinear_mpcs(1)%kind == MPC_MEAN_ROTATION .and. size(model%nonlinear_mpcs(1)%node) == 3)
+    call suite%that('its pilot is no displacement', model%mesh%is_auxiliary(13))
     call expect_error('*MPC;WHAT, 1, 2;', 'MPC WHAT is not supported')
     call expect_error('*MPC;PLANE, 1, 2, 3;', 'three nodes')
     call expect_error('*MPC;PLANE, 1, 5, 11, 90;', 'three nodes')
     call expect_error('*MPC;DIST, 1, 1, 1, 5, 5;', 'DIST needs a node three times')
     call expect_error('*MPC;DIST, 1, 1, 1, 5, 5, 5, 90;', 'apart at the start')
     call read_good('*MPC;PLANE, 1, 5, 11, 2;', model)
-    call suite%that('PLANE: three nodes that span it are found', size(model%bonds) == 1 .and. any(model%bonds(1)%node(2:) == 2))
+    call suite%that('PLANE: three nodes that span it are found', size(model%nonlinear_mpcs) == 1 &
+      .and. any(model%nonlinear_mpcs(1)%node(2:) == 2))
     call expect_error('*MPC;BEAM, 1;', 'two nodes')
     call expect_error('*MPC;PIN, 1, 2, 3;', 'two nodes')
     call expect_error('*MPC;MEANROT, 11, 90;', 'at least two nodes')
@@ -145,9 +146,9 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     call read_good('*RIGID BODY, NSET=TOP, REF NODE=REF, ROT NODE=91;', model)
-    call suite%that('given rotation node', model%bonds(1)%rotation == 14 .and. model%bonds(1)%reference == 13)
+    call suite%that('given rotation node', model%nonlinear_mpcs(1)%rotation == 14 .and. model%nonlinear_mpcs(1)%reference == 13)
     call read_good('*RIGID BODY, ELSET=E, REF NODE=90;', model)
-    call suite%that('rotation node made', model%bonds(1)%rotation == 15 .and. size(model%bonds(1)%node) == 12)
+    call suite%that('rotation node made', model%nonlinear_mpcs(1)%rotation == 15 .and. size(model%nonlinear_mpcs(1)%node) == 12)
     call expect_error('*RIGID BODY, NSET=TOP;', 'REF NODE')
     call expect_error('*RIGID BODY, NSET=TOP, REF NODE=ALL;', 'must hold one node')
     call expect_error('*RIGID BODY, NSET=TOP, REF NODE=90, ROT NODE=1;', 'belongs to an element')
@@ -163,12 +164,12 @@ contains
     type(model_type) :: model
     character(*), parameter :: COUPLING = '*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C;'
     call read_good(COUPLING // '*KINEMATIC;3;5,6;', model)
-    call suite%that('bound', all(model%bonds(1)%is_bound .eqv. [.false., .false., .true.]))
+    call suite%that('bound', all(model%nonlinear_mpcs(1)%is_bound .eqv. [.false., .false., .true.]))
     call read_good('*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL;0,0,0,0,0,1;*COUPLING, REF NODE=90, SURFACE=DOTS, ' // &
       'ORIENTATION=o;*KINEMATIC;', model)
-    call suite%that('all bound, with axes', all(model%bonds(1)%is_bound) .and. allocated(model%bonds(1)%axes))
+    call suite%that('all bound, with axes', all(model%nonlinear_mpcs(1)%is_bound) .and. allocated(model%nonlinear_mpcs(1)%axes))
     call read_good(COUPLING // '*DISTRIBUTING;1,4;', model)
-    call suite%that('distributing', all(model%spreads(1)%is_bound .eqv. [.true., .false., .false.]))
+    call suite%that('distributing', all(model%distributing_couplings(1)%is_bound .eqv. [.true., .false., .false.]))
     call expect_error(COUPLING // '*MPC;PIN, 1, 2;', 'must stand')
     call expect_error(COUPLING // '*KINEMATIC;4,6;', 'at least one of the degrees of freedom 1 to 3')
     call expect_error(COUPLING // '*KINEMATIC;3,7;', '1 to 6')

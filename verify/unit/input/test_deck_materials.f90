@@ -3,7 +3,7 @@
 program test_deck_materials
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
-  use amontons_errors, only: complaints_type, error_type
+  use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_materials, only: ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     SYSTEM_CYLINDRICAL, HISTORY_PEEQ, HISTORY_INELASTIC, HISTORY_BACK
@@ -31,10 +31,10 @@ program test_deck_materials
 contains
 
   !> Reads a deck; a semicolon ends a line.
-  subroutine read(text, model, complaints, error, dialect)
+  subroutine read(text, model, diagnostics, error, dialect)
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
-    type(complaints_type), intent(out) :: complaints
+    type(diagnostic_list_type), intent(out) :: diagnostics
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in) :: dialect
     type(job_options_type) :: options
@@ -45,7 +45,7 @@ contains
       if (text(i:i) == ';') lines(i:i) = NEWLINE
     end do
     options%dialect = dialect
-    call read_deck_text(lines, options, model, complaints, error)
+    call read_deck_text(lines, options, model, diagnostics, error)
   end subroutine read
 
 
@@ -54,15 +54,15 @@ contains
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
     integer, intent(in), optional :: dialect
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: i, d
     d = DIALECT_ABAQUS
     if (present(dialect)) d = dialect
-    call read(text, model, complaints, error, d)
+    call read(text, model, diagnostics, error, d)
     call suite%that('read: ' // text(len(NODES):), .not. allocated(error))
-    do i = 1, complaints%n_items
-      if (.not. complaints%items(i)%is_warning) call suite%that(complaints%items(i)%text, .false.)
+    do i = 1, diagnostics%n_items
+      if (.not. diagnostics%items(i)%is_warning) call suite%that(diagnostics%items(i)%text, .false.)
     end do
   end subroutine good
 
@@ -71,14 +71,14 @@ contains
   subroutine bad(text, piece)
     character(*), intent(in) :: text, piece
     type(model_type) :: model
-    type(complaints_type) :: complaints
+    type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     logical :: is_told
     integer :: i
-    call read(text, model, complaints, error, DIALECT_ABAQUS)
+    call read(text, model, diagnostics, error, DIALECT_ABAQUS)
     is_told = .false.
-    do i = 1, complaints%n_items
-      if (.not. complaints%items(i)%is_warning) is_told = is_told .or. index(complaints%items(i)%text, piece) > 0
+    do i = 1, diagnostics%n_items
+      if (.not. diagnostics%items(i)%is_warning) is_told = is_told .or. index(diagnostics%items(i)%text, piece) > 0
     end do
     call suite%that('refused: ' // piece, allocated(error) .and. is_told)
   end subroutine bad
@@ -88,9 +88,9 @@ contains
     type(model_type) :: model
     real(DP) :: e, nu
     call good(NODES // STEEL // SECTION // STEP, model)
-    call suite%that('plain', model%materials(1)%is_plain .and. model%materials(1)%n_history == 0)
+    call suite%that('plain', model%materials(1)%is_linear_isotropic .and. model%materials(1)%n_history == 0)
     call good(NODES // MATERIAL // '*ELASTIC;200.,.3,0.;100.,.2,50.;' // SECTION // STEP, model)
-    call suite%that('a table is not plain', .not. model%materials(1)%is_plain)
+    call suite%that('a table is not plain', .not. model%materials(1)%is_linear_isotropic)
     call suite%near('table', maxval(abs(model%materials(1)%elastic%value(:, 2) - [100.0_DP, 0.2_DP])), 0.0_DP, 0.0_DP)
     call good(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;9.,1.,8.,2.,3.,7.,4.,5.;6.,20.;' // SECTION // STEP, model)
     call suite%that('ORTHO', model%materials(1)%elastic_kind == ELASTIC_ORTHOTROPIC)
@@ -144,11 +144,11 @@ contains
     type(model_type) :: model
     character(*), parameter :: WARM = '*INITIAL CONDITIONS,TYPE=TEMPERATURE;ALL,20.;'
     call good(NODES // STEEL // '*EXPANSION,ZERO=10.;1e-5,0.;2e-5,100.;' // SECTION // WARM // STEP, model)
-    call suite%that('expansion is not plain', .not. model%materials(1)%is_plain)
-    call suite%near('ZERO', model%materials(1)%expansion_zero, 10.0_DP, 0.0_DP)
+    call suite%that('expansion is not plain', .not. model%materials(1)%is_linear_isotropic)
+    call suite%near('ZERO', model%materials(1)%expansion_reference, 10.0_DP, 0.0_DP)
     call suite%near('initial temperature', minval(model%initial_temperature), 20.0_DP, 0.0_DP)
     call good(NODES // STEEL // '*EXPANSION;1e-5;' // SECTION // STEP, model)
-    call suite%that('without temperatures it is', model%materials(1)%is_plain)
+    call suite%that('without temperatures it is', model%materials(1)%is_linear_isotropic)
     call good(NODES // STEEL // '*EXPANSION,TYPE=ORTHO;1.,2.,3.,0.;' // SECTION // WARM // STEP, model)
     call suite%that('three coefficients', size(model%materials(1)%expansion%value, 1) == 3)
     call bad(NODES // MATERIAL // '*HYPERELASTIC,NEO HOOKE;1.,.1;*EXPANSION,TYPE=ORTHO;1.,2.,3.,0.;' // SECTION // STEP, &
@@ -160,16 +160,17 @@ contains
     type(model_type) :: model
     call good(NODES // STEEL // '*PLASTIC;1.,0.,0.;2.,.1,0.;.5,0.,100.;' // SECTION // STEP, model)
     associate (material => model%materials(1))
-      call suite%that('two curves', size(material%isotropic) == 2 .and. .not. allocated(material%kinematic))
-      call suite%near('the second', material%isotropic(2)%stress(1), 0.5_DP, 0.0_DP)
-      call suite%that('history', material%n_history == HISTORY_INELASTIC + 5 .and. .not. material%is_plain)
+      call suite%that('two curves', size(material%isotropic_hardening) == 2 .and. .not. allocated(material%kinematic_hardening))
+      call suite%near('the second', material%isotropic_hardening(2)%stress(1), 0.5_DP, 0.0_DP)
+      call suite%that('history', material%n_history == HISTORY_INELASTIC + 5 .and. .not. material%is_linear_isotropic)
     end associate
     call good(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;5.,1.,5.,1.,1.,5.,2.,2.;2.;*PLASTIC;1.,0.;' // SECTION // STEP, model)
     call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;5.,1.,5.,1.,1.,5.,2.,2.;2.;*PLASTIC,HARDENING=KINEMATIC;1.,0.;2.,1.;' // &
       SECTION // STEP, 'isotropic hardening is')
     call good(NODES // STEEL // '*PLASTIC,HARDENING=COMBINED;1.,0.;2.,.1;*CYCLIC HARDENING;1.,0.;' // SECTION // STEP, &
       model)
-    call suite%that('combined', allocated(model%materials(1)%isotropic) .and. allocated(model%materials(1)%kinematic))
+    call suite%that('combined', allocated(model%materials(1)%isotropic_hardening) &
+      .and. allocated(model%materials(1)%kinematic_hardening))
     call suite%that('its history', model%materials(1)%n_history == HISTORY_BACK + 5)
     call good(NODES // MATERIAL // '*DEFORMATION PLASTICITY;190.,.34,9.,12.,.45;' // SECTION // STEP, model)
     call suite%that('deformation plasticity', model%materials(1)%has_deformation_plasticity)
@@ -189,7 +190,7 @@ contains
     character(*), parameter :: VISCO = '*STEP;*VISCO,CETOL=1e-4;.1,1.;*END STEP;'
     call good(NODES // STEEL // '*CREEP;1e-10,5.,0.;' // SECTION // STEP // VISCO, model)
     call suite%that('creep by time', model%materials(1)%creep_law == CREEP_TIME_HARDENING)
-    call suite%that('VISCO', .not. model%steps(1)%is_creeping .and. model%steps(2)%is_creeping)
+    call suite%that('VISCO', .not. model%steps(1)%has_creep .and. model%steps(2)%has_creep)
     call good(NODES // STEEL // '*CREEP,LAW=STRAIN;1e-10,5.,-.5;' // SECTION // STEP, model)
     call suite%that('creep by strain', model%materials(1)%creep_law == CREEP_STRAIN_HARDENING)
     call bad(NODES // STEEL // '*CREEP;1e-10,5.,.5;' // SECTION // STEP, 'm above -1')
@@ -246,7 +247,7 @@ contains
     character(*), parameter :: LOCAL = '*SOLID SECTION,ELSET=E,MATERIAL=M,ORIENTATION=O;'
     call good(NODES // STEEL // '*ORIENTATION,NAME=O;0.,1.,0.,-1.,0.,0.;3,30.;' // LOCAL // STEP, model)
     call suite%that('orientation of the element', all(model%element_orientation == [1]))
-    call suite%near('angle', model%orientations(1)%turn_angle, acos(-1.0_DP) / 6, 1e-15_DP)
+    call suite%near('angle', model%orientations(1)%rotation_angle, acos(-1.0_DP) / 6, 1e-15_DP)
     call good(NODES // STEEL // '*ORIENTATION,NAME=O,SYSTEM=CYLINDRICAL;0.,0.,0.,0.,0.,1.;' // LOCAL // STEP, model)
     call suite%that('cylindrical', model%orientations(1)%system == SYSTEM_CYLINDRICAL)
     call good(NODES // STEEL // '*DISTRIBUTION,NAME=D;,1.,0.,0.,0.,1.,0.;1,0.,0.,1.,1.,0.,0.;*ORIENTATION,NAME=O;D;' // &
@@ -267,7 +268,7 @@ contains
     call good(NODES // STEEL // SECTION // '*INITIAL CONDITIONS,TYPE=STRESS;E,1.,2.,3.,4.,5.,6.;' // STEP, model)
     call suite%near('stress: 13 and 23 change places', maxval(abs(model%initial_stress(:, 8) - [1.0_DP, 2.0_DP, 3.0_DP, &
       4.0_DP, 6.0_DP, 5.0_DP])), 0.0_DP, 0.0_DP)
-    call suite%that('then history is kept', model%materials(1)%n_history == 8 .and. .not. model%materials(1)%is_plain)
+    call suite%that('then history is kept', model%materials(1)%n_history == 8 .and. .not. model%materials(1)%is_linear_isotropic)
     call good(NODES // STEEL // SECTION // '*INITIAL CONDITIONS,TYPE=PLASTIC STRAIN;1,3,1.,2.,3.,4.,5.,6.;' // STEP, &
       model, DIALECT_CALCULIX)
     call suite%near('plastic strain of one point', sum(model%initial_history(HISTORY_INELASTIC, :)), 1.0_DP, 0.0_DP)

@@ -3,8 +3,9 @@
 program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_dense, only: solve_small, symmetric_eigen, singular_values, rank_of, least_squares, invert_positive, &
-    symmetric_times, transposed_times, triangle_times, factorise_dense, solve_dense, measure_matrix, is_rank_lost, &
+  use amontons_dense, only: solve_small, solve_symmetric_eigen, singular_values, numerical_rank, least_squares, invert_spd, &
+    multiply_dense_symmetric, multiply_dense_transpose, multiply_triangular, factorise_dense, solve_dense, find_matrix_scales, &
+    is_rank_deficient, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
   implicit none
@@ -72,7 +73,7 @@ contains
     integer :: status, j
     call random_number(a)
     a = a + transpose(a) - 1
-    call symmetric_eigen(a, w, v, status)
+    call solve_symmetric_eigen(a, w, v, status)
     call suite%that('eigen: status', status == DENSE_OK)
     call suite%that('eigen: ascending', all(w(2:) >= w(:n - 1)))
     residual = matmul(a, v)
@@ -96,7 +97,7 @@ contains
     else
       square = matmul(a, transpose(a))
     end if
-    call symmetric_eigen(square, w, v, status)
+    call solve_symmetric_eigen(square, w, v, status)
     call singular_values(a, s, status)
     call suite%that('singular values: status', status == DENSE_OK)
     call suite%that('singular values: descending', all(s(2:) <= s(:size(s) - 1)))
@@ -108,19 +109,19 @@ contains
   subroutine test_known()
     real(DP) :: w(2), v(2, 2), s(2), x(2)
     integer :: status, rank
-    call symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), w, v, status)
+    call solve_symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), w, v, status)
     call suite%near('eigenvalue 1 of [2 1; 1 2]', w(1), 1.0_DP, 1.0e-14_DP)
     call suite%near('eigenvalue 2 of [2 1; 1 2]', w(2), 3.0_DP, 1.0e-14_DP)
     call singular_values(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), s, status)
     call suite%near('singular value 1 of [3 0; 4 0]', s(1), 5.0_DP, 1.0e-14_DP)
     call suite%near('singular value 2 of [3 0; 4 0]', s(2), 0.0_DP, 1.0e-14_DP)
-    call rank_of(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), 1.0e-10_DP, rank, status)
+    call numerical_rank(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), 1.0e-10_DP, rank, status)
     call suite%that('rank of [3 0; 4 0]', rank == 1)
-    call rank_of(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-10_DP, rank, status)
+    call numerical_rank(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-10_DP, rank, status)
     call suite%that('rank by the tolerance: 2', rank == 2)
-    call rank_of(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-6_DP, rank, status)
+    call numerical_rank(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-6_DP, rank, status)
     call suite%that('rank by the tolerance: 1', rank == 1)
-    call rank_of(reshape([0.0_DP, 0.0_DP], [1, 2]), 1.0e-6_DP, rank, status)
+    call numerical_rank(reshape([0.0_DP, 0.0_DP], [1, 2]), 1.0e-6_DP, rank, status)
     call suite%that('rank of nothing', rank == 0)
     call solve_small(reshape([1.0e-200_DP, 0.0_DP, 0.0_DP, 2.0e-200_DP], [2, 2]), [1.0e-200_DP, 1.0e-200_DP], x, status)
     call suite%near('small numbers are not singular', x(2), 0.5_DP, 1.0e-15_DP)
@@ -168,9 +169,9 @@ contains
           lu = a
           lu(1, 1) = lu(1, 1) * (1.0_DP + 1.0e-9_DP * real(held, DP))
           lu(2, :) = lu(2, :) * 10.0_DP**(14 * stiff)
-          call measure_matrix(lu, row, column)
+          call find_matrix_scales(lu, row, column)
           call factorise_dense(lu, pivots, status)
-          is_lost = is_rank_lost(lu, pivots, row, column)
+          is_lost = is_rank_deficient(lu, pivots, row, column)
           if (held == 0) call suite%that('rank: springs that nothing holds', status /= DENSE_OK .or. is_lost)
           if (held == 1) call suite%that('rank: springs that are held', status == DENSE_OK .and. .not. is_lost)
         end do
@@ -187,11 +188,11 @@ contains
     a(2, 1) = ieee_value(1.0_DP, ieee_quiet_nan)
     call solve_small(a, [1.0_DP, 1.0_DP], x, status)
     call suite%that('NaN: solve', status == DENSE_FAILED .and. all(abs(x) <= 0))
-    call symmetric_eigen(a, x, v, status)
+    call solve_symmetric_eigen(a, x, v, status)
     call suite%that('NaN: eigen', status == DENSE_FAILED)
     call singular_values(a, x, status)
     call suite%that('NaN: singular values', status == DENSE_FAILED)
-    call rank_of(a, 1.0e-10_DP, rank, status)
+    call numerical_rank(a, 1.0e-10_DP, rank, status)
     call suite%that('NaN: rank', status == DENSE_FAILED)
     call least_squares(a, [1.0_DP, 1.0_DP], 1.0e-10_DP, x, rank, status)
     call suite%that('NaN: least squares', status == DENSE_FAILED)
@@ -204,7 +205,7 @@ contains
     integer :: status, rank
     call random_number(left)
     call random_number(right)
-    call rank_of(matmul(left, right), 1.0e-10_DP, rank, status)
+    call numerical_rank(matmul(left, right), 1.0e-10_DP, rank, status)
     call suite%that('rank of a product', status == DENSE_OK .and. rank == 4)
   end subroutine test_rank
 
@@ -240,23 +241,23 @@ contains
     call random_number(wide)
     a = matmul(left, transpose(left)) + unit(9)
     inverse = a
-    call invert_positive(inverse, 1.0e-9_DP, status)
+    call invert_spd(inverse, 1.0e-9_DP, status)
     call suite%that('positive: status', status == DENSE_OK)
     call suite%near('positive: inverse', norm_1(matmul(a, inverse) - unit(9)), 0.0_DP, 1.0e-12_DP)
     call suite%that('positive: symmetric', all(abs(inverse - transpose(inverse)) <= 0))
     y = x
-    call symmetric_times(inverse, y)
+    call multiply_dense_symmetric(inverse, y)
     call suite%near('positive: product', maxval(abs(y - matmul(inverse, x))), 0.0_DP, 1.0e-14_DP)
-    call transposed_times(wide, x, z)
+    call multiply_dense_transpose(wide, x, z)
     call suite%near('transposed product', maxval(abs(z - matmul(x, wide))), 0.0_DP, 1.0e-14_DP)
     a = a - unit(9)
     a(:, 9) = a(:, 8)
     a(9, :) = a(8, :)
     a(9, 9) = a(9, 9) * (1 + 1.0e-12_DP)
-    call invert_positive(a, 1.0e-9_DP, status)
+    call invert_spd(a, 1.0e-9_DP, status)
     call suite%that('positive: nearly singular', status == DENSE_SINGULAR)
     a = -unit(9)
-    call invert_positive(a, 1.0e-9_DP, status)
+    call invert_spd(a, 1.0e-9_DP, status)
     call suite%that('positive: negative', status == DENSE_SINGULAR)
   end subroutine test_positive
 
@@ -289,15 +290,15 @@ contains
       call suite%near('threads: solution', norm2(matmul(a, y) - matmul(a, x)) / (norm_1(a) * norm2(x) * N * epsilon(1.0_DP)), &
         0.0_DP, 30.0_DP)
       y = x
-      call triangle_times(l, .false., y)
+      call multiply_triangular(l, .false., y)
       call suite%near('threads: triangle', maxval(abs(y - matmul(l, x))), 0.0_DP, N * epsilon(1.0_DP) * N)
       y = x
-      call triangle_times(l, .true., y)
+      call multiply_triangular(l, .true., y)
       call suite%near('threads: triangle turned', maxval(abs(y - matmul(x, l))), 0.0_DP, N * epsilon(1.0_DP) * N)
       y = x
-      call symmetric_times(a + transpose(a), y)
+      call multiply_dense_symmetric(a + transpose(a), y)
       call suite%near('threads: symmetric', maxval(abs(y - matmul(a + transpose(a), x))), 0.0_DP, N * epsilon(1.0_DP) * N)
-      call transposed_times(a, x, z)
+      call multiply_dense_transpose(a, x, z)
       call suite%near('threads: turned', maxval(abs(z - matmul(x, a))), 0.0_DP, N * epsilon(1.0_DP) * N)
       lu = a
       lu(:, N) = 0.0_DP

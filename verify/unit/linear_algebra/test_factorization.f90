@@ -4,10 +4,10 @@ program test_factorization
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL, EXIT_SOLVER
-  use amontons_sparse, only: sparse_type, from_triplets, full_of, multiply, multiply_symmetric
-  use amontons_factorization, only: factor_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, full_from_upper, multiply, multiply_symmetric
+  use amontons_factorization, only: cholesky_type, lu_type, analyse, factorise, solve, estimate_memory, lu_factorise, lu_solve, &
     elimination_order, trailing_block, choose_blas_kernels, &
-    FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, PIVOT_LIMIT
+    FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, TOL_PIVOT
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -61,7 +61,7 @@ contains
     column(k + 1:k + n**3) = [(i, i=1, n**3)]
     value(k + 1:k + n**3) = diagonal
     k = k + n**3
-    call from_triplets(n**3, n**3, row(:k), column(:k), value(:k), matrix, error)
+    call sparse_from_triplets(n**3, n**3, row(:k), column(:k), value(:k), matrix, error)
   end subroutine laplacian
 
 
@@ -80,12 +80,12 @@ contains
   subroutine test_cholesky(n)
     integer, intent(in) :: n
     type(sparse_type) :: matrix, full
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     real(DP) :: b(n**3, 9), x(n**3, 9), y(n**3)
     integer :: status, i
     call laplacian(n, .true., matrix)
-    full = full_of(matrix)
+    full = full_from_upper(matrix)
     call random_number(b)
     call analyse(factor, matrix, error=error)
     call suite%that('cholesky: analysed', .not. allocated(error) .and. .not. factor%is_ready)
@@ -93,7 +93,7 @@ contains
     call suite%that('cholesky: entries known', nint(factor%n_entries) >= size(matrix%column))
     call factorise(factor, matrix, status, error=error)
     call suite%that('cholesky: status', status == FACTOR_OK .and. factor%is_ready .and. .not. allocated(error))
-    call suite%that('cholesky: pivots', factor%pivot_ratio > PIVOT_LIMIT .and. factor%pivot_ratio <= 1 + 1.0e-14_DP)
+    call suite%that('cholesky: pivots', factor%pivot_ratio > TOL_PIVOT .and. factor%pivot_ratio <= 1 + 1.0e-14_DP)
     call solve(factor, b(:, 1), y)
     call suite%near('cholesky: ratio', ratio(full, y, b(:, 1)), 0.0_DP, 10.0_DP)
     call solve(factor, b, x)
@@ -134,7 +134,7 @@ contains
   subroutine test_repeat()
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     type(sparse_type) :: matrix
-    type(factor_type) :: factor, other
+    type(cholesky_type) :: factor, other
     type(error_type), allocatable :: error
     real(DP), allocatable :: b(:), x(:), again(:), alone(:)
     integer :: status, n_threads, before
@@ -171,7 +171,7 @@ contains
     use omp_lib, only: omp_set_num_threads
     integer, intent(in) :: n_threads
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     integer, allocatable :: order(:)
     integer :: status, k
@@ -185,7 +185,7 @@ contains
         diagonal = -diagonal
         call factorise(factor, matrix, status, error=error)
         call suite%that('broken: told', status == FACTOR_NOT_POSITIVE .and. .not. factor%is_ready)
-        call suite%that('broken: where', factor%weakest == order(k))
+        call suite%that('broken: where', factor%min_pivot_unknown == order(k))
         diagonal = -diagonal
       end associate
     end do
@@ -199,7 +199,7 @@ contains
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     integer, parameter :: N = 1100
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     real(DP), allocatable :: a(:, :), l(:, :)
     real(DP) :: x(N)
@@ -233,7 +233,7 @@ contains
 
   subroutine test_shift()
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     real(DP) :: b(125), x(125), y(125), shift(125)
     integer :: status
@@ -253,7 +253,7 @@ contains
   !> Two factors live side by side; a copy is empty and harms neither.
   subroutine test_two_factors()
     type(sparse_type) :: small, large
-    type(factor_type) :: first, second, third
+    type(cholesky_type) :: first, second, third
     type(error_type), allocatable :: error
     real(DP) :: b(64), x(64), y(64)
     integer :: status
@@ -278,7 +278,7 @@ contains
   !> Not positive definite: the unknown is named, and the factor serves again for a better matrix.
   subroutine test_breakdown()
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     real(DP) :: b(1000), x(1000), good
     integer :: status
@@ -290,19 +290,19 @@ contains
     call factorise(factor, matrix, status, error=error)
     call suite%that('indefinite: told', status == FACTOR_NOT_POSITIVE .and. .not. allocated(error))
     call suite%that('indefinite: not ready', .not. factor%is_ready)
-    call suite%that('indefinite: where', factor%weakest == 333)
+    call suite%that('indefinite: where', factor%min_pivot_unknown == 333)
     matrix%value(matrix%first(333)) = good
     call factorise(factor, matrix, status, error=error)
     call solve(factor, b, x)
     call suite%that('indefinite: and then definite', status == FACTOR_OK)
-    call suite%near('indefinite: and then solved, ratio', ratio(full_of(matrix), x, b), 0.0_DP, 10.0_DP)
+    call suite%near('indefinite: and then solved, ratio', ratio(full_from_upper(matrix), x, b), 0.0_DP, 10.0_DP)
   end subroutine test_breakdown
 
 
   !> A floating grid: the last pivot is nothing but rounding, of either sign; a hinge as small as it is harmless.
   subroutine test_singular()
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     integer :: status, k
     logical :: is_told
@@ -314,22 +314,22 @@ contains
       is_told = is_told .and. (status == FACTOR_NEARLY_SINGULAR .or. status == FACTOR_NOT_POSITIVE)
     end do
     call suite%that('singular: told ten times', is_told)
-    call from_triplets(2, 2, [1, 2], [1, 2], [1.0e12_DP, 1.0e-12_DP], matrix, error)
+    call sparse_from_triplets(2, 2, [1, 2], [1, 2], [1.0e12_DP, 1.0e-12_DP], matrix, error)
     call analyse(factor, matrix, error=error)
     call factorise(factor, matrix, status, error=error)
     call suite%that('small beside large is not singular', status == FACTOR_OK)
-    call from_triplets(2, 2, [1, 1, 2], [1, 2, 2], [1.0_DP, 1.0_DP, 1.0_DP + epsilon(1.0_DP)], matrix, error)
+    call sparse_from_triplets(2, 2, [1, 1, 2], [1, 2, 2], [1.0_DP, 1.0_DP, 1.0_DP + epsilon(1.0_DP)], matrix, error)
     call analyse(factor, matrix, [1, 2], error)
     call factorise(factor, matrix, status, error=error)
     call suite%that('a pivot of one rounding: nearly singular', status == FACTOR_NEARLY_SINGULAR)
-    call suite%that('a pivot of one rounding: where', factor%weakest == 2)
+    call suite%that('a pivot of one rounding: where', factor%min_pivot_unknown == 2)
     call suite%that('nearly singular: ready all the same', factor%is_ready)
   end subroutine test_singular
 
 
   subroutine test_not_finite()
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(lu_type) :: lu
     type(error_type), allocatable :: error
     integer :: status
@@ -349,12 +349,12 @@ contains
   !> Everything may be fixed: no unknown is left.
   subroutine test_empty()
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(lu_type) :: lu
     type(error_type), allocatable :: error
     real(DP) :: nothing(0), x(0)
     integer :: status
-    call from_triplets(0, 0, [integer ::], [integer ::], [real(DP) ::], matrix, error)
+    call sparse_from_triplets(0, 0, [integer ::], [integer ::], [real(DP) ::], matrix, error)
     call analyse(factor, matrix, error=error)
     call factorise(factor, matrix, status, error=error)
     call solve(factor, nothing, x)
@@ -368,7 +368,7 @@ contains
   subroutine test_errors()
     integer, parameter :: N = 70000
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     integer :: status, k
     call laplacian(2, .true., matrix)
@@ -379,7 +379,7 @@ contains
     call analyse(factor, matrix, [(1, k=1, 27)], error)
     call expect_error('an order that is no permutation', EXIT_INTERNAL, error)
     ! An arrow whose head is eliminated first fills the whole triangle: 2.45 thousand million entries.
-    call from_triplets(N, N, [(1, k=2, N), (k, k=1, N)], [(k, k=2, N), (k, k=1, N)], [(1.0_DP, k=2, 2 * N)], matrix, &
+    call sparse_from_triplets(N, N, [(1, k=2, N), (k, k=1, N)], [(k, k=2, N), (k, k=1, N)], [(1.0_DP, k=2, 2 * N)], matrix, &
                        error)
     call analyse(factor, matrix, [(k, k=1, N)], error)
     call expect_error('a factor too large to be counted', EXIT_SOLVER, error)
@@ -406,7 +406,7 @@ contains
     real(DP) :: b(n**3), x(n**3), dice(7 * n**3)
     integer :: status, round
     call laplacian(n, .true., matrix)
-    full = full_of(matrix)
+    full = full_from_upper(matrix)
     do round = 1, 2                            ! the second time with the analysis of the first
       call random_number(b)
       call random_number(dice)
@@ -432,7 +432,7 @@ contains
     do i = 1, a%n_rows
       row(a%first(i):a%first(i + 1) - 1) = i
     end do
-    call from_triplets(a%n_rows, a%n_rows, [a%column, 1], [row, a%n_rows], [a%value, 0.1_DP], b, error)
+    call sparse_from_triplets(a%n_rows, a%n_rows, [a%column, 1], [row, a%n_rows], [a%value, 0.1_DP], b, error)
   end function transposed
 
 
@@ -442,20 +442,20 @@ contains
     type(error_type), allocatable :: error
     real(DP) :: x(2)
     integer :: status
-    call from_triplets(2, 2, [1, 1, 2, 2], [1, 2, 1, 2], [1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], matrix, error)
+    call sparse_from_triplets(2, 2, [1, 1, 2, 2], [1, 2, 1, 2], [1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
     call suite%that('lu: singular told', status == FACTOR_NEARLY_SINGULAR .and. .not. lu%is_ready)
-    call from_triplets(2, 2, [1, 2], [1, 1], [1.0_DP, 2.0_DP], matrix, error)
+    call sparse_from_triplets(2, 2, [1, 2], [1, 1], [1.0_DP, 2.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
     call suite%that('lu: an empty column told', status == FACTOR_NEARLY_SINGULAR .and. .not. allocated(error))
-    call from_triplets(2, 2, [1, 2], [2, 1], [4.0_DP, 2.0_DP], matrix, error)
+    call sparse_from_triplets(2, 2, [1, 2], [2, 1], [4.0_DP, 2.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
     call lu_solve(lu, [4.0_DP, 6.0_DP], x)
     call suite%near('lu: pivots where the diagonal is 0, first', x(1), 3.0_DP, 0.0_DP)
     call suite%near('lu: pivots where the diagonal is 0, second', x(2), 1.0_DP, 0.0_DP)
     copy = lu
     call suite%that('lu: a copy is empty', .not. copy%is_ready)
-    call from_triplets(2, 3, [1, 2], [2, 1], [4.0_DP, 2.0_DP], matrix, error)
+    call sparse_from_triplets(2, 3, [1, 2], [2, 1], [4.0_DP, 2.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
     call expect_error('LU of a matrix that is not square', EXIT_INTERNAL, error)
   end subroutine test_lu_exits

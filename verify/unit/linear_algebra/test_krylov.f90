@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module krylov_samples
   use amontons_kinds, only: DP
-  use amontons_factorization, only: factor_type, solve
+  use amontons_factorization, only: cholesky_type, solve
   use amontons_krylov, only: operator_type
   implicit none
   private
@@ -18,7 +18,7 @@ module krylov_samples
 
   !> The inverse of a factorised matrix.
   type, extends(operator_type) :: factor_operator_type
-    type(factor_type), pointer :: factor => null()
+    type(cholesky_type), pointer :: factor => null()
   contains
     procedure :: apply => apply_factor
   end type factor_operator_type
@@ -64,10 +64,10 @@ program test_krylov
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets
-  use amontons_factorization, only: factor_type, analyse, factorise
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
+  use amontons_factorization, only: cholesky_type, analyse, factorise
   use amontons_krylov, only: matrix_operator_type, krylov_options_type, krylov_report_type, &
-    gmres, conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_TOO_MANY, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, &
+    gmres, conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_MAX_ITERATIONS, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, &
     KRYLOV_NOT_FINITE
   use krylov_samples, only: dense_operator_type, factor_operator_type, identity_type
   use check, only: suite_type
@@ -172,7 +172,7 @@ contains
     integer, intent(in) :: n
     type(sparse_type), intent(out) :: matrix
     integer :: i
-    call from_triplets(n, n, [(i, i=1, n), (i, i=1, n - 1)], [(i, i=1, n), (i + 1, i=1, n - 1)], &
+    call sparse_from_triplets(n, n, [(i, i=1, n), (i, i=1, n - 1)], [(i, i=1, n), (i + 1, i=1, n - 1)], &
                        [(2.0_DP, i=1, n - 1), 1.0_DP, (-1.0_DP, i=1, n - 1)], matrix, error)
   end subroutine make_chain
 
@@ -181,7 +181,7 @@ contains
   subroutine test_factor()
     integer, parameter :: N = 500
     type(sparse_type), target :: matrix
-    type(factor_type), target :: factor
+    type(cholesky_type), target :: factor
     type(matrix_operator_type) :: a
     type(factor_operator_type) :: preconditioner
     type(krylov_report_type) :: report
@@ -262,7 +262,7 @@ contains
     call gmres(a, identity, 0 * b, x, options, report, error)
     call suite%that('b = 0: x = 0 without work', all(abs(x) <= 0) .and. a%n_applied == 0)
     call suite%that('b = 0: converged', report%status == KRYLOV_CONVERGED)
-    options%floor = 2 * norm2(b)
+    options%absolute_tolerance = 2 * norm2(b)
     x = 1
     call conjugate_gradients(a, identity, b, x, options, report)
     call suite%that('b below the floor: x = 0', all(abs(x) <= 0) .and. report%status == KRYLOV_CONVERGED)
@@ -308,12 +308,12 @@ contains
     call random_number(b)
     x = 0
     call gmres(a, identity, b, x, krylov_options_type(max_iterations=5), report, error)
-    call suite%that('gmres: too many', report%status == KRYLOV_TOO_MANY .and. report%n_iterations == 5)
+    call suite%that('gmres: too many', report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations == 5)
     call suite%that('gmres: better than nothing', report%residual < 1)
     call suite%near('gmres: too many, true residual', report%residual, residual(a%a, x, b), 1.0e-12_DP)
     x = 0
     call gmres(a, identity, b, x, krylov_options_type(max_iterations=0), report, error)
-    call suite%that('gmres: none allowed', report%status == KRYLOV_TOO_MANY .and. report%n_iterations == 0)
+    call suite%that('gmres: none allowed', report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations == 0)
     a%a = -random_definite(30)
     x = 0
     call conjugate_gradients(a, identity, b, x, krylov_options_type(), report)
@@ -321,7 +321,7 @@ contains
     a%a = -a%a
     x = 0
     call conjugate_gradients(a, identity, b, x, krylov_options_type(max_iterations=5), report)
-    call suite%that('gradients: too many', report%status == KRYLOV_TOO_MANY .and. report%n_iterations == 5)
+    call suite%that('gradients: too many', report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations == 5)
     a%a(3, 3) = ieee_value(1.0_DP, ieee_quiet_nan)
     x = 0
     call gmres(a, identity, b, x, krylov_options_type(), report, error)

@@ -3,9 +3,9 @@
 program test_partition
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, from_triplets
-  use amontons_partition, only: partition_mesh, order_nodes, order_unknowns, separator_of
-  use amontons_factorization, only: factor_type, analyse
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
+  use amontons_partition, only: partition_mesh, order_nodes, order_unknowns, separator_size
+  use amontons_factorization, only: cholesky_type, analyse
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -94,7 +94,7 @@ contains
         end do
       end do
     end do
-    call from_triplets(n_unknowns * N_NODES, n_unknowns * N_NODES, row(:k), column(:k), spread(0.0_DP, 1, k), matrix, error)
+    call sparse_from_triplets(n_unknowns * N_NODES, n_unknowns * N_NODES, row(:k), column(:k), spread(0.0_DP, 1, k), matrix, error)
   end subroutine couple
 
 
@@ -105,7 +105,7 @@ contains
     type(error_type), allocatable :: error
     integer :: n_separating, i
     call couple(3, matrix)
-    call separator_of(matrix, [((i + 2) / 3, i=1, 3 * N_NODES)], N_NODES, n_separating, error)
+    call separator_size(matrix, [((i + 2) / 3, i=1, 3 * N_NODES)], N_NODES, n_separating, error)
     call suite%that('separator: no error', .not. allocated(error))
     call suite%that('separator: about a layer of nodes', n_separating >= 3 * (N + 1)**2 * 8 / 10 .and. &
       n_separating <= 3 * (N + 1)**2 * 12 / 10)
@@ -157,7 +157,7 @@ contains
 
   subroutine test_order()
     type(sparse_type) :: graph
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     integer, allocatable :: order(:), again(:)
     real(DP) :: natural
@@ -172,10 +172,10 @@ contains
     natural = factor%n_operations
     call analyse(factor, graph, order, error)
     call suite%that('order: less than half the work of the natural order', factor%n_operations < 0.5_DP * natural)
-    call from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], graph, error)
+    call sparse_from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], graph, error)
     call order_nodes(graph, order, error=error)
     call suite%that('order: no edges', is_permutation(order, 3))
-    call from_triplets(0, 0, [integer ::], [integer ::], [real(DP) ::], graph, error)
+    call sparse_from_triplets(0, 0, [integer ::], [integer ::], [real(DP) ::], graph, error)
     call order_nodes(graph, order, error=error)
     call suite%that('order: nothing', size(order) == 0)
   end subroutine test_order
@@ -184,7 +184,7 @@ contains
   !> Unknowns of a group stay together, also when the numbers of the groups interleave.
   subroutine test_groups()
     type(sparse_type) :: matrix
-    type(factor_type) :: factor
+    type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     integer, allocatable :: order(:), group(:)
     real(DP) :: by_metis

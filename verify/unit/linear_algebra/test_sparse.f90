@@ -3,8 +3,8 @@
 program test_sparse
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, reduction_type, from_triplets, entry_position, &
-    transpose_of, full_of, product_of, sum_of, multiply, multiply_transpose, multiply_symmetric, &
+  use amontons_sparse, only: sparse_type, reduction_type, sparse_from_triplets, entry_position, &
+    sparse_transpose, full_from_upper, sparse_product, sparse_sum, multiply, multiply_transpose, multiply_symmetric, &
     analyse_reduction, reduce_matrix
   use check, only: suite_type
   implicit none
@@ -43,7 +43,7 @@ contains
     do k = 1, 4 * n
       dense(row(k), column(k)) = dense(row(k), column(k)) + value(k)
     end do
-    call from_triplets(n, m, row, column, value, sparse, error)
+    call sparse_from_triplets(n, m, row, column, value, sparse, error)
     call suite%that('triplets are accepted', .not. allocated(error))
   end subroutine random_matrix
 
@@ -71,7 +71,7 @@ contains
         value = [value, dense(i, j)]
       end do
     end do
-    call from_triplets(n, n, row, column, value, sparse, error)
+    call sparse_from_triplets(n, n, row, column, value, sparse, error)
   end subroutine random_symmetric
 
 
@@ -137,7 +137,7 @@ contains
       end do
     end do
     call suite%that('entry_position: every place, present or not', is_found)
-    again = transpose_of(a)
+    again = sparse_transpose(a)
     call suite%that('transpose: sorted', is_sorted(again))
     call suite%near('transpose', maxval(abs(dense_of(again) - transpose(dense))), 0.0_DP, 0.0_DP)
   end subroutine test_triplets
@@ -157,15 +157,15 @@ contains
     call random_symmetric(n, s, dense_s)
     call multiply_symmetric(s, x(:n), y(:n))
     call suite%near('multiply_symmetric, ratio', ratio(dense_s, x(:n), y(:n)), 0.0_DP, 1.0_DP)
-    c = full_of(s)
+    c = full_from_upper(s)
     call suite%that('full_of: sorted', is_sorted(c))
     call suite%near('full_of', maxval(abs(dense_of(c) - dense_s)), 0.0_DP, 0.0_DP)
     call random_matrix(n, n + 3, b, dense_b)
-    s = sum_of(a, -3.0_DP, b)
+    s = sparse_sum(a, -3.0_DP, b)
     call suite%that('sum_of: sorted', is_sorted(s))
     call suite%near('sum_of', maxval(abs(dense_of(s) - dense + 3 * dense_b)), 0.0_DP, 1.0e-14_DP)
     call random_matrix(n + 3, 2 * n, b, dense_b)
-    c = product_of(a, b)
+    c = sparse_product(a, b)
     call suite%that('product_of: sorted', is_sorted(c))
     call suite%near('product_of', maxval(abs(dense_of(c) - matmul(dense, dense_b))), 0.0_DP, 1.0e-15_DP * real(n, DP))
   end subroutine test_products
@@ -192,7 +192,7 @@ contains
         value = [value, merge(1.0_DP, dice(1) - 0.5_DP * real(k, DP), width == 1 .and. dice(7) < 0.8_DP)]
       end do
     end do
-    call from_triplets(n, m, row, column, value, relation, error)
+    call sparse_from_triplets(n, m, row, column, value, relation, error)
     dense = dense_of(relation)
   end subroutine random_relation
 
@@ -221,7 +221,7 @@ contains
       call random_number(k%value)            ! new values in the same patterns
       call random_number(c%value)
       if (round == 2) c%value(::3) = 0       ! places of zero entries stay
-      dense_k = dense_of(full_of(k))
+      dense_k = dense_of(full_from_upper(k))
       dense_c = dense_of(c)
     end do
   end subroutine test_reduction
@@ -249,12 +249,12 @@ contains
     integer :: i, j
     row = [((i, j=i, min(i + WIDTH - 1, N)), i=1, N)]
     column = [((j, j=i, min(i + WIDTH - 1, N)), i=1, N)]
-    call from_triplets(N, N, row, column, spread(0.0_DP, 1, size(row)), pattern, error)
+    call sparse_from_triplets(N, N, row, column, spread(0.0_DP, 1, size(row)), pattern, error)
     call random_number(pattern%value)
     call random_number(x)
     call multiply_symmetric(pattern, x, y)
     call multiply_symmetric(pattern, x, again)
-    call multiply(full_of(pattern), x, other)
+    call multiply(full_from_upper(pattern), x, other)
     call suite%that('multiply_symmetric: bitwise repeatable', all(abs(y - again) <= 0))
     call suite%near('multiply_symmetric: threads share it right', maxval(abs(y - other) / y), 0.0_DP, 1.0e-14_DP)
   end subroutine test_large
@@ -264,14 +264,14 @@ contains
     type(sparse_type) :: a, c, r
     type(reduction_type) :: reduction
     type(error_type), allocatable :: error
-    call from_triplets(2, 2, [1, 3], [1, 1], [1.0_DP, 1.0_DP], a, error)
+    call sparse_from_triplets(2, 2, [1, 3], [1, 1], [1.0_DP, 1.0_DP], a, error)
     call expect_error('a row outside the matrix', error)
-    call from_triplets(2, 2, [1, 2], [1, 0], [1.0_DP, 1.0_DP], a, error)
+    call sparse_from_triplets(2, 2, [1, 2], [1, 0], [1.0_DP, 1.0_DP], a, error)
     call expect_error('a column outside the matrix', error)
-    call from_triplets(2, 2, [1, 2], [1], [1.0_DP, 1.0_DP], a, error)
+    call sparse_from_triplets(2, 2, [1, 2], [1], [1.0_DP, 1.0_DP], a, error)
     call expect_error('triplets of unequal length', error)
-    call from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], a, error)
-    call from_triplets(2, 2, [1, 2], [1, 2], [1.0_DP, 1.0_DP], c, error)
+    call sparse_from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], a, error)
+    call sparse_from_triplets(2, 2, [1, 2], [1, 2], [1.0_DP, 1.0_DP], c, error)
     call analyse_reduction(a, c, reduction, r, error)
     call expect_error('matrix and relation of different sizes', error)
     call analyse_reduction(c, c, reduction, r, error)

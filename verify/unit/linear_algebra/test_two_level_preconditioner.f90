@@ -3,16 +3,17 @@
 module iterative_samples
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
-  use amontons_two_level_preconditioner, only: iterative_type, prepare_parts, prepare_iterative, apply_iterative
+  use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, factorise_two_level, &
+    apply_preconditioner
   implicit none
   private
   public :: two_level_type, chain, bar, iterations_of
 
   !> The preconditioner with its matrix as an operator.
   type, extends(operator_type) :: two_level_type
-    type(iterative_type) :: self
+    type(two_level_preconditioner_type) :: self
     type(sparse_type), pointer :: matrix => null()
   contains
     procedure :: apply => apply_two_level
@@ -24,7 +25,7 @@ contains
     class(two_level_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)
     real(DP), intent(out) :: y(:)
-    call apply_iterative(self%self, self%matrix, x, y)
+    call apply_preconditioner(self%self, self%matrix, x, y)
   end subroutine apply_two_level
 
 
@@ -40,7 +41,7 @@ contains
     value = 2.0_DP
     value(n) = 1.0_DP
     value(n + 1:) = -1.0_DP
-    call from_triplets(n, n, row, column, value, matrix, error)
+    call sparse_from_triplets(n, n, row, column, value, matrix, error)
   end subroutine chain
 
 
@@ -83,7 +84,7 @@ contains
         end do
       end do
     end do
-    call from_triplets(3 * m * m * length, 3 * m * m * length, row(:n), column(:n), value(:n), matrix, error)
+    call sparse_from_triplets(3 * m * m * length, 3 * m * m * length, row(:n), column(:n), value(:n), matrix, error)
     axis = [(1 + mod(i - 1, 3), i=1, 3 * m * m * length)]
     allocate (place(3, size(axis)))
     do i = 1, size(axis)
@@ -118,8 +119,8 @@ contains
     call bar(4, length, matrix, axis, place, part)
     operator%matrix => matrix
     preconditioner%matrix => matrix
-    if (has_parts) call prepare_parts(preconditioner%self, part, axis, place, maxval(part))
-    call prepare_iterative(preconditioner%self, matrix, is_broken)
+    if (has_parts) call build_coarse_space(preconditioner%self, part, axis, place, maxval(part))
+    call factorise_two_level(preconditioner%self, matrix, is_broken)
     allocate (b(matrix%n_rows), x(matrix%n_rows), source=0.0_DP)
     b(matrix%n_rows) = 1
     b(matrix%n_rows - 2) = 1
@@ -133,7 +134,7 @@ end module iterative_samples
 program test_two_level_preconditioner
   use amontons_kinds, only: DP
   use amontons_sparse, only: sparse_type
-  use amontons_two_level_preconditioner, only: prepare_parts, prepare_iterative
+  use amontons_two_level_preconditioner, only: build_coarse_space, factorise_two_level
   use iterative_samples, only: two_level_type, chain, bar, iterations_of
   use check, only: suite_type
   implicit none
@@ -156,7 +157,7 @@ contains
     logical :: is_broken
     call chain(50, a)
     m%matrix => a
-    call prepare_iterative(m%self, a, is_broken)
+    call factorise_two_level(m%self, a, is_broken)
     b = 0
     b(50) = 1                                       ! a force on the end: every spring stretches by 1
     call m%apply(b, x)
@@ -175,8 +176,8 @@ contains
     logical :: is_broken
     call bar(3, 20, a, axis, place, part)
     m%matrix => a
-    call prepare_parts(m%self, part, axis, place, maxval(part))
-    call prepare_iterative(m%self, a, is_broken)
+    call build_coarse_space(m%self, part, axis, place, maxval(part))
+    call factorise_two_level(m%self, a, is_broken)
     x = [(sin(real(i, DP)), i=1, a%n_rows)]
     y = [(cos(3.0_DP * real(i, DP)), i=1, a%n_rows)]
     allocate (mx, my, mold=x)
@@ -198,8 +199,8 @@ contains
     logical :: is_broken
     call bar(3, 20, a, axis, place, part)
     part(size(part)) = maxval(part) + 1             ! a part of one unknown: it has one motion only
-    call prepare_parts(m%self, part, axis, place, maxval(part))
-    call prepare_iterative(m%self, a, is_broken)
+    call build_coarse_space(m%self, part, axis, place, maxval(part))
+    call factorise_two_level(m%self, a, is_broken)
     gram = 0
     do i = 1, size(part)
       if (part(i) /= 1) cycle
@@ -233,11 +234,11 @@ contains
     logical :: is_broken
     call chain(50, a)
     a%value(a%first(:50)) = -1
-    call prepare_iterative(m%self, a, is_broken)
+    call factorise_two_level(m%self, a, is_broken)
     call suite%that('negative diagonal: broken', is_broken)
     call chain(50, a)
     a%value(a%first(25)) = 0.9_DP
-    call prepare_iterative(m%self, a, is_broken)
+    call factorise_two_level(m%self, a, is_broken)
     call suite%that('indefinite by little: a shift', .not. is_broken .and. m%self%shift > 0)
   end subroutine test_broken
 

@@ -4,9 +4,10 @@
 program test_woodbury_interface
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, from_triplets
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_dense, only: solve_small, DENSE_OK
-  use amontons_woodbury_interface, only: sprung_type, springs_type, invert_stiffness, couple_springs, solve_springs
+  use amontons_woodbury_interface, only: woodbury_type, contact_springs_type, invert_interface_stiffness, &
+    factorise_spring_coupling, solve_woodbury
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -43,11 +44,11 @@ contains
   subroutine make_springs(n, m, stiffness, springs)
     integer, intent(in) :: n, m                    !< unknowns, springs (three columns each)
     real(DP), intent(in) :: stiffness
-    type(springs_type), intent(out) :: springs
-    call random_matrix(n, 3 * m, 1.0_DP, springs%spread)
-    call random_matrix(3 * m, n, -stiffness, springs%follow)
-    call random_matrix(n, 2 * m, 0.05_DP * stiffness, springs%moved)
-    call random_matrix(2 * m, n, 0.3_DP, springs%moving)
+    type(contact_springs_type), intent(out) :: springs
+    call random_matrix(n, 3 * m, 1.0_DP, springs%force_distribution)
+    call random_matrix(3 * m, n, -stiffness, springs%spring_tangent)
+    call random_matrix(n, 2 * m, 0.05_DP * stiffness, springs%distribution_change)
+    call random_matrix(2 * m, n, 0.3_DP, springs%projection_gradient)
   end subroutine make_springs
 
 
@@ -62,7 +63,7 @@ contains
     call random_number(value)
     row = [(1 + mod(7 * i + i / 11, n_rows), i=1, ubound(row, 1))]
     column = [(1 + mod(i, n_columns), i=1, ubound(row, 1))]
-    call from_triplets(n_rows, n_columns, row, column, size * value, matrix, error)
+    call sparse_from_triplets(n_rows, n_columns, row, column, size * value, matrix, error)
   end subroutine random_matrix
 
 
@@ -86,8 +87,8 @@ contains
     integer, intent(in) :: n, m
     real(DP), intent(in) :: stiffness              !< of the springs over that of the body [-]
     real(DP), intent(in), optional :: size         !< of the body's [force/length]; 1 without it
-    type(sprung_type) :: sprung
-    type(springs_type) :: springs
+    type(woodbury_type) :: sprung
+    type(contact_springs_type) :: springs
     type(error_type), allocatable :: error
     real(DP) :: triangle(n, n), shift(n), J(n, n), r(n), x(n), exact(n), unit
     real(DP), parameter :: ALLOWED(3) = [1.0e-2_DP, 1.0e-6_DP, 1.0e-11_DP]
@@ -97,8 +98,8 @@ contains
     if (present(size)) unit = size
     call make_body(n, unit, triangle, shift)
     call make_springs(n, m, stiffness * unit, springs)
-    J = matmul(triangle, transpose(triangle)) - matmul(dense_of(springs%spread), dense_of(springs%follow)) &
-      - matmul(dense_of(springs%moved), dense_of(springs%moving))
+    J = matmul(triangle, transpose(triangle)) - matmul(dense_of(springs%force_distribution), dense_of(springs%spring_tangent)) &
+      - matmul(dense_of(springs%distribution_change), dense_of(springs%projection_gradient))
     do i = 1, n
       J(i, i) = J(i, i) - shift(i)
     end do
@@ -106,13 +107,13 @@ contains
     r = r / norm2(r)
     call solve_small(J, r, exact, status)
     call suite%that(name // ': the matrix is regular', status == DENSE_OK)
-    call invert_stiffness(sprung, triangle, shift, error)
-    call suite%that(name // ': inverted', sprung%is_inverse .and. .not. allocated(error))
-    call couple_springs(sprung, springs, is_fit, error)
+    call invert_interface_stiffness(sprung, triangle, shift, error)
+    call suite%that(name // ': inverted', sprung%has_inverse .and. .not. allocated(error))
+    call factorise_spring_coupling(sprung, springs, is_fit, error)
     call suite%that(name // ': coupled', is_fit .and. .not. allocated(error))
     do i = 1, 3
       x = r
-      call solve_springs(sprung, triangle, shift, ALLOWED(i), x, error)
+      call solve_woodbury(sprung, triangle, shift, ALLOWED(i), x, error)
       call suite%near(name // ': the residual', norm2(matmul(J, x) - r), 0.0_DP, 1.01_DP * ALLOWED(i))
     end do
     call suite%near(name // ': the solution', norm2(x - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
@@ -122,23 +123,23 @@ contains
   !> A body that nothing holds has no inverse; springs ten thousand times as stiff as it want more digits than there are.
   subroutine test_limits()
     integer, parameter :: N = 30
-    type(sprung_type) :: sprung
-    type(springs_type) :: springs
+    type(woodbury_type) :: sprung
+    type(contact_springs_type) :: springs
     type(error_type), allocatable :: error
     real(DP) :: triangle(N, N), shift(N)
     logical :: is_fit
     call make_body(N, 1.0_DP, triangle, shift)
     triangle(N, :) = triangle(N - 1, :)
     shift = 0.0_DP
-    call invert_stiffness(sprung, triangle, shift, error)
-    call suite%that('a mechanism has no inverse', .not. (sprung%is_inverse .or. allocated(error)))
+    call invert_interface_stiffness(sprung, triangle, shift, error)
+    call suite%that('a mechanism has no inverse', .not. (sprung%has_inverse .or. allocated(error)))
     call make_body(N, 1.0_DP, triangle, shift)
-    call invert_stiffness(sprung, triangle, shift, error)
+    call invert_interface_stiffness(sprung, triangle, shift, error)
     call make_springs(N, 8, 1.0e5_DP, springs)
-    call couple_springs(sprung, springs, is_fit, error)
+    call factorise_spring_coupling(sprung, springs, is_fit, error)
     call suite%that('springs that are too stiff', .not. (is_fit .or. allocated(error)))
     call make_springs(N, 8, 1.0_DP, springs)
-    call couple_springs(sprung, springs, is_fit, error)
+    call factorise_spring_coupling(sprung, springs, is_fit, error)
     call suite%that('soft ones after them', is_fit)
   end subroutine test_limits
 
@@ -147,8 +148,8 @@ contains
   subroutine test_threads()
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     integer, parameter :: N = 900, M = 170
-    type(sprung_type), allocatable :: sprung
-    type(springs_type) :: springs
+    type(woodbury_type), allocatable :: sprung
+    type(contact_springs_type) :: springs
     type(error_type), allocatable :: error
     real(DP), allocatable :: triangle(:, :), shift(:), r(:), x(:), first(:)
     integer :: n_threads, before
@@ -161,10 +162,10 @@ contains
     do n_threads = 1, 3
       call omp_set_num_threads(n_threads)
       allocate (sprung)
-      call invert_stiffness(sprung, triangle, shift, error)
-      call couple_springs(sprung, springs, is_fit, error)
+      call invert_interface_stiffness(sprung, triangle, shift, error)
+      call factorise_spring_coupling(sprung, springs, is_fit, error)
       x = r
-      call solve_springs(sprung, triangle, shift, 1.0e-6_DP, x, error)
+      call solve_woodbury(sprung, triangle, shift, 1.0e-6_DP, x, error)
       if (n_threads == 1) first = x
       call suite%that('threads: the same bits', is_fit .and. all(abs(x - first) <= 0.0_DP))
       deallocate (sprung)

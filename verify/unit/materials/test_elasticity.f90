@@ -4,9 +4,9 @@ program test_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_elasticity, only: stress_small, stress_finite, kirchhoff_stress, lame_constants, &
+  use amontons_elasticity, only: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, &
     STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
-  use amontons_logarithmic_strain, only: logarithm_1p
+  use amontons_logarithmic_strain, only: log1p
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, pack_voigt, unpack_voigt, double_dot
   use check, only: suite_type
   implicit none
@@ -38,12 +38,12 @@ contains
   subroutine check_small()
     real(DP) :: stress(6), tangent(6, 6), energy, strain(6), gamma(6)
     strain = [0.01_DP, -0.003_DP, -0.003_DP, 0.0_DP, 0.0_DP, 0.0_DP]
-    call stress_small(material, strain, stress, tangent, energy)
+    call small_strain_stress(material, strain, stress, tangent, energy)
     call suite%near('tension: E times strain', stress(1), 0.07_DP, 1e-16_DP)
     call suite%near('tension: no lateral stress', maxval(abs(stress(2:))), 0.0_DP, 1e-16_DP)
     call suite%near('tension: energy', energy, 0.5_DP * 0.07_DP * 0.01_DP, 1e-17_DP)
     call random_number(strain)
-    call stress_small(material, strain, stress, tangent, energy)
+    call small_strain_stress(material, strain, stress, tangent, energy)
     gamma = strain
     gamma(4:) = 2 * gamma(4:)
     call suite%near('tangent times engineering strain', maxval(abs(matmul(tangent, gamma) - stress)), 0.0_DP, 1e-14_DP)
@@ -52,10 +52,10 @@ contains
 
 
   subroutine check_logarithm()
-    call suite%near('ln(1 + x), tiny', logarithm_1p(1e-12_DP) / (1e-12_DP - 0.5e-24_DP), 1.0_DP, 1e-15_DP)
-    call suite%near('ln(1 + x), below rounding', logarithm_1p(-1e-20_DP), -1e-20_DP, 0.0_DP)
-    call suite%near('ln(1 + x), large', logarithm_1p(exp(2.0_DP) - 1), 2.0_DP, 1e-15_DP)
-    call suite%near('ln(1 + 0)', logarithm_1p(0.0_DP), 0.0_DP, 0.0_DP)
+    call suite%near('ln(1 + x), tiny', log1p(1e-12_DP) / (1e-12_DP - 0.5e-24_DP), 1.0_DP, 1e-15_DP)
+    call suite%near('ln(1 + x), below rounding', log1p(-1e-20_DP), -1e-20_DP, 0.0_DP)
+    call suite%near('ln(1 + x), large', log1p(exp(2.0_DP) - 1), 2.0_DP, 1e-15_DP)
+    call suite%near('ln(1 + 0)', log1p(0.0_DP), 0.0_DP, 0.0_DP)
   end subroutine check_logarithm
 
 
@@ -69,7 +69,7 @@ contains
     H(1, 1) = exp(e(1)) - 1
     H(2, 2) = exp(e(2)) - 1
     H(3, 3) = exp(e(3)) - 1
-    call stress_finite(material, H, tau, tangent, strain, energy, status)
+    call finite_strain_stress(material, H, tau, tangent, strain, energy, status)
     call suite%near('stretch: strain', maxval(abs(strain - e)), 0.0_DP, 1e-15_DP)
     call suite%near('stretch: stress', maxval(abs(tau - lambda * 0.3_DP * VOIGT_IDENTITY - 2 * G * e)), 0.0_DP, &
       1e-14_DP)
@@ -78,18 +78,18 @@ contains
     call suite%near('stretch: c_1212', tangent(4, 4), &
       (tau(1) * exp(2 * e(2)) - tau(2) * exp(2 * e(1))) / (exp(2 * e(1)) - exp(2 * e(2))), 1e-13_DP)
     H = 0.5_DP * IDENTITY
-    call stress_finite(material, H, tau, tangent, strain, energy, status)
+    call finite_strain_stress(material, H, tau, tangent, strain, energy, status)
     call suite%near('dilatation: stress', maxval(abs(tau - (3 * lambda + 2 * G) * log(1.5_DP) * VOIGT_IDENTITY)), &
       0.0_DP, 1e-14_DP)
     H = 0
     H(1, 1) = 1e-9_DP
-    call stress_finite(material, H, tau, tangent, strain, energy, status)
+    call finite_strain_stress(material, H, tau, tangent, strain, energy, status)
     call suite%near('tiny tension: relative', strain(1) / (1e-9_DP - 0.5e-18_DP), 1.0_DP, 4e-16_DP)
     call suite%near('tiny tension: stress', tau(2) / (lambda * strain(1)), 1.0_DP, 1e-15_DP)
     call suite%near('tiny tension: energy', energy / ((0.5_DP * lambda + G) * strain(1)**2), 1.0_DP, 2e-15_DP)
     H = 0
     H(1, 2) = 1e-9_DP
-    call stress_finite(material, H, tau, tangent, strain, energy, status)
+    call finite_strain_stress(material, H, tau, tangent, strain, energy, status)
     call suite%near('tiny simple shear: relative', tau(4) / (G * 1e-9_DP), 1.0_DP, 1e-15_DP)
   end subroutine check_hencky_closed_forms
 
@@ -108,7 +108,7 @@ contains
     E(2, 2) = g_shear**2 / 2
     F = IDENTITY + H
     S = lambda * E(2, 2) * IDENTITY + 2 * G * E
-    call stress_finite(material, H, tau, tangent, strain, energy, status)
+    call finite_strain_stress(material, H, tau, tangent, strain, energy, status)
     call suite%near('simple shear: F S F^T', maxval(abs(unpack_voigt(tau) - matmul(F, matmul(S, transpose(F))))), &
       0.0_DP, 1e-14_DP)
     call suite%near('simple shear: energy', energy, 0.5_DP * sum(S * E), 1e-14_DP)
@@ -154,7 +154,7 @@ contains
     real(DP), parameter :: STEP = 1e-5_DP
     real(DP) :: l(3, 3), tau(6), c(6, 6), strain(6), energy, tp(6), tm(6), wp, wm, d(6), expected(6), t(3, 3), size_of
     integer :: i, j, status
-    call stress_finite(material, H, tau, c, strain, energy, status)
+    call finite_strain_stress(material, H, tau, c, strain, energy, status)
     call suite%that(name // ': status', status == STRESS_OK)
     call suite%near(name // ': symmetric tangent', maxval(abs(c - transpose(c))), 0.0_DP, 1e-14_DP * maxval(abs(c)))
     t = unpack_voigt(tau)
@@ -203,11 +203,11 @@ contains
     integer :: status
     call random_number(H)
     H = 1e-9_DP * (H - 0.5_DP)
-    call stress_finite(material, H, tau, c, strain, w, status)
-    call stress_small(material, pack_voigt(H), stress, hooke, energy)
+    call finite_strain_stress(material, H, tau, c, strain, w, status)
+    call small_strain_stress(material, pack_voigt(H), stress, hooke, energy)
     call suite%near('tiny: Hooke stress', maxval(abs(tau - stress)) / maxval(abs(stress)), 0.0_DP, 1e-8_DP)
     call suite%near('tiny: Hooke tangent', maxval(abs(c - hooke)), 0.0_DP, 1e-7_DP)
-    call stress_finite(material, 0 * H, tau, c, strain, w, status)
+    call finite_strain_stress(material, 0 * H, tau, c, strain, w, status)
     call suite%near('no strain: stress', maxval(abs(tau)), 0.0_DP, 0.0_DP)
     call suite%near('no strain: energy', w, 0.0_DP, 0.0_DP)
     call suite%near('no strain: tangent', maxval(abs(c - hooke)), 0.0_DP, 1e-14_DP)
@@ -219,17 +219,17 @@ contains
     integer :: status
     H = 0
     H(2, 2) = -1
-    call stress_finite(material, H, tau, c, strain, w, status)
+    call finite_strain_stress(material, H, tau, c, strain, w, status)
     call suite%that('flat: inverted', status == STRESS_INVERTED)
     H(2, 2) = -1.5_DP
     call kirchhoff_stress(material, H, tau, strain, w, status)
     call suite%that('turned inside out: inverted', status == STRESS_INVERTED)
     call suite%that('inverted: zeros', all(abs(tau) <= 0))
     H(2, 2) = 1e200_DP
-    call stress_finite(material, H, tau, c, strain, w, status)
+    call finite_strain_stress(material, H, tau, c, strain, w, status)
     call suite%that('beyond all bounds: not finite', status == STRESS_NOT_FINITE)
     H(2, 2) = ieee_value(1.0_DP, ieee_quiet_nan)
-    call stress_finite(material, H, tau, c, strain, w, status)
+    call finite_strain_stress(material, H, tau, c, strain, w, status)
     call suite%that('NaN: not finite', status == STRESS_NOT_FINITE)
   end subroutine check_exits
 

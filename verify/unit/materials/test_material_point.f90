@@ -2,12 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_material_point
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, table_type, curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
+  use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, HISTORY_PEEQ, HISTORY_CEEQ, &
     HISTORY_INELASTIC
-  use amontons_material_point, only: point_type, update_point, elastic_strain_of
-  use amontons_elasticity, only: stress_small, stress_finite, STRESS_OK, STRESS_INVERTED
+  use amontons_material_point, only: material_point_type, update_material_point, elastic_strain_from_stress
+  use amontons_elasticity, only: small_strain_stress, finite_strain_stress, STRESS_OK, STRESS_INVERTED
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, pack_voigt, unpack_voigt, von_mises
   use check, only: suite_type
   implicit none
@@ -55,7 +55,7 @@ contains
     type(material_type) :: material
     material%youngs_modulus = 210000
     material%poissons_ratio = 0.3_DP
-    material%is_plain = .false.
+    material%is_linear_isotropic = .false.
   end function elastic
 
 
@@ -63,8 +63,8 @@ contains
   function metal() result(material)
     type(material_type) :: material
     material = elastic()
-    allocate (material%isotropic(1))
-    material%isotropic(1) = curve_type(0.0_DP, [0.0_DP, 0.05_DP, 0.3_DP], [240.0_DP, 400.0_DP, 600.0_DP])
+    allocate (material%isotropic_hardening(1))
+    material%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 0.05_DP, 0.3_DP], [240.0_DP, 400.0_DP, 600.0_DP])
   end function metal
 
 
@@ -73,11 +73,11 @@ contains
     logical, intent(in) :: is_combined
     type(material_type) :: material
     material = elastic()
-    allocate (material%kinematic(1))
-    material%kinematic(1) = curve_type(0.0_DP, [0.0_DP, 0.1_DP], [240.0_DP, 1240.0_DP])
+    allocate (material%kinematic_hardening(1))
+    material%kinematic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 0.1_DP], [240.0_DP, 1240.0_DP])
     if (.not. is_combined) return
-    allocate (material%isotropic(1))
-    material%isotropic(1) = curve_type(0.0_DP, [0.0_DP, 0.2_DP], [240.0_DP, 340.0_DP])
+    allocate (material%isotropic_hardening(1))
+    material%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 0.2_DP], [240.0_DP, 340.0_DP])
   end function kinematic_metal
 
 
@@ -88,7 +88,7 @@ contains
     type(material_type) :: material
     material = elastic()
     material%creep_law = law
-    material%creep = table_type([0.0_DP], reshape([1.0e-14_DP, 4.5_DP, m], [3, 1]))
+    material%creep = property_table_type([0.0_DP], reshape([1.0e-14_DP, 4.5_DP, m], [3, 1]))
   end function creeping
 
 
@@ -97,7 +97,7 @@ contains
     type(material_type) :: material
     material = metal()
     material%creep_law = CREEP_TIME_HARDENING
-    material%creep = table_type([0.0_DP], reshape([1.0e-13_DP, 4.0_DP, 0.0_DP], [3, 1]))
+    material%creep = property_table_type([0.0_DP], reshape([1.0e-13_DP, 4.0_DP, 0.0_DP], [3, 1]))
   end function creeping_metal
 
 
@@ -106,7 +106,8 @@ contains
     type(material_type) :: material
     material = elastic()
     material%has_deformation_plasticity = .true.
-    material%deformation = table_type([0.0_DP], reshape([210000.0_DP, 0.3_DP, 300.0_DP, 8.0_DP, 0.4_DP], [5, 1]))
+    material%deformation_plasticity = property_table_type([0.0_DP], reshape([210000.0_DP, 0.3_DP, 300.0_DP, 8.0_DP, 0.4_DP], [5, &
+      1]))
   end function ramberg_osgood
 
 
@@ -133,7 +134,7 @@ contains
   !> The flow of anisotropic elasticity is the radial return where the matrix is isotropic.
   subroutine check_same_flow()
     type(material_type) :: metals(2)
-    type(point_type) :: point(2)
+    type(material_point_type) :: point(2)
     integer :: i, k, status
     metals(1) = metal()
     metals(2) = isotropic_as_crystal()
@@ -142,7 +143,7 @@ contains
       point(1)%strain = pack_voigt(any_gradient(0.02_DP))
       point(2)%strain = point(1)%strain
       do k = 1, 2
-        call update_point(metals(k), .false., point(k), status)
+        call update_material_point(metals(k), .false., point(k), status)
         call suite%that('same flow: status', status == STRESS_OK)
       end do
       call suite%near('same flow: stress', maxval(abs(point(2)%stress - point(1)%stress)), 0.0_DP, &
@@ -150,8 +151,8 @@ contains
       call suite%near('same flow: tangent', maxval(abs(point(2)%tangent - point(1)%tangent)), 0.0_DP, &
         1e-8_DP * maxval(abs(point(1)%tangent)))
       call suite%near('same flow: history', maxval(abs(point(2)%history - point(1)%history)), 0.0_DP, 1e-12_DP)
-      point(1)%past = point(1)%history
-      point(2)%past = point(2)%history
+      point(1)%history_old = point(1)%history
+      point(2)%history_old = point(2)%history
     end do
   end subroutine check_same_flow
 
@@ -160,7 +161,7 @@ contains
   function rubber(i) result(material)
     integer, intent(in) :: i
     type(material_type) :: material
-    material%is_plain = .false.
+    material%is_linear_isotropic = .false.
     material%elastic_kind = ELASTIC_HYPER
     material%hyper_kind = HYPER_POLYNOMIAL
     material%hyper_order = 1
@@ -202,13 +203,13 @@ contains
   subroutine give(material, constants)
     type(material_type), intent(inout) :: material
     real(DP), intent(in) :: constants(:)
-    material%elastic = table_type([0.0_DP], reshape(constants, [size(constants), 1]))
+    material%elastic = property_table_type([0.0_DP], reshape(constants, [size(constants), 1]))
   end subroutine give
 
 
   !> A point at rest, before its first increment.
   function virgin() result(point)
-    type(point_type) :: point
+    type(material_point_type) :: point
     point%H = 0
     point%strain = 0
     point%frame = IDENTITY
@@ -216,7 +217,7 @@ contains
     point%initial_temperature = 0
     point%time = 1
     point%time_increment = 1
-    point%past = 0
+    point%history_old = 0
   end function virgin
 
 
@@ -244,16 +245,16 @@ contains
   subroutine check_tangent(name, material, start, is_nlgeom, tolerance, has_potential)
     character(*), intent(in) :: name
     type(material_type), intent(in) :: material
-    type(point_type), intent(in) :: start
+    type(material_point_type), intent(in) :: start
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: tolerance              !< over the largest entry [-]
     logical, intent(in), optional :: has_potential   !< .false.: the tangent is the symmetric part
-    type(point_type) :: point, plus, minus
+    type(material_point_type) :: point, plus, minus
     real(DP) :: d(3, 3), c(6, 6), F(3, 3)
     real(DP), parameter :: STEP = 1.0e-6_DP
     integer :: k, status, status_plus, status_minus
     point = start
-    call update_point(material, is_nlgeom, point, status)
+    call update_material_point(material, is_nlgeom, point, status)
     call suite%that(name // ': status', status == STRESS_OK)
     F = IDENTITY + start%H
     do k = 1, 6
@@ -266,8 +267,8 @@ contains
       minus%H = start%H - matmul(d, F)
       plus%strain = start%strain + pack_voigt(d)
       minus%strain = start%strain - pack_voigt(d)
-      call update_point(material, is_nlgeom, plus, status_plus)
-      call update_point(material, is_nlgeom, minus, status_minus)
+      call update_material_point(material, is_nlgeom, plus, status_plus)
+      call update_material_point(material, is_nlgeom, minus, status_minus)
       c(:, k) = (plus%stress - minus%stress) / (2 * STEP)
       if (is_nlgeom) c(:, k) = c(:, k) - pack_voigt(matmul(d, unpack_voigt(point%stress)) &
         + matmul(unpack_voigt(point%stress), d)) / STEP
@@ -283,14 +284,14 @@ contains
   subroutine check_energy(name, material, start, tolerance)
     character(*), intent(in) :: name
     type(material_type), intent(in) :: material
-    type(point_type), intent(in) :: start
+    type(material_point_type), intent(in) :: start
     real(DP), intent(in) :: tolerance
-    type(point_type) :: point, plus, minus
+    type(material_point_type) :: point, plus, minus
     real(DP) :: d(3, 3), t(6)
     real(DP), parameter :: STEP = 1.0e-6_DP
     integer :: k, status
     point = start
-    call update_point(material, .true., point, status)
+    call update_material_point(material, .true., point, status)
     do k = 1, 6
       d = 0
       d(VOIGT_ROW(k), VOIGT_COLUMN(k)) = 0.5_DP * STEP
@@ -299,8 +300,8 @@ contains
       minus = start
       plus%H = start%H + matmul(d, IDENTITY + start%H)
       minus%H = start%H - matmul(d, IDENTITY + start%H)
-      call update_point(material, .true., plus, status)
-      call update_point(material, .true., minus, status)
+      call update_material_point(material, .true., plus, status)
+      call update_material_point(material, .true., minus, status)
       t(k) = (plus%energy - minus%energy) / (2 * STEP)
     end do
     call suite%near(name // ': energy', maxval(abs(t - point%stress)) / maxval(abs(t)), 0.0_DP, tolerance)
@@ -311,16 +312,16 @@ contains
   subroutine check_objectivity(name, material, start)
     character(*), intent(in) :: name
     type(material_type), intent(in) :: material
-    type(point_type), intent(in) :: start
-    type(point_type) :: point, turned
+    type(material_point_type), intent(in) :: start
+    type(material_point_type) :: point, turned
     real(DP) :: R(3, 3), expected(6)
     integer :: status
     point = start
     turned = start
     R = any_rotation()
     turned%H = matmul(R, IDENTITY + start%H) - IDENTITY
-    call update_point(material, .true., point, status)
-    call update_point(material, .true., turned, status)
+    call update_material_point(material, .true., point, status)
+    call update_material_point(material, .true., turned, status)
     expected = pack_voigt(matmul(R, matmul(unpack_voigt(point%stress), transpose(R))))
     call suite%near(name // ': turned stress', maxval(abs(turned%stress - expected)) / maxval(abs(expected)), 0.0_DP, &
       1e-10_DP)
@@ -331,7 +332,7 @@ contains
   !> Without table, temperature and history the general way gives what the plain way gives.
   subroutine check_elastic_is_plain()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     real(DP) :: stress(6), c(6, 6), strain(6), energy
     integer :: law, status
     material = elastic()
@@ -339,8 +340,8 @@ contains
       material%law = law
       point = virgin()
       point%H = any_gradient(0.4_DP)
-      call update_point(material, .true., point, status)
-      call stress_finite(material, point%H, stress, c, strain, energy, status)
+      call update_material_point(material, .true., point, status)
+      call finite_strain_stress(material, point%H, stress, c, strain, energy, status)
       call suite%near('plain: stress', maxval(abs(point%stress - stress)) / maxval(abs(stress)), 0.0_DP, 1e-13_DP)
       call suite%near('plain: tangent', maxval(abs(point%tangent - c)) / maxval(abs(c)), 0.0_DP, 1e-13_DP)
       call suite%near('plain: strain', maxval(abs(point%strain - strain)), 0.0_DP, 1e-14_DP)
@@ -348,13 +349,13 @@ contains
     end do
     point = virgin()
     call random_number(point%strain)
-    call update_point(material, .false., point, status)
-    call stress_small(material, point%strain, stress, c, energy)
+    call update_material_point(material, .false., point, status)
+    call small_strain_stress(material, point%strain, stress, c, energy)
     call suite%near('plain, small: stress', maxval(abs(point%stress - stress)), 0.0_DP, 1e-9_DP)
     call suite%near('plain, small: energy', point%energy / energy, 1.0_DP, 1e-13_DP)
     point = virgin()
     point%H(1, 1) = -1.5_DP
-    call update_point(material, .true., point, status)
+    call update_material_point(material, .true., point, status)
     call suite%that('inverted', status == STRESS_INVERTED)
   end subroutine check_elastic_is_plain
 
@@ -362,32 +363,32 @@ contains
   !> Free thermal expansion costs no stress; held back it does, E a dT/(1 - 2 nu).
   subroutine check_thermal()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: status
     material = elastic()
-    material%expansion = table_type([0.0_DP, 100.0_DP], reshape([1.0e-5_DP, 2.0e-5_DP], [1, 2]))
-    material%expansion_zero = 20
+    material%expansion = property_table_type([0.0_DP, 100.0_DP], reshape([1.0e-5_DP, 2.0e-5_DP], [1, 2]))
+    material%expansion_reference = 20
     point = virgin()
     point%initial_temperature = 50
     point%temperature = 100
     point%strain = (2.0e-5_DP * 80 - 1.5e-5_DP * 30) * VOIGT_IDENTITY
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%near('thermal: free', maxval(abs(point%stress)), 0.0_DP, 1e-9_DP)
     point%strain = 0
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%near('thermal: held', point%stress(2), -210000 / 0.4_DP * 1.15e-3_DP, 1e-9_DP)
     point%H = (exp(1.15e-3_DP) - 1) * IDENTITY
-    call update_point(material, .true., point, status)
+    call update_material_point(material, .true., point, status)
     call suite%near('thermal: free, finite', maxval(abs(point%stress)), 0.0_DP, 1e-9_DP)
     point%H = any_gradient(0.2_DP)
     call check_tangent('thermal', material, point, .true., 1e-8_DP)
-    material%expansion = table_type([0.0_DP], reshape([1.0e-5_DP, 2.0e-5_DP, 3.0e-5_DP], [3, 1]))
-    material%expansion_zero = 0
+    material%expansion = property_table_type([0.0_DP], reshape([1.0e-5_DP, 2.0e-5_DP, 3.0e-5_DP], [3, 1]))
+    material%expansion_reference = 0
     point = virgin()
     point%temperature = 100
     point%frame = reshape([0.0_DP, 1.0_DP, 0.0_DP, -1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [3, 3])
     point%strain = [2.0e-3_DP, 1.0e-3_DP, 3.0e-3_DP, 0.0_DP, 0.0_DP, 0.0_DP]
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%near('thermal: along axes', maxval(abs(point%stress)), 0.0_DP, 1e-9_DP)
   end subroutine check_thermal
 
@@ -395,27 +396,27 @@ contains
   !> Constants between two temperatures.
   subroutine check_tables()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: status
     material = elastic()
-    material%elastic = table_type([0.0_DP, 100.0_DP], reshape([200000.0_DP, 0.0_DP, 100000.0_DP, 0.0_DP], [2, 2]))
+    material%elastic = property_table_type([0.0_DP, 100.0_DP], reshape([200000.0_DP, 0.0_DP, 100000.0_DP, 0.0_DP], [2, 2]))
     point = virgin()
     point%strain(1) = 1.0e-3_DP
     point%temperature = 25
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%near('table: between', point%stress(1), 175.0_DP, 1e-9_DP)
     point%temperature = 200
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%near('table: beyond', point%stress(1), 100.0_DP, 1e-9_DP)
     material = metal()
-    deallocate (material%isotropic)
-    allocate (material%isotropic(2))
-    material%isotropic(1) = curve_type(0.0_DP, [0.0_DP], [200.0_DP])
-    material%isotropic(2) = curve_type(100.0_DP, [0.0_DP], [100.0_DP])
+    deallocate (material%isotropic_hardening)
+    allocate (material%isotropic_hardening(2))
+    material%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP], [200.0_DP])
+    material%isotropic_hardening(2) = hardening_curve_type(100.0_DP, [0.0_DP], [100.0_DP])
     point = virgin()
     point%temperature = 50
     point%strain = 0.1_DP * [real(DP) :: 2, -1, -1, 0, 0, 0]
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%near('table: yield stress', von_mises(point%stress), 150.0_DP, 1e-9_DP)
   end subroutine check_tables
 
@@ -424,7 +425,7 @@ contains
   subroutine check_rubber(material, number)
     type(material_type), intent(in) :: material
     integer, intent(in) :: number
-    type(point_type) :: point, tiny_point
+    type(material_point_type) :: point, tiny_point
     character(9) :: name
     integer :: status
     write (name, '(a,i0)') 'rubber ', number
@@ -439,16 +440,16 @@ contains
     call check_tangent(name // ' nearly swollen', material, point, .true., 1e-7_DP)
     point%H = 0
     point%strain = 0
-    call update_point(material, .true., point, status)
+    call update_material_point(material, .true., point, status)
     tiny_point = virgin()
     tiny_point%H = any_gradient(1.0e-9_DP)
     tiny_point%strain = pack_voigt(tiny_point%H)
-    call update_point(material, .true., tiny_point, status)
+    call update_material_point(material, .true., tiny_point, status)
     tiny_point%strain(4:) = 2 * tiny_point%strain(4:)
     call suite%near(name // ': tiny strain', maxval(abs(matmul(point%tangent, tiny_point%strain) - tiny_point%stress)) &
       / maxval(abs(tiny_point%stress)), 0.0_DP, 1e-7_DP)
     tiny_point%strain = pack_voigt(tiny_point%H)
-    call update_point(material, .false., tiny_point, status)
+    call update_material_point(material, .false., tiny_point, status)
     call suite%near(name // ': small displacements', maxval(abs(tiny_point%tangent - point%tangent)) &
       / maxval(abs(point%tangent)), 0.0_DP, 1e-13_DP)
   end subroutine check_rubber
@@ -458,17 +459,17 @@ contains
   subroutine check_plastic(material, name)
     type(material_type), intent(in) :: material
     character(*), intent(in) :: name
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: i, status
     point = virgin()
     do i = 1, 4
       point%strain = pack_voigt(any_gradient(0.02_DP))
       point%time = real(i, DP)
       call check_tangent(name // ', small', material, point, .false., 1e-6_DP)
-      call update_point(material, .false., point, status)
-      point%past = point%history
+      call update_material_point(material, .false., point, status)
+      point%history_old = point%history
     end do
-    call suite%near(name // ', small: no volume', sum(point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 2)), 0.0_DP, &
+    call suite%near(name // ', small: no volume', sum(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 2)), 0.0_DP, &
       1e-15_DP)
     point = virgin()
     do i = 1, 4
@@ -476,13 +477,13 @@ contains
       point%time = real(i, DP)
       call check_tangent(name // ', finite', material, point, .true., 1e-6_DP)
       call check_objectivity(name, material, point)
-      call update_point(material, .true., point, status)
-      point%past = point%history
+      call update_material_point(material, .true., point, status)
+      point%history_old = point%history
     end do
-    call suite%near(name // ', finite: no volume', sum(point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 2)), 0.0_DP, &
+    call suite%near(name // ', finite: no volume', sum(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 2)), 0.0_DP, &
       1e-13_DP)
     if (.not. material%has_deformation_plasticity) call suite%that(name // ': has yielded', &
-      point%past(HISTORY_PEEQ) + point%past(HISTORY_CEEQ) > 0.01_DP)
+      point%history_old(HISTORY_PEEQ) + point%history_old(HISTORY_CEEQ) > 0.01_DP)
   end subroutine check_plastic
 
 
@@ -491,7 +492,7 @@ contains
     type(material_type), intent(in) :: simo
     character(*), intent(in) :: name
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: i, status
     material = simo
     material%law = LAW_SAINT_VENANT
@@ -500,12 +501,12 @@ contains
       point%H = any_gradient(0.05_DP)
       call check_tangent(name, material, point, .true., 0.03_DP)
       call check_objectivity(name, material, point)
-      call update_point(material, .true., point, status)
-      point%past = point%history
+      call update_material_point(material, .true., point, status)
+      point%history_old = point%history
     end do
-    call suite%that(name // ': has yielded', point%past(HISTORY_PEEQ) > 0.01_DP)
-    if (allocated(material%isotropic)) material%isotropic(1)%stress = 3 * material%isotropic(1)%stress
-    if (allocated(material%kinematic)) material%kinematic(1)%stress = 3 * material%kinematic(1)%stress
+    call suite%that(name // ': has yielded', point%history_old(HISTORY_PEEQ) > 0.01_DP)
+    if (allocated(material%isotropic_hardening)) material%isotropic_hardening(1)%stress = 3 * material%isotropic_hardening(1)%stress
+    if (allocated(material%kinematic_hardening)) material%kinematic_hardening(1)%stress = 3 * material%kinematic_hardening(1)%stress
     call check_tangent(name // ', within the yield surface', material, point, .true., 1e-7_DP)
   end subroutine check_simo
 
@@ -514,7 +515,7 @@ contains
   !! sheared symmetrically by 0.001: 1.134923e2 in the plane, normal stresses -0.5817470 and -0.4115086.
   subroutine check_almansi()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: i, status
     material = ramberg_osgood()
     material%law = LAW_SAINT_VENANT
@@ -524,11 +525,12 @@ contains
       call check_tangent('Almansi', material, point, .true., 1e-6_DP, has_potential=.false.)
       call check_objectivity('Almansi', material, point)
     end do
-    material%deformation = table_type([0.0_DP], reshape([210000.0_DP, 0.3_DP, 200.0_DP, 6.0_DP, 0.4_DP], [5, 1]))
+    material%deformation_plasticity = property_table_type([0.0_DP], reshape([210000.0_DP, 0.3_DP, 200.0_DP, 6.0_DP, 0.4_DP], [5, &
+      1]))
     point = virgin()
     point%H(1, 2) = 1e-3_DP
     point%H(2, 1) = 1e-3_DP
-    call update_point(material, .true., point, status)
+    call update_material_point(material, .true., point, status)
     point%stress = point%stress / (1 - 1e-6_DP)    ! Cauchy's
     call suite%near('Almansi, shear', point%stress(4), 113.4923_DP, 1e-4_DP)
     call suite%near('Almansi, along', point%stress(1), -0.5817470_DP, 1e-6_DP)
@@ -545,25 +547,25 @@ contains
     real(DP), parameter :: STRESS(3) = [923.7348_DP, -925.8352_DP, 924.6346_DP]
     real(DP), parameter :: PEEQ(3) = [1.546685e-2_DP, 1.572940e-2_DP, 1.546261e-2_DP]
     real(DP), parameter :: ACROSS(3) = [-8.980994e-3_DP, 9.262238e-3_DP, -8.980145e-3_DP]
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: i, k, n, status
     do k = 1, 3
       material = elastic()
       material%law = LAW_SAINT_VENANT
-      if (k < 3) allocate (material%isotropic(1))
-      if (k < 3) material%isotropic(1) = curve_type(0.0_DP, [0.0_DP, 0.1_DP], [800.0_DP, 1600.0_DP])
-      if (k == 3) allocate (material%kinematic(1))
-      if (k == 3) material%kinematic(1) = curve_type(0.0_DP, [0.0_DP, 0.1_DP], [800.0_DP, 1600.0_DP])
+      if (k < 3) allocate (material%isotropic_hardening(1))
+      if (k < 3) material%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 0.1_DP], [800.0_DP, 1600.0_DP])
+      if (k == 3) allocate (material%kinematic_hardening(1))
+      if (k == 3) material%kinematic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 0.1_DP], [800.0_DP, 1600.0_DP])
       point = virgin()
       do i = 1, 20
         point%H(1, 1) = STRETCH(k) * real(i, DP) / 20
         do n = 1, 30
-          call update_point(material, .true., point, status)
+          call update_material_point(material, .true., point, status)
           point%H(2, 2) = point%H(2, 2) - point%stress(2) / (point%tangent(2, 2) + point%tangent(2, 3))
           point%H(3, 3) = point%H(2, 2)
         end do
-        call update_point(material, .true., point, status)
-        point%past = point%history
+        call update_material_point(material, .true., point, status)
+        point%history_old = point%history
       end do
       call suite%near('as CalculiX: stress', point%stress(1) / ((1 + point%H(1, 1)) * (1 + point%H(2, 2))**2), &
         STRESS(k), 2e-2_DP)
@@ -576,12 +578,12 @@ contains
   !> Orthotropic and anisotropic elasticity: tangents, objectivity in both finite laws; the frame turns the material.
   subroutine check_axes()
     type(material_type) :: material, full
-    type(point_type) :: point, turned
+    type(material_point_type) :: point, turned
     real(DP) :: R(3, 3), constants(21)
     integer :: law, status
     material = elastic()
     material%elastic_kind = ELASTIC_ORTHOTROPIC
-    material%elastic = table_type([0.0_DP], reshape([500.0_DP, 100.0_DP, 400.0_DP, 80.0_DP, 60.0_DP, 300.0_DP, &
+    material%elastic = property_table_type([0.0_DP], reshape([500.0_DP, 100.0_DP, 400.0_DP, 80.0_DP, 60.0_DP, 300.0_DP, &
       90.0_DP, 70.0_DP, 50.0_DP], [9, 1]))
     do law = LAW_HENCKY, LAW_SAINT_VENANT
       material%law = law
@@ -602,8 +604,8 @@ contains
     turned = point
     turned%frame = R
     turned%strain = pack_voigt(matmul(R, matmul(unpack_voigt(point%strain), transpose(R))))
-    call update_point(material, .false., point, status)
-    call update_point(material, .false., turned, status)
+    call update_material_point(material, .false., point, status)
+    call update_material_point(material, .false., turned, status)
     call suite%near('axes: turned', maxval(abs(turned%stress - pack_voigt(matmul(R, &
       matmul(unpack_voigt(point%stress), transpose(R)))))), 0.0_DP, 1e-10_DP)
     call suite%near('axes: shear 13', point%stress(6), 2 * 70 * point%strain(6), 1e-12_DP)
@@ -613,12 +615,12 @@ contains
     constants = 0
     constants(:6) = material%elastic%value(:6, 1)
     constants([10, 15, 21]) = material%elastic%value(7:9, 1)
-    full%elastic = table_type([0.0_DP], reshape(constants, [21, 1]))
+    full%elastic = property_table_type([0.0_DP], reshape(constants, [21, 1]))
     turned = point
-    call update_point(full, .false., turned, status)
+    call update_material_point(full, .false., turned, status)
     call suite%near('axes: 21 constants', maxval(abs(turned%stress - point%stress)), 0.0_DP, 1e-12_DP)
     full%elastic%value(7, 1) = 11                  ! D1112
-    call update_point(full, .false., turned, status)
+    call update_material_point(full, .false., turned, status)
     call suite%near('axes: coupling', turned%stress(1) - point%stress(1), 22 * point%strain(4), 1e-12_DP)
   end subroutine check_axes
 
@@ -626,7 +628,7 @@ contains
   !> Tension beyond yield: stress on the curve, PEEQ = strain - stress/E; the same by one increment or many.
   subroutine check_tension()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     real(DP) :: strain, across, p
     integer :: i, status
     material = metal()
@@ -637,12 +639,12 @@ contains
     do i = 1, 2
       point%strain = [strain, across, across, 0.0_DP, 0.0_DP, 0.0_DP]
       if (i == 2) point%strain = 0.5_DP * point%strain
-      call update_point(material, .false., point, status)
+      call update_material_point(material, .false., point, status)
       if (i == 1) then
         call suite%near('tension: stress', point%stress(1), 240 + 3200 * p, 1e-9_DP)
         call suite%near('tension: lateral', maxval(abs(point%stress(2:))), 0.0_DP, 1e-9_DP)
         call suite%near('tension: PEEQ', point%history(HISTORY_PEEQ), p, 1e-14_DP)
-        point%past = point%history
+        point%history_old = point%history
       end if
     end do
     call suite%near('tension: unloading is elastic', point%history(HISTORY_PEEQ), p, 0.1_DP)
@@ -653,7 +655,7 @@ contains
   !! first yield stress.
   subroutine check_cycle()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     real(DP) :: q_top, q_yield
     integer :: k, status
     do k = 1, 2
@@ -661,9 +663,9 @@ contains
       if (k == 2) material = kinematic_metal(.false.)
       point = virgin()
       point%strain(4) = 0.01_DP
-      call update_point(material, .false., point, status)
+      call update_material_point(material, .false., point, status)
       q_top = sqrt(3.0_DP) * point%stress(4)
-      point%past = point%history
+      point%history_old = point%history
       q_yield = -q_top
       if (k == 2) q_yield = q_top - 480
       call probe(material, point, q_yield - q_top + 1e-6_DP, .true.)
@@ -675,23 +677,23 @@ contains
   !> Goes on in shear by an elastic change of stress, and looks whether it is one.
   subroutine probe(material, start, dq, is_elastic)
     type(material_type), intent(in) :: material
-    type(point_type), intent(in) :: start
+    type(material_point_type), intent(in) :: start
     real(DP), intent(in) :: dq                     !< change of the von Mises stress [stress]
     logical, intent(in) :: is_elastic
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: status
     point = start
     point%strain(4) = point%strain(4) + dq / sqrt(3.0_DP) / (2 * 210000 / 2.6_DP)
-    call update_point(material, .false., point, status)
+    call update_material_point(material, .false., point, status)
     call suite%that('cycle: yield on the way back', &
-      (point%history(HISTORY_PEEQ) <= point%past(HISTORY_PEEQ)) .eqv. is_elastic)
+      (point%history(HISTORY_PEEQ) <= point%history_old(HISTORY_PEEQ)) .eqv. is_elastic)
   end subroutine probe
 
 
   !> A state on the yield surface stays where it is: rounding must not make the return fail.
   subroutine check_standing_still()
     type(material_type) :: material
-    type(point_type) :: point, again
+    type(material_point_type) :: point, again
     integer :: i, k, status
     do k = 1, 2
       material = metal()
@@ -699,10 +701,10 @@ contains
       do i = 1, 200
         point = virgin()
         point%H = any_gradient(0.05_DP)
-        call update_point(material, .true., point, status)
+        call update_material_point(material, .true., point, status)
         again = point
-        again%past = point%history
-        call update_point(material, .true., again, status)
+        again%history_old = point%history
+        call update_material_point(material, .true., again, status)
         if (status /= STRESS_OK) exit
         if (maxval(abs(again%history - point%history)) > 1e-9_DP * maxval(abs(point%history))) exit
       end do
@@ -715,13 +717,13 @@ contains
   !! one direction; and history is one and the same in small and finite strain.
   subroutine check_shared_finite_strain()
     type(material_type) :: material, linear
-    type(point_type) :: point, other
+    type(material_point_type) :: point, other
     integer :: i, status
     material = metal()
     linear = kinematic_metal(.false.)
-    deallocate (material%isotropic)
-    allocate (material%isotropic(1))
-    material%isotropic = linear%kinematic
+    deallocate (material%isotropic_hardening)
+    allocate (material%isotropic_hardening(1))
+    material%isotropic_hardening = linear%kinematic_hardening
     point = virgin()
     other = virgin()
     do i = 1, 5
@@ -729,25 +731,25 @@ contains
       point%H(2, 2) = -0.03_DP * real(i, DP)
       point%H(3, 3) = -0.05_DP * real(i, DP)
       other%H = point%H
-      call update_point(material, .true., point, status)
-      call update_point(linear, .true., other, status)
+      call update_material_point(material, .true., point, status)
+      call update_material_point(linear, .true., other, status)
       call suite%near('finite: two ways, PEEQ', point%history(HISTORY_PEEQ) / other%history(HISTORY_PEEQ), 1.0_DP, &
         1e-2_DP)
       if (i == 1) call suite%near('finite: two ways, stress', maxval(abs(point%stress - other%stress)) / &
         maxval(abs(point%stress)), 0.0_DP, 1e-12_DP)
       if (i == 1) call suite%near('finite: two ways, history', maxval(abs(point%history(:8) - other%history(:8))), &
         0.0_DP, 1e-13_DP)
-      point%past = point%history
-      other%past = other%history
+      point%history_old = point%history
+      other%history_old = other%history
     end do
     material = metal()
     point = virgin()
     point%strain = 1e-6_DP * 2000 * [real(DP) :: 2, -1, -1, 0, 0, 0]
-    call update_point(material, .false., point, status)
-    point%past = point%history
+    call update_material_point(material, .false., point, status)
+    point%history_old = point%history
     other = point
     point%H = unpack_voigt(point%strain)
-    call update_point(material, .true., point, status)
+    call update_material_point(material, .true., point, status)
     call suite%near('history of small strain under NLGEOM', maxval(abs(point%stress - other%stress)) / &
       maxval(abs(other%stress)), 0.0_DP, 2e-2_DP)
   end subroutine check_shared_finite_strain
@@ -757,7 +759,7 @@ contains
   !! by strain hardening: the same as time hardening.
   subroutine check_creep_closed_forms()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     real(DP) :: G, q0, q, c
     integer :: i, status
     integer, parameter :: STEPS = 4000
@@ -769,8 +771,8 @@ contains
     point%time_increment = 100.0_DP / STEPS
     do i = 1, STEPS
       point%time = real(i, DP) * point%time_increment
-      call update_point(material, .false., point, status)
-      point%past = point%history
+      call update_material_point(material, .false., point, status)
+      point%history_old = point%history
     end do
     q = (q0**(-3.5_DP) + 3 * G * 1.0e-14_DP * 3.5_DP * 100)**(-1 / 3.5_DP)
     call suite%near('creep: relaxation', sqrt(3.0_DP) * point%stress(4) / q, 1.0_DP, 1e-3_DP)
@@ -788,26 +790,26 @@ contains
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: q
     real(DP), intent(out) :: c
-    type(point_type) :: point
+    type(material_point_type) :: point
     integer :: i, k, status
     point = virgin()
     point%strain(4) = q / sqrt(3.0_DP) * 1.3_DP / 210000
     do i = 1, 10
       point%time = real(i, DP)
       do k = 1, 20
-        call update_point(material, .false., point, status)
+        call update_material_point(material, .false., point, status)
         point%strain(4) = point%strain(4) + 0.5_DP * (q / sqrt(3.0_DP) - point%stress(4)) / point%tangent(4, 4)
       end do
-      point%past = point%history
+      point%history_old = point%history
     end do
-    c = point%past(HISTORY_CEEQ)
+    c = point%history_old(HISTORY_CEEQ)
   end subroutine hold_stress
 
 
   !> An initial stress is there at rest, and adds to what the strain gives.
   subroutine check_initial_stress()
     type(material_type) :: material
-    type(point_type) :: point
+    type(material_point_type) :: point
     real(DP) :: stress(6), R(3, 3), expected(6)
     integer :: law, status
     stress = [10.0_DP, -20.0_DP, 5.0_DP, 3.0_DP, -4.0_DP, 6.0_DP]
@@ -815,15 +817,15 @@ contains
     do law = LAW_HENCKY, LAW_SAINT_VENANT
       material%law = law
       point = virgin()
-      point%past(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = -elastic_strain_of(material, 0.0_DP, IDENTITY, stress)
-      call update_point(material, .false., point, status)
+      point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = -elastic_strain_from_stress(material, 0.0_DP, IDENTITY, stress)
+      call update_material_point(material, .false., point, status)
       call suite%near('initial stress: small', maxval(abs(point%stress - stress)), 0.0_DP, 1e-11_DP)
-      call update_point(material, .true., point, status)
+      call update_material_point(material, .true., point, status)
       call suite%near('initial stress: finite', maxval(abs(point%stress - stress)), 0.0_DP, 1e-9_DP)
       R = any_rotation()
       point%H = R - IDENTITY
       expected = pack_voigt(matmul(R, matmul(unpack_voigt(stress), transpose(R))))
-      call update_point(material, .true., point, status)
+      call update_material_point(material, .true., point, status)
       call suite%near('initial stress: turned', maxval(abs(point%stress - expected)), 0.0_DP, 1e-9_DP)
       point%H = any_gradient(0.2_DP)
       call check_tangent('initial stress', material, point, .true., 1e-7_DP)
@@ -834,7 +836,7 @@ contains
   !> Closed forms at a finite stretch: deviator of neo-Hooke, 2 C10 (b - tr b/3)/J^(2/3); foam in one direction,
   !! tau = 2 mu/alpha (l^alpha - J^(-alpha beta)); Mooney-Rivlin in equibiaxial tension.
   subroutine check_simple_closed_forms()
-    type(point_type) :: point
+    type(material_point_type) :: point
     real(DP) :: b(3), l, J, expected, stretch(3)
     integer :: status
     point = virgin()
@@ -842,13 +844,13 @@ contains
     point%H(2, 2) = -0.2_DP
     b = [2.25_DP, 0.64_DP, 1.0_DP]
     J = 1.2_DP
-    call update_point(rubber(1), .true., point, status)
+    call update_material_point(rubber(1), .true., point, status)
     call suite%near('neo-Hooke', point%stress(1), 2 * 0.5_DP * (b(1) - sum(b) / 3) / J**(2 / 3.0_DP) &
       + 2 / 0.1_DP * (J - 1) * J, 1e-13_DP)
     l = 1.4_DP
     point%H = 0
     point%H(3, 3) = 0.4_DP
-    call update_point(rubber(9), .true., point, status)
+    call update_material_point(rubber(9), .true., point, status)
     call suite%near('foam, nu = 0', point%stress(3), 2 * 0.7_DP / 4 * (l**4 - 1), 1e-13_DP)
     call suite%near('foam, nu = 0: nothing across', point%stress(1), 0.0_DP, 1e-15_DP)
     stretch = [1.3_DP, 1.3_DP, 1 / 1.69_DP]        ! J = 1
@@ -856,7 +858,7 @@ contains
     point%H(1, 1) = 0.3_DP
     point%H(2, 2) = 0.3_DP
     point%H(3, 3) = stretch(3) - 1
-    call update_point(rubber(2), .true., point, status)
+    call update_material_point(rubber(2), .true., point, status)
     expected = 2 * (stretch(1)**2 - stretch(3)**2) * (0.5_DP + 0.2_DP * stretch(1)**2)
     call suite%near('Mooney-Rivlin, equibiaxial', point%stress(1) - point%stress(3), expected, 1e-13_DP)
   end subroutine check_simple_closed_forms

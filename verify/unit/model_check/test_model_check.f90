@@ -2,18 +2,18 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_model_check
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, complaints_type, EXIT_SETUP
+  use amontons_errors, only: error_type, diagnostic_list_type, EXIT_SETUP
   use amontons_topology, only: KIND_C3D8
-  use amontons_mesh, only: finish_mesh
+  use amontons_mesh, only: finalize_mesh
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, equation_type, &
     DISTRIBUTED_GRAVITY
   use amontons_steps, only: step_type
   use amontons_model, only: model_type
-  use amontons_state, only: state_type, slave_type, create_state
+  use amontons_state, only: state_type, slave_state_type, create_state
   use amontons_contact_pairs, only: contact_type, create_contact
-  use amontons_contact_initialization, only: begin_contact_increment
-  use amontons_model_check, only: audit_model, audit_summary
+  use amontons_contact_initialization, only: initialize_contact
+  use amontons_model_check, only: check_model, summarize_model
   use check, only: suite_type
   implicit none
   integer, parameter :: BOTTOM = 1, TOP = 2           ! faces S1 and S2 of C3D8
@@ -93,9 +93,10 @@ contains
           end do
         end do
       end do
-      if (allocated(mesh%section)) deallocate (mesh%section, mesh%directions, mesh%is_abstract)   ! of the blocks before
+      if (allocated(mesh%section_value)) deallocate (mesh%section_value, mesh%directions, mesh%is_auxiliary)   ! of the blocks
+                                                                                                               ! before
     end associate
-    call finish_mesh(model%mesh)
+    call finalize_mesh(model%mesh)
   end subroutine add_block
 
 
@@ -190,24 +191,24 @@ contains
     type(model_type), intent(in) :: model
     type(contact_type), intent(out) :: contact
     type(state_type), intent(out) :: state
-    type(slave_type), allocatable :: slaves(:)
+    type(slave_state_type), allocatable :: slaves(:)
     type(error_type), allocatable :: error
     call create_contact(contact, model, slaves, error)
     if (allocated(error)) error stop 'the contact of a test cannot be made'
     call create_state(state, model%mesh, slaves)
-    call begin_contact_increment(contact, model, model%steps(1)%is_nlgeom, .true., state%new%u, state%new)
+    call initialize_contact(contact, model, model%steps(1)%is_nlgeom, .true., state%new%u, state%new)
   end subroutine start_contact
 
 
   !> Audits a model as the job does.
   subroutine audit(model, report, error)
     type(model_type), intent(in) :: model
-    type(complaints_type), intent(out) :: report
+    type(diagnostic_list_type), intent(out) :: report
     type(error_type), allocatable, intent(out) :: error
     type(contact_type) :: contact
     type(state_type) :: state
     call start_contact(model, contact, state)
-    call audit_model(model, contact, state%new%slaves, report, error)
+    call check_model(model, contact, state%new%slaves, report, error)
   end subroutine audit
 
 
@@ -218,7 +219,7 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: n_errors, n_warnings
     character(*), intent(in) :: words                  !< empty: none
-    type(complaints_type) :: report
+    type(diagnostic_list_type) :: report
     type(error_type), allocatable :: error
     logical :: is_said, is_right
     integer :: i
@@ -574,7 +575,7 @@ contains
     model%materials(1)%has_density = .true.
     model%materials(1)%density = 2.0_DP
     call start_contact(model, contact, state)
-    call audit_summary(model, contact, state%new%slaves, text)
+    call summarize_model(model, contact, state%new%slaves, text)
     call says(suite, text, 'nodes                   50')
     call says(suite, text, '13   C3D8 13')
     call says(suite, text, '150   48 prescribed in step 1')

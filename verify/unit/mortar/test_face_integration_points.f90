@@ -5,12 +5,12 @@ program test_face_integration_points
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, KIND_CAX4, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
-  use amontons_facet_search, only: search_type, build_search
-  use amontons_face_integration_points, only: facing_type, find_facing, face_normal
-  use amontons_contact_integration_points, only: nearest_of
+  use amontons_facet_search, only: facet_search_type, build_facet_search
+  use amontons_face_integration_points, only: facing_point_type, find_facing_points, evaluate_face_normal
+  use amontons_contact_integration_points, only: nearest_point
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -81,11 +81,11 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: slave, master
     real(DP), intent(in) :: depth
-    type(facing_type), allocatable, intent(out) :: points(:)
+    type(facing_point_type), allocatable, intent(out) :: points(:)
     integer, intent(out) :: n
-    type(search_type) :: search
-    call build_search(master, mesh%coordinates, 5.0_DP, search)
-    call find_facing(slave, spread(depth, 1, slave%n), master, search, mesh%coordinates, 3.0_DP, points, n)
+    type(facet_search_type) :: search
+    call build_facet_search(master, mesh%coordinates, 5.0_DP, search)
+    call find_facing_points(slave, spread(depth, 1, slave%n), master, search, mesh%coordinates, 3.0_DP, points, n)
   end subroutine find
 
 
@@ -109,7 +109,7 @@ contains
     character(*), intent(in) :: name
     type(mesh_type) :: mesh
     type(facets_type) :: slave, master
-    type(facing_type), allocatable :: points(:)
+    type(facing_point_type), allocatable :: points(:)
     real(DP) :: x(3), below(3), total, worst
     integer :: n, a, b, q
     call two_sheets(kind, mesh, slave, master)
@@ -139,7 +139,7 @@ contains
   subroutine check_order()
     type(mesh_type) :: mesh
     type(facets_type) :: slave, master
-    type(facing_type), allocatable :: points(:)
+    type(facing_point_type), allocatable :: points(:)
     real(DP) :: x(3)
     integer :: n
     call two_sheets(FACET_QUAD4, mesh, slave, master)
@@ -166,7 +166,7 @@ contains
   subroutine check_fold()
     type(mesh_type) :: mesh
     type(facets_type) :: slave, master
-    type(facing_type), allocatable :: points(:)
+    type(facing_point_type), allocatable :: points(:)
     type(error_type), allocatable :: error
     real(DP) :: grid(3, 4), x(3, 12)
     integer, allocatable :: element(:), face(:)
@@ -191,7 +191,7 @@ contains
   subroutine check_wedge()
     type(mesh_type) :: mesh
     type(facets_type) :: slave, master
-    type(facing_type), allocatable :: points(:)
+    type(facing_point_type), allocatable :: points(:)
     type(error_type), allocatable :: error
     real(DP) :: moment, r
     integer :: n, q
@@ -204,7 +204,7 @@ contains
     mesh%kind = [KIND_CAX4, KIND_CAX4]
     mesh%first = [1, 5, 9]
     mesh%nodes = [(n, n=1, 8)]
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     call build_facets(mesh, [2], [1], slave, error)
     if (.not. allocated(error)) call build_facets(mesh, [1], [3], master, error)
     if (allocated(error)) call suite%that('facets: ' // error%message, .false.)
@@ -232,7 +232,7 @@ contains
     call fold(mesh, -1.0_DP, 0.3_DP)
     call build_facets(mesh, element, face, master, error)
     if (allocated(error)) call suite%that('facets: ' // error%message, .false.)
-    n = face_normal(master, mesh%coordinates, 1, [0.3_DP, 0.2_DP])
+    n = evaluate_face_normal(master, mesh%coordinates, 1, [0.3_DP, 0.2_DP])
     call suite%near('normal of a face', norm2(n - [sin(0.3_DP), 0.0_DP, cos(0.3_DP)]), 0.0_DP, 1.0e-14_DP)
   end subroutine check_normal
 
@@ -245,11 +245,11 @@ contains
     pair = reshape([0.1_DP, 0.4_DP, 0.4_DP, 0.1_DP], [2, 2])
     do i = -2, 2
       pair(1, 2) = 0.4_DP + real(i, DP) * 1.0e-15_DP
-      call suite%that('the first of equally near points', nearest_of(reshape([FAR, pair], [2, 3]), AT) == 2)
+      call suite%that('the first of equally near points', nearest_point(reshape([FAR, pair], [2, 3]), AT) == 2)
     end do
     pair(1, 2) = 0.4_DP - 1.0e-6_DP
-    call suite%that('the nearer of two points', nearest_of(reshape([FAR, pair], [2, 3]), AT) == 3)
-    call suite%that('no point', nearest_of(pair(:, :0), AT) == 0)
+    call suite%that('the nearer of two points', nearest_point(reshape([FAR, pair], [2, 3]), AT) == 3)
+    call suite%that('no point', nearest_point(pair(:, :0), AT) == 0)
   end subroutine check_nearest
 
 

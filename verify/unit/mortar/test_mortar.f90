@@ -5,15 +5,17 @@ program test_mortar
   use amontons_errors, only: error_type
   use amontons_topology, only: facet_kind, facet_kind_type, KIND_C3D8, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates, node_coordinates
   use amontons_facets, only: facets_type, build_facets, facet_nodes
-  use amontons_facet_search, only: search_type, build_search
-  use amontons_contact_constraint_rows, only: relative_position
-  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, search_margin
-  use amontons_surface_projection, only: vertex_normal, vertex_derivative
-  use amontons_polygon_clipping, only: clip_polygon, polygon_area, polygon_points, beyond_polygon, MAX_CORNERS, MAX_CUT_POINTS
-  use amontons_dual_shape_functions, only: transform_shapes, transform_nodes, whole_share, dual_functions
+  use amontons_facet_search, only: facet_search_type, build_facet_search
+  use amontons_contact_constraint_rows, only: evaluate_relative_position
+  use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar, find_search_margin
+  use amontons_surface_projection, only: evaluate_vertex_normal, evaluate_vertex_derivative
+  use amontons_polygon_clipping, only: clip_polygon, signed_polygon_area, set_polygon_quadrature, find_polygon_excess, &
+    MAX_POLYGON_CORNERS, MAX_CUT_POINTS
+  use amontons_dual_shape_functions, only: transform_shape_functions, transform_nodal_positions, nodal_integral_fractions, &
+    evaluate_dual_functions
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -50,28 +52,28 @@ contains
 
   !> Areas of cuts that can be told without a computer.
   subroutine check_cuts()
-    real(DP) :: cut(2, MAX_CORNERS), other(2, 4), triangle(2, 3), distance
+    real(DP) :: cut(2, MAX_POLYGON_CORNERS), other(2, 4), triangle(2, 3), distance
     integer :: n
     other = SQUARE + 0.25_DP
     call clip_polygon(SQUARE, other, cut, n)
-    call suite%near('two squares', polygon_area(cut(:, :n)), 0.5625_DP, 1.0e-14_DP)
+    call suite%near('two squares', signed_polygon_area(cut(:, :n)), 0.5625_DP, 1.0e-14_DP)
     triangle = reshape([0.5_DP, -1.0_DP, 2.0_DP, 0.5_DP, 0.5_DP, 2.0_DP], [2, 3])
     call clip_polygon(SQUARE, triangle, cut, n)
-    call suite%near('a triangle over a square', polygon_area(cut(:, :n)), 0.5_DP, 1.0e-14_DP)
+    call suite%near('a triangle over a square', signed_polygon_area(cut(:, :n)), 0.5_DP, 1.0e-14_DP)
     triangle = reshape([0.0_DP, 0.0_DP, 1.0_DP, 0.5_DP, 0.0_DP, 1.0_DP], [2, 3])
     call clip_polygon(triangle, SQUARE, cut, n)
-    call suite%near('a triangle inside', polygon_area(cut(:, :n)), 0.5_DP, 1.0e-14_DP)
+    call suite%near('a triangle inside', signed_polygon_area(cut(:, :n)), 0.5_DP, 1.0e-14_DP)
     call clip_polygon(SQUARE, SQUARE + 1.5_DP, cut, n)
     call suite%that('nothing in common', n < 3)
     other = SQUARE
     other(1, :) = other(1, :) + 1
     call clip_polygon(SQUARE, other, cut, n)
-    if (n >= 3) call suite%near('a common edge has no area', polygon_area(cut(:, :n)), 0.0_DP, 1.0e-14_DP)
+    if (n >= 3) call suite%near('a common edge has no area', signed_polygon_area(cut(:, :n)), 0.0_DP, 1.0e-14_DP)
     if (n < 3) call suite%that('a common edge has no area', .true.)
-    call beyond_polygon(SQUARE, [1.5_DP, 0.2_DP], distance, n)
+    call find_polygon_excess(SQUARE, [1.5_DP, 0.2_DP], distance, n)
     call suite%near('beyond the edge of a square', distance, 0.5_DP, 1.0e-14_DP)
     call suite%that('beyond its second edge', n == 2)
-    call beyond_polygon(SQUARE, [0.9_DP, 0.2_DP], distance, n)
+    call find_polygon_excess(SQUARE, [0.9_DP, 0.2_DP], distance, n)
     call suite%near('within a square', distance, -0.1_DP, 1.0e-14_DP)
   end subroutine check_cuts
 
@@ -81,7 +83,7 @@ contains
     real(DP) :: at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS), place(2, MAX_CUT_POINTS)
     integer :: order, n, a, b, degree, corner(MAX_CUT_POINTS)
     do order = 3, 6
-      call polygon_points(SQUARE, .false., order, n, at, w)
+      call set_polygon_quadrature(SQUARE, .false., order, n, at, w)
       degree = merge(4, 2 * order - 2, order == 3)
       do a = 0, degree
         do b = 0, degree - a
@@ -90,7 +92,7 @@ contains
         end do
       end do
       do a = 1, 2                                  ! along a line, from whichever corner the rectangle begins
-        call polygon_points(cshift(SQUARE, a, dim=2), .true., order, n, at, w, corner, place)
+        call set_polygon_quadrature(cshift(SQUARE, a, dim=2), .true., order, n, at, w, corner, place)
         call suite%that('the points of a line', n == 2 * order)
         do degree = 0, 2 * order - 1
           call suite%near('a polynomial along a line', dot_product(w(:n), at(1, :n)**degree), 1.0_DP / real(degree + 1, DP), &
@@ -120,22 +122,23 @@ contains
     shape = facet_kind(kind)
     n = shape%n_nodes
     call facet_node_coordinates(kind, nodes)       ! the facet in its own natural coordinates
-    call transform_nodes(kind, nodes(:, :n))
+    call transform_nodal_positions(kind, nodes(:, :n))
     do part = 1, 3                                 ! whole, a half, a sliver
       if (shape%n_corners == 3) then
-        call polygon_points(part_of(SQUARE(:, [1, 2, 4]), part), .false., 6, n_points, at, w)
+        call set_polygon_quadrature(part_of(SQUARE(:, [1, 2, 4]), part), .false., 6, n_points, at, w)
       else
-        call polygon_points(part_of(2 * SQUARE - 1, part), .false., 6, n_points, at, w)
+        call set_polygon_quadrature(part_of(2 * SQUARE - 1, part), .false., 6, n_points, at, w)
       end if
       do q = 1, n_points
         call facet_shapes(kind, at(:, q), shapes(:, q), dN, ddN)
-        call transform_shapes(kind, shapes(:, q))
+        call transform_shape_functions(kind, shapes(:, q))
       end do
-      call dual_functions(kind, merge(0.5_DP, 4.0_DP, shape%n_corners == 3), nodes(:, :n), w(:n_points), at(:, :n_points), &
+      call evaluate_dual_functions(kind, merge(0.5_DP, 4.0_DP, shape%n_corners == 3), nodes(:, :n), w(:n_points), at(:, &
+        :n_points), &
         shapes(:n, :n_points), phi(:n, :n_points), d(:n))
       call suite%near(name // ': the sum of the duals', maxval(abs(sum(phi(:n, :n_points), dim=1) - 1)), 0.0_DP, 1.0e-10_DP)
       if (part == 1) then
-        share = whole_share(kind)
+        share = nodal_integral_fractions(kind)
         call suite%near(name // ': integrals of a whole facet', maxval(abs(d(:n) - share(:n) * sum(w(:n_points)))), 0.0_DP, &
           1.0e-13_DP)
         call suite%that(name // ': all positive', all(d(:n) > 0))
@@ -193,18 +196,18 @@ contains
     call node_coordinates(KIND_C3D20, xi)
     mesh%coordinates = xi
     mesh%coordinates(3, :) = mesh%coordinates(3, :) + 0.2_DP * xi(1, :)**2 - 0.1_DP * xi(1, :) * xi(2, :)
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     call build_facets(mesh, [1], [2], facets, error)
     call suite%that('facets', .not. allocated(error))
     if (allocated(error)) return
     x = mesh%coordinates
-    call vertex_derivative(facets, x, facets%vertex(1), nodes, d_n)
+    call evaluate_vertex_derivative(facets, x, facets%vertex(1), nodes, d_n)
     do i = 1, size(nodes)
       do k = 1, 3
         do side = 1, 2
           x = mesh%coordinates
           x(k, nodes(i)) = x(k, nodes(i)) + merge(H, -H, side == 1)
-          m(:, side) = vertex_normal(facets, x, facets%vertex(1))
+          m(:, side) = evaluate_vertex_normal(facets, x, facets%vertex(1))
           m(:, side) = m(:, side) / norm2(m(:, side))
         end do
         difference = (m(:, 1) - m(:, 2)) / (2 * H)
@@ -228,7 +231,7 @@ contains
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(error_type), allocatable :: error
     real(DP) :: xi(3, 20), at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
     real(DP) :: ddN(3, MAX_FACE_NODES), expected(40), force(40), first_moment, by_arms, cut(2, 4)
@@ -249,21 +252,21 @@ contains
     mesh%coordinates(1, n + 1:) = cover - 2 * (1 - mesh%coordinates(1, n + 1:))
     mesh%coordinates(2, n + 1:) = 3 * mesh%coordinates(2, n + 1:) - 1
     mesh%coordinates(3, n + 1:) = mesh%coordinates(3, n + 1:) - 1.1_DP
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     call build_facets(mesh, [1], [1], master, error)
     call facet_nodes(master, 1, n_own, nodes)
     call create_mortar(mesh, [1], [1], nodes(:n_own), mortar, error)
     call build_facets(mesh, [2], [2], master, error)
-    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
-    mortar%has_touched = has_touched
-    if (present(reaches)) mortar%reaches = reaches
+    call build_facet_search(master, mesh%coordinates, find_search_margin(mortar, 1.0_DP), search)
+    mortar%was_closed = has_touched
+    if (present(reaches)) mortar%excess_limits = reaches
     call integrate_mortar(mortar, master, search, .not. present(reaches), mesh%coordinates, 1.0_DP)
-    call suite%that(name // ': they stay so', count(mortar%reaches > 0.1_DP) == n_rows .and. &
-      count(mortar%reaches < 0.1_DP) == n_own - n_rows)
+    call suite%that(name // ': they stay so', count(mortar%excess_limits > 0.1_DP) == n_rows .and. &
+      count(mortar%excess_limits < 0.1_DP) == n_own - n_rows)
     cut = SQUARE                                   ! in natural coordinates of the face, which runs along y first or along x
     expected = 0.0_DP
     cut(1, 2:3) = cover
-    call polygon_points(cut, .false., 6, n_points, at, w)
+    call set_polygon_quadrature(cut, .false., 6, n_points, at, w)
     do q = 1, n_points
       call facet_shapes(mortar%slave%kind(1), place_on(mesh%coordinates(:2, nodes(:4)), at(:, q)), N_i, dN, ddN)
       expected(nodes(:n_own)) = expected(nodes(:n_own)) + w(q) * N_i(:n_own)
@@ -275,9 +278,10 @@ contains
     do i = 1, n_own
       associate (row => mortar%rows(i), place => mortar%places(i))
         if (place%facet == 0) cycle
-        by_arms = by_arms + place%area * (mesh%coordinates(1, mortar%nodes(i)) + place%arm(1))
+        by_arms = by_arms + place%area * (mesh%coordinates(1, mortar%nodes(i)) + place%force_arm(1))
         call suite%near(name // ': weights of a row', sum(row%weights), 0.0_DP, 1.0e-12_DP)
-        call suite%near(name // ': distance', norm2(relative_position(row, mesh%coordinates) - [0.0_DP, 0.0_DP, 0.1_DP]), 0.0_DP, &
+        call suite%near(name // ': distance', norm2(evaluate_relative_position(row, mesh%coordinates) - [0.0_DP, 0.0_DP, &
+          0.1_DP]), 0.0_DP, &
           1.0e-10_DP)
         do k = 1, size(row%nodes)
           if (row%nodes(k) <= n) force(row%nodes(k)) = force(row%nodes(k)) + row%weights(k) * place%area
@@ -311,7 +315,7 @@ contains
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(error_type), allocatable :: error
     real(DP) :: xi(3, 20), gap
     integer :: i
@@ -332,13 +336,13 @@ contains
     mesh%coordinates(:, 17:) = 3 * mesh%coordinates(:, :8) - 1                   ! the wall
     mesh%coordinates(1, 17:) = mesh%coordinates(1, :8) + 1 + distance
     mesh%coordinates(3, 17:) = cover - 2 * (1 - mesh%coordinates(3, :8))
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     call create_mortar(mesh, [1, 1], [1, 4], [1, 2, 3, 4, 6, 7], mortar, error)
     call build_facets(mesh, [2, 3], [2, 6], master, error)
-    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    call build_facet_search(master, mesh%coordinates, find_search_margin(mortar, 1.0_DP), search)
     call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
     do i = 2, 3
-      gap = dot_product(mortar%places(i)%normal, relative_position(mortar%rows(i), mesh%coordinates))
+      gap = dot_product(mortar%places(i)%normal, evaluate_relative_position(mortar%rows(i), mesh%coordinates))
       call suite%that('normal at an edge', maxloc(abs(mortar%places(i)%normal), dim=1) == axis)
       call suite%near('gap at an edge', gap, merge(distance, 0.1_DP, axis == 1), 1.0e-12_DP)
     end do
@@ -374,28 +378,28 @@ contains
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(error_type), allocatable :: error
     real(DP) :: area(4, 2), gap(4, 2), corner(2)
     integer :: i, k, n_cut(2)
     call lay_cubes(3, mesh)
     mesh%coordinates(1, 9:16) = mesh%coordinates(1, 9:16) - 1
     mesh%coordinates(3, 9:) = mesh%coordinates(3, 9:) - 1.1_DP
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     corner = [0.05_DP, -0.05_DP]
     do i = 1, 8
       mesh%coordinates(:2, i) = corner + matmul(reshape([-0.8_DP, 0.4_DP, -0.4_DP, -0.8_DP], [2, 2]), mesh%coordinates(:2, i))
     end do
     call build_facets(mesh, [2, 3], [2, 2], master, error)
     call create_mortar(mesh, [1], [1], [1, 2, 3, 4], mortar, error)
-    mortar%is_soft = is_soft
-    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    mortar%is_compliant = is_soft
+    call build_facet_search(master, mesh%coordinates, find_search_margin(mortar, 1.0_DP), search)
     do k = 1, 2
       mesh%coordinates(1, :8) = mesh%coordinates(1, :8) + merge(HERE - 1.0e-4_DP, 2.0e-4_DP, k == 1)
       call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
       n_cut(k) = mortar%cuts%covers(1)%n
       area(:, k) = mortar%places%area
-      gap(:, k) = [(dot_product(mortar%places(i)%normal, relative_position(mortar%rows(i), mesh%coordinates)), i=1, 4)]
+      gap(:, k) = [(dot_product(mortar%places(i)%normal, evaluate_relative_position(mortar%rows(i), mesh%coordinates)), i=1, 4)]
     end do
     call suite%that('beside a master: it comes to be cut', n_cut(1) == 1 .and. n_cut(2) == 2)
     call suite%that('beside a master: the corner has a row', area(1, 1) > 1.0e-3_DP)
@@ -411,24 +415,25 @@ contains
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
-    type(search_type) :: search
+    type(facet_search_type) :: search
     type(error_type), allocatable :: error
     integer :: i
     call lay_cubes(2, mesh)
     mesh%coordinates(1, 9:) = cover - 2 * (1 - mesh%coordinates(1, 9:))
     mesh%coordinates(2, 9:) = 3 * mesh%coordinates(2, 9:) - 1
     mesh%coordinates(3, 9:) = mesh%coordinates(3, 9:) - 1.1_DP
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     call build_facets(mesh, [2], [2], master, error)
     call create_mortar(mesh, [1], [1], [1, 2, 3, 4], mortar, error)
-    mortar%is_soft = .true.
-    call build_search(master, mesh%coordinates, search_margin(mortar, 1.0_DP), search)
+    mortar%is_compliant = .true.
+    call build_facet_search(master, mesh%coordinates, find_search_margin(mortar, 1.0_DP), search)
     call integrate_mortar(mortar, master, search, .true., mesh%coordinates, 1.0_DP)
-    call suite%near('a sliver: area', sum(mortar%places%area, mask=.not. mortar%places%is_thin), cover, 1.0e-8_DP * cover)
+    call suite%near('a sliver: area', sum(mortar%places%area, mask=.not. mortar%places%is_barely_covered), cover, 1.0e-8_DP * cover)
     do i = 1, 4
       associate (place => mortar%places(i))
         if (place%facet == 0) cycle
-        call suite%near('a sliver: gap', dot_product(place%normal, relative_position(mortar%rows(i), mesh%coordinates)), 0.1_DP, &
+        call suite%near('a sliver: gap', dot_product(place%normal, evaluate_relative_position(mortar%rows(i), mesh%coordinates)), &
+          0.1_DP, &
           1.0e-8_DP)
       end associate
     end do

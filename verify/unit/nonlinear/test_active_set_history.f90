@@ -2,9 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_active_set_history
   use amontons_kinds, only: DP
-  use amontons_state, only: slave_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_active_set_history, only: forensics_type, note_slaves, find_cycle, cycle_nodes, is_flip, left_nodes, jumped_nodes, &
-    story_of
+  use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, cycling_slaves, &
+    is_stick_slip_flip, slaves_off_master, suddenly_deep_slaves, &
+    status_trace
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -17,8 +18,8 @@ contains
 
   !> Three nodes; the second goes stick, slip, stick, ..., the third also changes its facet every third iteration.
   subroutine check_cycle()
-    type(forensics_type) :: forensics
-    type(slave_type) :: slaves(3)
+    type(active_set_history_type) :: forensics
+    type(slave_state_type) :: slaves(3)
     integer :: i
     slaves%pair = 1
     slaves%facet = [4, 5, 6]
@@ -26,42 +27,42 @@ contains
     do i = 1, 6
       slaves(2)%status = merge(STATUS_STICK, STATUS_SLIP, mod(i, 2) == 0)
       slaves(2)%scenario = 2
-      call note_slaves(forensics, slaves, 1.0_DP)
+      call record_active_set(forensics, slaves, 1.0_DP)
     end do
     call suite%that('flip: of length 2', find_cycle(forensics) == 2)
-    call suite%that('flip: one node', size(cycle_nodes(forensics, 2)) == 1)
-    call suite%that('flip: the second', all(cycle_nodes(forensics, 2) == 2))
-    call suite%that('flip: stick and slip alone', is_flip(forensics, 2, cycle_nodes(forensics, 2)))
-    call suite%that('flip: its story', story_of(forensics, 2) == 'stick-II slip-II stick-II slip-II stick-II' .or. &
-      story_of(forensics, 2) == 'slip-II stick-II slip-II stick-II slip-II')
-    forensics = forensics_type()
+    call suite%that('flip: one node', size(cycling_slaves(forensics, 2)) == 1)
+    call suite%that('flip: the second', all(cycling_slaves(forensics, 2) == 2))
+    call suite%that('flip: stick and slip alone', is_stick_slip_flip(forensics, 2, cycling_slaves(forensics, 2)))
+    call suite%that('flip: its story', status_trace(forensics, 2) == 'stick-II slip-II stick-II slip-II stick-II' .or. &
+      status_trace(forensics, 2) == 'slip-II stick-II slip-II stick-II slip-II')
+    forensics = active_set_history_type()
     do i = 1, 8
       slaves(2)%status = STATUS_STICK
       slaves(3)%facet = 6 + mod(i, 3)
-      call note_slaves(forensics, slaves, 1.0_DP)
+      call record_active_set(forensics, slaves, 1.0_DP)
     end do
     call suite%that('cycle: of length 3', find_cycle(forensics) == 3)
-    call suite%that('cycle: the third node', all(cycle_nodes(forensics, 3) == 3))
-    call suite%that('cycle: no flip', .not. is_flip(forensics, 3, [3]))
+    call suite%that('cycle: the third node', all(cycling_slaves(forensics, 3) == 3))
+    call suite%that('cycle: no flip', .not. is_stick_slip_flip(forensics, 3, [3]))
   end subroutine check_cycle
 
 
   !> What does not change is no cycle, nor what never returns; the facet of an open node does not count.
   subroutine check_settled()
-    type(forensics_type) :: forensics
-    type(slave_type) :: slaves(2)
+    type(active_set_history_type) :: forensics
+    type(slave_state_type) :: slaves(2)
     integer :: i
     slaves%pair = 1
     do i = 1, 5
       slaves%facet = i
-      call note_slaves(forensics, slaves, 1.0_DP)
+      call record_active_set(forensics, slaves, 1.0_DP)
     end do
     call suite%that('settled: open nodes wander', find_cycle(forensics) == 0)
-    forensics = forensics_type()
+    forensics = active_set_history_type()
     slaves%status = STATUS_SLIP
     do i = 1, 5
       slaves%facet = i
-      call note_slaves(forensics, slaves, 1.0_DP)
+      call record_active_set(forensics, slaves, 1.0_DP)
     end do
     call suite%that('never back', find_cycle(forensics) == 0)
   end subroutine check_settled
@@ -69,22 +70,23 @@ contains
 
   !> Nodes that leave their master and nodes that jump into it.
   subroutine check_nodes()
-    type(forensics_type) :: forensics
-    type(slave_type) :: before(3), after(3)
+    type(active_set_history_type) :: forensics
+    type(slave_state_type) :: before(3), after(3)
     before%pair = 1
     before%facet = 1
     before%status = [STATUS_STICK, STATUS_OPEN, STATUS_SLIP]
     after = before
     after%facet = [0, 0, 1]
-    call suite%that('left: the closed one', all(left_nodes(before, after) == [1]) .and. size(left_nodes(before, after)) == 1)
+    call suite%that('left: the closed one', all(slaves_off_master(before, after) == [1]) .and. size(slaves_off_master(before, &
+      after)) == 1)
     before%gap = [0.1_DP, -0.3_DP, 0.0_DP]
-    call note_slaves(forensics, before, 1.0_DP)
-    call suite%that('jump: needs two iterations', size(jumped_nodes(forensics, before, [1.0_DP])) == 0)
+    call record_active_set(forensics, before, 1.0_DP)
+    call suite%that('jump: needs two iterations', size(suddenly_deep_slaves(forensics, before, [1.0_DP])) == 0)
     after%facet = 1
     after%gap = [-0.7_DP, -0.7_DP, -0.2_DP]
-    call note_slaves(forensics, after, 1.0_DP)
-    call suite%that('jump: the first', all(jumped_nodes(forensics, after, [1.0_DP]) == [1]))
-    call suite%that('jump: alone', size(jumped_nodes(forensics, after, [1.0_DP])) == 1)
+    call record_active_set(forensics, after, 1.0_DP)
+    call suite%that('jump: the first', all(suddenly_deep_slaves(forensics, after, [1.0_DP]) == [1]))
+    call suite%that('jump: alone', size(suddenly_deep_slaves(forensics, after, [1.0_DP])) == 1)
   end subroutine check_nodes
 
 end program test_active_set_history

@@ -3,9 +3,11 @@
 program test_increment_control
   use amontons_kinds, only: DP
   use amontons_steps, only: step_type, controls_type
-  use amontons_convergence, only: progress_type, judge, VERDICT_GO_ON, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
-  use amontons_increment_control, only: stepper_type, effort_type, open_step, propose_time, accept_increment, reject_increment, &
-    STEP_GOES_ON, STEP_DONE, STEP_OUT_OF_INCREMENTS, CUT_BACK, GIVE_UP
+  use amontons_convergence, only: convergence_measures_type, assess_convergence, VERDICT_CONTINUE, VERDICT_CONVERGED, &
+    VERDICT_DIVERGES, VERDICT_TOO_SLOW
+  use amontons_increment_control, only: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
+    reject_increment, &
+    OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_NO_INCREMENTS_LEFT, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -25,19 +27,19 @@ contains
     real(DP) :: dt
     step%dt_initial = 0.1_DP
     step%dt_max = 0.1_DP
-    call open_step(stepper, step)
+    call begin_stepping(stepper, step)
     do i = 1, 10
-      dt = propose_time(stepper, step)
-      call accept_increment(stepper, step, dt, effort_type(4), outcome)
-      call suite%that('goes on until the tenth', outcome == merge(STEP_DONE, STEP_GOES_ON, i == 10))
+      dt = propose_increment(stepper, step)
+      call accept_increment(stepper, step, dt, attempt_effort_type(4), outcome)
+      call suite%that('goes on until the tenth', outcome == merge(OUTCOME_STEP_DONE, OUTCOME_CONTINUE, i == 10))
     end do
     call suite%near('the step ends at its end', stepper%step_time, 1.0_DP, 0.0_DP)
     step%max_increments = 3
-    call open_step(stepper, step)
+    call begin_stepping(stepper, step)
     do i = 1, 3
-      call accept_increment(stepper, step, 0.1_DP, effort_type(4), outcome)
+      call accept_increment(stepper, step, 0.1_DP, attempt_effort_type(4), outcome)
     end do
-    call suite%that('INC=3 is used up', outcome == STEP_OUT_OF_INCREMENTS)
+    call suite%that('INC=3 is used up', outcome == OUTCOME_NO_INCREMENTS_LEFT)
     call suite%that('second step', stepper%step == 2)
   end subroutine check_ten_tenths
 
@@ -49,36 +51,36 @@ contains
     step%dt_initial = 0.1_DP
     step%dt_min = 0.01_DP
     step%dt_max = 0.2_DP
-    call open_step(stepper, step)
-    call accept_increment(stepper, step, 0.1_DP, effort_type(3), outcome)
+    call begin_stepping(stepper, step)
+    call accept_increment(stepper, step, 0.1_DP, attempt_effort_type(3), outcome)
     call suite%near('one fast increment is not enough', stepper%dt, 0.1_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.1_DP, effort_type(3), outcome)
+    call accept_increment(stepper, step, 0.1_DP, attempt_effort_type(3), outcome)
     call suite%near('two fast ones: grow by d_d', stepper%dt, 0.15_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.15_DP, effort_type(3), outcome)
+    call accept_increment(stepper, step, 0.15_DP, attempt_effort_type(3), outcome)
     call suite%near('not above the largest allowed', stepper%dt, 0.2_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.2_DP, effort_type(step%controls%i_l + 1), outcome)
+    call accept_increment(stepper, step, 0.2_DP, attempt_effort_type(step%controls%i_l + 1), outcome)
     call suite%near('slow: shrink by d_b', stepper%dt, 0.15_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.15_DP, VERDICT_DIVERGES, outcome)
-    call suite%that('cut back', outcome == CUT_BACK .and. stepper%attempt == 2)
+    call suite%that('cut back', outcome == OUTCOME_CUT_BACK .and. stepper%attempt == 2)
     call suite%near('by d_f', stepper%dt, 0.0375_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.0375_DP, VERDICT_TOO_SLOW, outcome)
     call suite%near('by d_c', stepper%dt, 0.01875_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.01875_DP, VERDICT_DIVERGES, outcome)
     call suite%near('once to the least allowed', stepper%dt, 0.01_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.01_DP, VERDICT_DIVERGES, outcome)
-    call suite%that('then give up', outcome == GIVE_UP)
+    call suite%that('then give up', outcome == OUTCOME_GIVE_UP)
     step%dt_min = 0.0_DP
-    call open_step(stepper, step)
+    call begin_stepping(stepper, step)
     do i = 1, step%controls%i_a
       call reject_increment(stepper, step, 0.1_DP, VERDICT_DIVERGES, outcome)
-      call suite%that('i_a cut-backs are allowed', outcome == CUT_BACK)
+      call suite%that('i_a cut-backs are allowed', outcome == OUTCOME_CUT_BACK)
     end do
     call reject_increment(stepper, step, 0.1_DP, VERDICT_DIVERGES, outcome)
-    call suite%that('not one more', outcome == GIVE_UP)
+    call suite%that('not one more', outcome == OUTCOME_GIVE_UP)
     step%is_direct = .true.
-    call open_step(stepper, step)
+    call begin_stepping(stepper, step)
     call reject_increment(stepper, step, 0.1_DP, VERDICT_DIVERGES, outcome)
-    call suite%that('DIRECT never cuts', outcome == GIVE_UP)
+    call suite%that('DIRECT never cuts', outcome == OUTCOME_GIVE_UP)
   end subroutine check_growth_and_cuts
 
 
@@ -88,52 +90,52 @@ contains
     type(step_type) :: step
     integer :: outcome
     step%dt_initial = 0.01_DP
-    call open_step(stepper, step)
-    call accept_increment(stepper, step, 0.01_DP, effort_type(3), outcome)
-    call accept_increment(stepper, step, 0.01_DP, effort_type(3, n_cycles=1), outcome)
+    call begin_stepping(stepper, step)
+    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(3), outcome)
+    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(3, n_cycles_treated=1), outcome)
     call suite%near('not after cycles', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.01_DP, effort_type(3), outcome)
+    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(3), outcome)
     call suite%near('two without cycles are asked for', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.01_DP, effort_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
     call suite%near('statuses may change where nothing failed', stepper%dt, 0.015_DP, 1.0e-15_DP)
     call reject_increment(stepper, step, 0.015_DP, VERDICT_TOO_SLOW, outcome)
-    call accept_increment(stepper, step, 0.0075_DP, effort_type(5, n_unforeseen=2), outcome)
-    call accept_increment(stepper, step, 0.0075_DP, effort_type(5, n_unforeseen=2), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(5, n_status_changes=2), outcome)
     call suite%near('not where an attempt failed', stepper%dt, 0.0075_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.0075_DP, effort_type(4, n_unforeseen=2), outcome)
-    call accept_increment(stepper, step, 0.0075_DP, effort_type(5), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(4, n_status_changes=2), outcome)
+    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(5), outcome)
     call suite%near('but when contact is as foreseen, or soon is', stepper%dt, 0.01125_DP, 1.0e-15_DP)
-    call open_step(stepper, step)
-    call accept_increment(stepper, step, 0.01_DP, effort_type(5, n_unforeseen=2), outcome)
-    call accept_increment(stepper, step, 0.01_DP, effort_type(5, n_unforeseen=2), outcome)
+    call begin_stepping(stepper, step)
+    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
     call suite%near('a new step knows of no failure', stepper%dt, 0.015_DP, 1.0e-15_DP)
   end subroutine check_course
 
 
   subroutine check_verdicts()
     type(controls_type) :: controls
-    type(progress_type) :: progress
-    progress = progress_type(iteration=3, residual=[5.0e-7_DP, 1.0e-2_DP, 1.0_DP], correction=1.0e-3_DP)
-    call suite%that('estimated correction 5e-8', judge(controls, progress) == VERDICT_CONVERGED)
+    type(convergence_measures_type) :: progress
+    progress = convergence_measures_type(iteration=3, residual=[5.0e-7_DP, 1.0e-2_DP, 1.0_DP], correction=1.0e-3_DP)
+    call suite%that('estimated correction 5e-8', assess_convergence(controls, progress) == VERDICT_CONVERGED)
     progress%is_whole_step = .false.
-    call suite%that('no estimate after a damped step', judge(controls, progress) == VERDICT_GO_ON)
+    call suite%that('no estimate after a damped step', assess_convergence(controls, progress) == VERDICT_CONTINUE)
     progress%correction = 5.0e-7_DP
-    call suite%that('small correction', judge(controls, progress) == VERDICT_CONVERGED)
-    progress%is_arrived = .false.
-    call suite%that('supports have still way to go', judge(controls, progress) == VERDICT_GO_ON)
-    progress%is_arrived = .true.
+    call suite%that('small correction', assess_convergence(controls, progress) == VERDICT_CONVERGED)
+    progress%is_displacement_complete = .false.
+    call suite%that('supports have still way to go', assess_convergence(controls, progress) == VERDICT_CONTINUE)
+    progress%is_displacement_complete = .true.
     progress%gap = 2.0e-9_DP
-    call suite%that('a gap is left', judge(controls, progress) == VERDICT_GO_ON)
-    progress = progress_type(iteration=1, residual=[1.0e-10_DP, 0.0_DP, 0.0_DP], correction=1.0_DP)
-    call suite%that('a linear problem needs one iteration', judge(controls, progress) == VERDICT_CONVERGED)
-    progress = progress_type(iteration=9, residual=[3.0_DP, 2.0_DP, 1.0_DP], correction=1.0_DP)
-    call suite%that('grows twice', judge(controls, progress) == VERDICT_DIVERGES)
+    call suite%that('a gap is left', assess_convergence(controls, progress) == VERDICT_CONTINUE)
+    progress = convergence_measures_type(iteration=1, residual=[1.0e-10_DP, 0.0_DP, 0.0_DP], correction=1.0_DP)
+    call suite%that('a linear problem needs one iteration', assess_convergence(controls, progress) == VERDICT_CONVERGED)
+    progress = convergence_measures_type(iteration=9, residual=[3.0_DP, 2.0_DP, 1.0_DP], correction=1.0_DP)
+    call suite%that('grows twice', assess_convergence(controls, progress) == VERDICT_DIVERGES)
     progress%iteration = 8
-    call suite%that('not judged before i_0', judge(controls, progress) == VERDICT_GO_ON)
-    progress = progress_type(iteration=13, residual=[0.9_DP, 0.95_DP, 1.0_DP], correction=1.0_DP)
-    call suite%that('too slow', judge(controls, progress) == VERDICT_TOO_SLOW)
-    progress = progress_type(iteration=24, residual=[1.0e-3_DP, 1.0e-1_DP, 1.0_DP], correction=1.0_DP)
-    call suite%that('out of iterations', judge(controls, progress) == VERDICT_TOO_SLOW)
+    call suite%that('not judged before i_0', assess_convergence(controls, progress) == VERDICT_CONTINUE)
+    progress = convergence_measures_type(iteration=13, residual=[0.9_DP, 0.95_DP, 1.0_DP], correction=1.0_DP)
+    call suite%that('too slow', assess_convergence(controls, progress) == VERDICT_TOO_SLOW)
+    progress = convergence_measures_type(iteration=24, residual=[1.0e-3_DP, 1.0e-1_DP, 1.0_DP], correction=1.0_DP)
+    call suite%that('out of iterations', assess_convergence(controls, progress) == VERDICT_TOO_SLOW)
   end subroutine check_verdicts
 
 end program test_increment_control

@@ -4,15 +4,15 @@ program test_stick_after_search
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D8
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type, SEARCH_NODAL
+  use amontons_steps, only: step_type, LINE_SEARCH_NODAL
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_node_overrides, only: NODE_OVERRIDE_NONE
-  use amontons_slip_scenarios, only: slip_point_type, slip_verdict_type, slip_controls_type, classify_slip_scenarios
-  use amontons_equilibrium, only: system_type, create_system, begin_step, begin_increment, evaluate
-  use amontons_newton_step, only: linearise
-  use amontons_line_search, only: search_type, search_line
+  use amontons_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenarios
+  use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
+  use amontons_newton_step, only: linearize_equilibrium
+  use amontons_line_search, only: line_search_report_type, perform_line_search
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -30,11 +30,11 @@ contains
     logical, intent(in) :: is_nlgeom
     type(model_type) :: model
     type(step_type) :: step
-    type(system_type) :: system
+    type(equilibrium_type) :: system
     type(state_type) :: state, there
-    type(search_type) :: search
-    type(slip_point_type), allocatable :: at_u(:), at_ud(:)
-    type(slip_verdict_type), allocatable :: verdicts(:)
+    type(line_search_report_type) :: search
+    type(slip_state_type), allocatable :: at_u(:), at_ud(:)
+    type(slip_result_type), allocatable :: verdicts(:)
     type(slip_controls_type) :: controls
     real(DP), allocatable :: du(:, :), d(:, :)
     logical, allocatable :: is_cut(:)
@@ -43,7 +43,7 @@ contains
     step = model%steps(1)
     model%materials(1)%poissons_ratio = 0.0_DP     ! pressed, it does not shear
     call slide(model, step, system, state)
-    allocate (at_u, source=system%contact%view)
+    allocate (at_u, source=system%contact%slip_data)
     allocate (du, mold=state%new%u)
     du = 0.0_DP
     do s = 1, size(at_u)
@@ -51,31 +51,31 @@ contains
     end do
     there = state
     there%new%u = state%new%u + du
-    call evaluate(system, model, step, there, trouble, is_frozen=.false.)
-    allocate (at_ud, source=system%contact%view)
+    call evaluate_equilibrium(system, model, step, there, trouble, is_frozen=.false.)
+    allocate (at_ud, source=system%contact%slip_data)
     controls%force_zero = step%controls%r_n * system%largest_force
-    call evaluate(system, model, step, state, trouble, is_frozen=.true.)   ! back at u
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)   ! back at u
     allocate (verdicts(size(at_u)), d(3, size(at_u)))
     do s = 1, size(at_u)
       d(:, s) = at_ud(s)%slip - at_u(s)%slip
     end do
-    controls%balance = step%controls%r_n
+    controls%slip_tolerance = step%controls%r_n
     controls%alpha_min = step%controls%s_min
     controls%alpha_max = step%controls%s_max
     call classify_slip_scenarios(at_u, at_ud, d, controls, verdicts)
     is_cut = verdicts%becomes_stick
     call suite%that(name // ': some nodes are cut', count(is_cut) > 1)
-    step%line_search = SEARCH_NODAL
-    call search_line(system, model, step, du, state%new%slaves, state, search, trouble)
+    step%line_search = LINE_SEARCH_NODAL
+    call perform_line_search(system, model, step, du, state%new%slaves, state, search, trouble)
     call suite%that(name // ': the lengths of the nodes are taken', trouble == 0 .and. .not. search%is_whole_step)
     call suite%that(name // ': they stick', all(state%new%slaves%status == STATUS_STICK .or. .not. is_cut))
     call suite%that(name // ': against the trial traction of some', system%contact%n_imposed > 0)
     do s = 1, size(at_u)
-      if (is_cut(s)) call suite%near(name // ': at zero slip', norm2(system%contact%view(s)%slip), 0.0_DP, &
+      if (is_cut(s)) call suite%near(name // ': at zero slip', norm2(system%contact%slip_data(s)%slip), 0.0_DP, &
         1.0e-3_DP * norm2(at_u(s)%slip))
     end do
     call suite%that(name // ': the next evaluation decides anew', all(state%new%slaves%overrides%status == NODE_OVERRIDE_NONE))
-    call evaluate(system, model, step, state, trouble, is_frozen=.false.)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.false.)
     call suite%that(name // ': by the trial traction', system%contact%n_imposed == 0 .and. &
       any(state%new%slaves%status == STATUS_SLIP .and. is_cut))
   end subroutine check_back_slip
@@ -85,20 +85,20 @@ contains
   subroutine slide(model, step, system, state)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(system_type), intent(inout) :: system
+    type(equilibrium_type), intent(inout) :: system
     type(state_type), intent(inout) :: state
     type(error_type), allocatable :: error
     integer :: n, trouble
-    call create_system(system, model, state, error)
+    call create_equilibrium(system, model, state, error)
     call begin_step(system, model, step, state, error)
     call begin_increment(system, model, step, .true., state)
     do n = 19, model%mesh%n_nodes                  ! the upper block
       state%new%u(:, n) = [0.06_DP, 0.03_DP, merge(-0.06_DP, 0.0_DP, n > 34)]
     end do
     where (state%new%slaves%status /= STATUS_OPEN) state%new%slaves%status = STATUS_SLIP
-    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
-    call linearise(system, model, step, state, trouble, error)
-    call evaluate(system, model, step, state, trouble, is_frozen=.true.)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
+    call linearize_equilibrium(system, model, step, state, trouble, error)
+    call evaluate_equilibrium(system, model, step, state, trouble, is_frozen=.true.)
   end subroutine slide
 
 
@@ -120,7 +120,7 @@ contains
       allocate (mesh%node_sets(0), mesh%element_sets(0))
       call fill_block(2, 0, 0, [-1.0_DP, 0.0_DP], sag, mesh)
       call fill_block(3, 18, 4, [0.0_DP, 1.0_DP], sag, mesh)
-      call finish_mesh(mesh)
+      call finalize_mesh(mesh)
     end associate
     allocate (model%materials(1), model%surfaces(2), model%interactions(1), model%pairs(1), model%amplitudes(0), &
       model%equations(0), model%steps(1))

@@ -5,12 +5,12 @@ program test_tunnelling_check
   use amontons_errors, only: error_type
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, &
     KIND_C3D10, KIND_C3D20
-  use amontons_mesh, only: mesh_type, finish_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: build_facets
   use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
-  use amontons_state, only: slave_type
+  use amontons_state, only: slave_state_type
   use amontons_contact_pairs, only: contact_type
-  use amontons_tunnelling_check, only: passed_through
+  use amontons_tunnelling_check, only: find_tunnelled_slave
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -39,7 +39,7 @@ contains
     allocate (contact%facets(1))
     call build_facets(mesh, element, face, contact%facets(1), error)
     if (allocated(error)) error stop 'the sample surface is bad'
-    contact%is_small = [.false.]
+    contact%has_fixed_geometry = [.false.]
     contact%is_removed = [.false.]
     contact%edge = [maxval(contact%facets(1)%edge_length)]
   end subroutine make_pair
@@ -56,7 +56,7 @@ contains
     real(DP), parameter :: CORNER(3) = [1.5_DP, 1.5_DP, 4.0_DP]
     type(mesh_type) :: mesh
     type(contact_type) :: contact
-    type(slave_type) :: slave
+    type(slave_state_type) :: slave
     real(DP), allocatable :: x_old(:, :), x_new(:, :)
     real(DP) :: from(3), to(3), place(2), part
     integer :: i, n, n_wrong, n_through
@@ -65,7 +65,7 @@ contains
     n = mesh%n_nodes + 1
     x_old = reshape([mesh%coordinates, 0.0_DP, 0.0_DP, 0.0_DP], [3, n])
     x_new = x_old + spread(motion, 2, n)
-    slave = slave_type(pair=1, node=n)
+    slave = slave_state_type(pair=1, node=n)
     n_wrong = 0
     n_through = 0
     do i = 1, 2000
@@ -78,7 +78,7 @@ contains
       if (from(3) - to(3) < 0.25_DP * norm2(to - from)) is_through = is_through .and. all(to(:2) > 0.0_DP .and. to(:2) < EXTENT)
       x_old(:, n) = from
       x_new(:, n) = to + motion
-      if ((passed_through(contact, x_old, x_new, [slave], [slave]) > 0) .neqv. is_through) n_wrong = n_wrong + 1
+      if ((find_tunnelled_slave(contact, x_old, x_new, [slave], [slave]) > 0) .neqv. is_through) n_wrong = n_wrong + 1
       if (is_through) n_through = n_through + 1
     end do
     call suite%that('some ways go through', n_through > 200)
@@ -91,7 +91,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(contact_type) :: contact
-    type(slave_type) :: slave
+    type(slave_state_type) :: slave
     real(DP), allocatable :: x_old(:, :), x_new(:, :)
     real(DP) :: place(2)
     integer :: i, n, n_through, n_above
@@ -101,16 +101,16 @@ contains
     n = mesh%n_nodes + 1
     x_old = reshape([mesh%coordinates, 0.0_DP, 0.0_DP, 0.0_DP], [3, n])
     x_new = x_old
-    slave = slave_type(pair=1, node=n)
+    slave = slave_state_type(pair=1, node=n)
     n_through = 0
     n_above = 0
     do i = 1, 500
       place = 0.5_DP + [7.5_DP, 6.0_DP] * modulo([0.754878_DP, 0.569840_DP] * real(i, DP), 1.0_DP)
       x_old(:, n) = [place, 2.0_DP]
       x_new(:, n) = [place, -4.0_DP]
-      if (passed_through(contact, x_old, x_new, [slave], [slave]) > 0) n_through = n_through + 1
+      if (find_tunnelled_slave(contact, x_old, x_new, [slave], [slave]) > 0) n_through = n_through + 1
       x_new(:, n) = [place(2:1:-1), 1.0_DP]
-      if (passed_through(contact, x_old, x_new, [slave], [slave]) > 0) n_above = n_above + 1
+      if (find_tunnelled_slave(contact, x_old, x_new, [slave], [slave]) > 0) n_above = n_above + 1
     end do
     call suite%that('all that go down are found', n_through == 500)
     call suite%that('none that stays above is', n_above == 0)
@@ -122,20 +122,20 @@ contains
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(contact_type) :: contact
-    type(slave_type) :: slaves(4)
+    type(slave_state_type) :: slaves(4)
     real(DP), allocatable :: x_old(:, :), x_new(:, :)
     integer :: i, n
     call make_pair(FACET_TRI3, 4, mesh, contact)
     n = mesh%n_nodes
-    slaves = [(slave_type(pair=1, node=n + i), i=1, 4)]
+    slaves = [(slave_state_type(pair=1, node=n + i), i=1, 4)]
     x_old = reshape([mesh%coordinates, (4.3_DP, 3.0_DP + real(i, DP), 1.0_DP, i=1, 4)], [3, n + 4])
     x_new = x_old
     x_new(3, n + 2:n + 3) = -1.0_DP
-    call suite%that('the first that passed', passed_through(contact, x_old, x_new, slaves, slaves) == 2)
-    slaves(2)%overrides%side = NODE_OVERRIDE_GIVES_WAY
-    call suite%that('another side watches', passed_through(contact, x_old, x_new, slaves, slaves) == 3)
+    call suite%that('the first that passed', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 2)
+    slaves(2)%overrides%slave_facet = NODE_OVERRIDE_GIVES_WAY
+    call suite%that('another side watches', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 3)
     contact%is_removed(1) = .true.
-    call suite%that('a pair that is out', passed_through(contact, x_old, x_new, slaves, slaves) == 0)
+    call suite%that('a pair that is out', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 0)
   end subroutine check_first
 
 end program test_tunnelling_check

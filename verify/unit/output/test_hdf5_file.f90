@@ -8,8 +8,9 @@ program test_hdf5_file
     h5tclose_f, h5tget_size_f
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_hdf5_file, only: append_rows, close_store, create_group, create_store, create_table, flush_store, &
-    form_type, store_type, table_type, write_attribute, write_data, STORE_I32, STORE_I64, STORE_TEXT, STORE_U8
+  use amontons_hdf5_file, only: append_rows, close_hdf5, create_group, create_hdf5, create_table, flush_hdf5, &
+    hdf5_layout_type, hdf5_file_type, hdf5_table_type, write_attribute, write_data, STORAGE_I32, STORAGE_I64, STORAGE_TEXT, &
+    STORAGE_U8
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -27,13 +28,13 @@ contains
   !> Data sets of fixed size: values, shape, size of a value in the file, label, attributes.
   subroutine test_data(suite)
     type(suite_type), intent(inout) :: suite
-    type(store_type) :: store
+    type(hdf5_file_type) :: store
     type(error_type), allocatable :: error
     integer :: i, long(3000)
     real(DP) :: matrix(3, 2)
     matrix = reshape([1.0_DP, 2.0_DP, 3.0_DP, 4.0_DP, 5.0_DP, 6.5_DP], [3, 2])
     long = [(i, i=1, 3000)]
-    call create_store(store, 'data.h5', error)
+    call create_hdf5(store, 'data.h5', error)
     call expect(suite, 'create_store', error)
     call suite%that('the store is open', store%is_open)
     call create_group(store, '/a', error)
@@ -42,9 +43,9 @@ contains
     call expect(suite, 'reals', error)
     call write_data(store, '/a/matrix', matrix, '[force]', 'A matrix.', error)
     call expect(suite, 'real matrix', error)
-    call write_data(store, '/a/long', long, '[-]', 'Many integers.', error, STORE_I64)
+    call write_data(store, '/a/long', long, '[-]', 'Many integers.', error, STORAGE_I64)
     call expect(suite, 'integers', error)
-    call write_data(store, '/a/bytes', [0, 12, 255], '[-]', 'Bytes.', error, STORE_U8)
+    call write_data(store, '/a/bytes', [0, 12, 255], '[-]', 'Bytes.', error, STORAGE_U8)
     call expect(suite, 'bytes', error)
     call write_data(store, '/a/pairs', reshape(long(:6), [2, 3]), '[-]', 'Pairs.', error)
     call expect(suite, 'integer matrix', error)
@@ -59,7 +60,7 @@ contains
     call write_attribute(store, '/a', 'count', [7], error)
     call write_attribute(store, '/a', 'count', [8], error)
     call expect(suite, 'attribute is overwritten', error)
-    call close_store(store, error)
+    call close_hdf5(store, error)
     call expect(suite, 'close_store', error)
     call suite%that('the store is closed', .not. store%is_open)
 
@@ -85,21 +86,21 @@ contains
   subroutine test_tables(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: N = 500, BLOCKS = 5
-    type(store_type) :: store
-    type(table_type) :: column, blocks_table, longs, words, integers
+    type(hdf5_file_type) :: store
+    type(hdf5_table_type) :: column, blocks_table, longs, words, integers
     type(error_type), allocatable :: error
     real(DP) :: block(3, N), read_back(3, N, BLOCKS)
     integer :: i, read_integers(2, 300)
-    call create_store(store, 'tables.h5', error)
-    call create_table(store, column, '/column', form_type(), '[time]', 'A column.', error)
+    call create_hdf5(store, 'tables.h5', error)
+    call create_table(store, column, '/column', hdf5_layout_type(), '[time]', 'A column.', error)
     call expect(suite, 'create a column', error)
-    call create_table(store, blocks_table, '/blocks', form_type(width=3, n_rows_hint=N), '[-]', 'Blocks.', error)
+    call create_table(store, blocks_table, '/blocks', hdf5_layout_type(width=3, n_rows_hint=N), '[-]', 'Blocks.', error)
     call expect(suite, 'create a table of blocks', error)
-    call create_table(store, longs, '/longs', form_type(storage=STORE_I64, is_matrix=.true.), '[-]', 'Long.', error)
+    call create_table(store, longs, '/longs', hdf5_layout_type(storage=STORAGE_I64, is_matrix=.true.), '[-]', 'Long.', error)
     call expect(suite, 'create a table of long integers', error)
-    call create_table(store, words, '/words', form_type(storage=STORE_TEXT, width=4), '[-]', 'Words.', error)
+    call create_table(store, words, '/words', hdf5_layout_type(storage=STORAGE_TEXT, width=4), '[-]', 'Words.', error)
     call expect(suite, 'create a table of texts', error)
-    call create_table(store, integers, '/integers', form_type(storage=STORE_I32, width=2), '[-]', 'Integers.', error)
+    call create_table(store, integers, '/integers', hdf5_layout_type(storage=STORAGE_I32, width=2), '[-]', 'Integers.', error)
     do i = 1, 300
       call append_rows(store, column, reshape([real(i, DP)], [1, 1]), error)
       if (.not. allocated(error)) call append_rows(store, integers, reshape([i, -i], [2, 1]), error)
@@ -120,7 +121,7 @@ contains
     call append_rows(store, words, 'too long', error)
     call expect(suite, 'add texts', error)
     call suite%that('rows are counted', column%n_rows == 300 .and. blocks_table%n_rows == N * BLOCKS)
-    call close_store(store, error)
+    call close_hdf5(store, error)
     call expect(suite, 'close', error)
 
     call suite%that('column is exact', same(reals_of('tables.h5', '/column', 300), [(real(i, DP), i=1, 300)]))
@@ -147,17 +148,17 @@ contains
   subroutine test_packing(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: LENGTHS(3) = [1000, 46367, 200000]
-    type(store_type) :: store
-    type(table_type) :: table
+    type(hdf5_file_type) :: store
+    type(hdf5_table_type) :: table
     type(error_type), allocatable :: error
     integer(int64), allocatable :: words(:), found(:)
     integer :: k
     do k = 1, size(LENGTHS)
       words = mixed_words(LENGTHS(k))
-      call create_store(store, 'packed.h5', error)
-      call create_table(store, table, '/packed', form_type(width=1, n_rows_hint=LENGTHS(k)), '[-]', 'Bytes.', error)
+      call create_hdf5(store, 'packed.h5', error)
+      call create_table(store, table, '/packed', hdf5_layout_type(width=1, n_rows_hint=LENGTHS(k)), '[-]', 'Bytes.', error)
       call append_rows(store, table, reshape(transfer(words, [0.0_DP]), [1, LENGTHS(k)]), error)
-      call close_store(store, error)
+      call close_hdf5(store, error)
       call expect(suite, 'pack', error)
       found = transfer(reals_of('packed.h5', '/packed', LENGTHS(k)), found)
       call suite%that('packed and unpacked to the bit', size(found) == size(words))
@@ -201,34 +202,34 @@ contains
   !> After a flush another reader finds the rows although the store is open: no lock, and a whole file.
   subroutine test_readable_while_open(suite)
     type(suite_type), intent(inout) :: suite
-    type(store_type) :: store
-    type(table_type) :: column
+    type(hdf5_file_type) :: store
+    type(hdf5_table_type) :: column
     type(error_type), allocatable :: error
     integer :: status
-    call create_store(store, 'open.h5', error)
-    call create_table(store, column, '/column', form_type(), '[time]', 'A column.', error)
+    call create_hdf5(store, 'open.h5', error)
+    call create_table(store, column, '/column', hdf5_layout_type(), '[time]', 'A column.', error)
     call append_rows(store, column, reshape([1.5_DP], [1, 1]), error)
-    call flush_store(store, error)
+    call flush_hdf5(store, error)
     call expect(suite, 'flush_store', error)
     call execute_command_line('cp open.h5 copy.h5', exitstat=status)
     call suite%that('the file of an open store can be copied', status == 0)
     call suite%that('the copy is whole', same(reals_of('copy.h5', '/column', 1), [1.5_DP]))
-    call close_store(store, error)
+    call close_hdf5(store, error)
   end subroutine test_readable_while_open
 
 
   !> Whatever fails is an error with EXIT_IO, the path and what was tried.
   subroutine test_errors(suite)
     type(suite_type), intent(inout) :: suite
-    type(store_type) :: store, other
-    type(table_type) :: table
+    type(hdf5_file_type) :: store, other
+    type(hdf5_table_type) :: table
     type(error_type), allocatable :: error
-    call create_store(store, 'no/such/folder/x.h5', error)
+    call create_hdf5(store, 'no/such/folder/x.h5', error)
     call expect_error(suite, error, 'Result file no/such/folder/x.h5: cannot create it')
     call suite%that('it is not open', .not. store%is_open)
-    call close_store(store, error)
+    call close_hdf5(store, error)
     call expect(suite, 'closing what is not open', error)
-    call create_store(store, 'errors.h5', error)
+    call create_hdf5(store, 'errors.h5', error)
     call create_group(store, '/g', error)
     call create_group(store, '/g', error)
     call expect_error(suite, error, 'Result file errors.h5: cannot create the group /g.')
@@ -238,39 +239,39 @@ contains
     call expect_error(suite, error, 'Result file errors.h5: cannot write the data set /no/text.')
     call write_attribute(store, '/nothing', 'name', [1], error)
     call expect_error(suite, error, 'Result file errors.h5: cannot write the attribute name of /nothing.')
-    call create_table(store, table, '/no/table', form_type(), '[-]', 'Nowhere.', error)
+    call create_table(store, table, '/no/table', hdf5_layout_type(), '[-]', 'Nowhere.', error)
     call expect_error(suite, error, 'Result file errors.h5: cannot create the table /no/table.')
     call append_rows(store, table, reshape([1.0_DP], [1, 1]), error)
     call expect_error(suite, error, 'Result file errors.h5: cannot add rows to /no/table')
-    call create_table(store, table, '/table', form_type(), '[-]', 'A table.', error)
-    call create_store(other, 'other.h5', error)
-    call close_store(store, error)
+    call create_table(store, table, '/table', hdf5_layout_type(), '[-]', 'A table.', error)
+    call create_hdf5(other, 'other.h5', error)
+    call close_hdf5(store, error)
     call expect(suite, 'closing with a table open', error)
     call append_rows(store, table, reshape([1.0_DP], [1, 1]), error)
     call expect_error(suite, error, 'Result file errors.h5: cannot add rows to /table')
-    call flush_store(store, error)
+    call flush_hdf5(store, error)
     call expect_error(suite, error, 'Result file errors.h5: cannot write it to disk')
     call create_group(other, '/still/open', error)
     call expect_error(suite, error, 'Result file other.h5: cannot create the group /still/open.')
     call create_group(other, '/still', error)
     call expect(suite, 'the other store is still open', error)
-    call close_store(other, error)
+    call close_hdf5(other, error)
   end subroutine test_errors
 
 
   !> A disk without space (the device that says so): the error comes at the flush at the latest, and closing ends.
   subroutine test_full_disk(suite)
     type(suite_type), intent(inout) :: suite
-    type(store_type) :: store
+    type(hdf5_file_type) :: store
     type(error_type), allocatable :: error
     logical :: is_there
     inquire (file='/dev/full', exist=is_there)
     if (.not. is_there) return
-    call create_store(store, '/dev/full', error)
+    call create_hdf5(store, '/dev/full', error)
     if (.not. allocated(error)) call create_group(store, '/g', error)
-    if (.not. allocated(error)) call flush_store(store, error)
+    if (.not. allocated(error)) call flush_hdf5(store, error)
     call expect_error(suite, error, 'Result file /dev/full: cannot ')
-    call close_store(store, error)
+    call close_hdf5(store, error)
     call suite%that('a store on a full disk closes', .not. store%is_open)
   end subroutine test_full_disk
 

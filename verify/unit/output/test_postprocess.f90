@@ -2,11 +2,11 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_postprocess
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
-    KIND_C3D8_FULL, MAX_NODES, MAX_POINTS, N_SOLID_KINDS
-  use amontons_mesh, only: element_nodes, finish_mesh, mesh_type
+  use amontons_topology, only: element_kind, element_kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
+    KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS
+  use amontons_mesh, only: element_nodes, finalize_mesh, mesh_type
   use amontons_shape_functions, only: node_coordinates, quadrature, shape_functions
-  use amontons_postprocess, only: average_at_nodes, point_volumes
+  use amontons_postprocess, only: average_at_nodes, integration_point_volumes
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -29,7 +29,7 @@ contains
     mesh%kind = [KIND_C3D8, KIND_C3D8_FULL]
     mesh%first = [1, 9, 17]
     mesh%nodes = [1, 2, 3, 4, 5, 6, 7, 8, 5, 6, 7, 8, 9, 10, 11, 12]
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
     values(1, :8) = 1
     values(1, 9:) = 5
     values(2, :8) = -2
@@ -48,7 +48,7 @@ contains
     type(suite_type), intent(inout) :: suite
     integer, parameter :: KINDS(5) = [KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R]
     type(mesh_type) :: mesh
-    real(DP) :: xi(3, MAX_POINTS), w(MAX_POINTS), N(MAX_NODES), dN(3, MAX_NODES), x(3)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), x(3)
     real(DP), allocatable :: values(:, :), averages(:, :), expected(:)
     integer :: i, p
     do i = 1, size(KINDS)
@@ -82,12 +82,12 @@ contains
     real(DP), parameter :: PARENT(N_SOLID_KINDS) = [1 / 6.0_DP, 1.0_DP, 8.0_DP, 8.0_DP, &
       1 / 6.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 1.0_DP]
     type(mesh_type) :: mesh
-    type(kind_type) :: entry
-    real(DP) :: volumes(MAX_POINTS)
+    type(element_kind_type) :: entry
+    real(DP) :: volumes(MAX_ELEMENT_POINTS)
     integer :: kind, n
     do kind = 1, N_SOLID_KINDS
       call make_mesh(kind, mesh)
-      call point_volumes(mesh, 1, n, volumes)
+      call integration_point_volumes(mesh, 1, n, volumes)
       entry = element_kind(kind)
       call suite%that('number of points', n == entry%n_points)
       call suite%near('volume, kind ' // achar(48 + kind), sum(volumes(:n)), 6 * PARENT(kind), 1.0e-13_DP)
@@ -102,8 +102,8 @@ contains
     type(mesh_type), intent(out) :: mesh
     real(DP), parameter :: MAP(3, 3) = reshape([real(DP) :: &
       1, 0, 0, 0.3_DP, 2, 0, -0.2_DP, 0.4_DP, 3], [3, 3])
-    real(DP) :: xi(3, MAX_NODES)
-    type(kind_type) :: entry
+    real(DP) :: xi(3, MAX_ELEMENT_NODES)
+    type(element_kind_type) :: entry
     integer :: i
     entry = element_kind(kind)
     call node_coordinates(kind, xi)
@@ -113,7 +113,7 @@ contains
     mesh%kind = [kind]
     mesh%first = [1, entry%n_nodes + 1]
     mesh%nodes = [(i, i=1, entry%n_nodes)]
-    call finish_mesh(mesh)
+    call finalize_mesh(mesh)
   end subroutine make_mesh
 
 end program test_postprocess

@@ -3,14 +3,15 @@
 program test_text_output
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_topology, only: element_kind, kind_type, MAX_NODES, N_SOLID_KINDS
-  use amontons_mesh, only: finish_mesh, mesh_type, set_type
+  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
+  use amontons_mesh, only: finalize_mesh, mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
   use amontons_model, only: job_options_type, model_type, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
   use amontons_shape_functions, only: node_coordinates
-  use amontons_text_output, only: close_printed, open_printed, print_fields, print_increment, print_iteration, printed_type
+  use amontons_text_output, only: close_text_output, open_text_output, print_fields, print_increment, print_iteration, &
+    text_output_type
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -32,11 +33,11 @@ contains
   !> Converged and failed attempts; the file is complete on disk while it is open.
   subroutine test_sta(suite)
     type(suite_type), intent(inout) :: suite
-    type(printed_type) :: printed
+    type(text_output_type) :: printed
     type(model_type) :: model
     type(error_type), allocatable :: error
     call make_model(model)
-    call open_printed(printed, model, make_options('sta'), error)
+    call open_text_output(printed, model, make_options('sta'), error)
     call suite%that('open_printed', .not. allocated(error))
     call print_increment(printed, make_record(1, 1, 1, .false.))
     call print_increment(printed, make_record(2, 12, 2, .true.))
@@ -46,7 +47,7 @@ contains
       '      3      1      1        1        2        3        4    0     0       0  0.1000E-06  0.0000E+00')
     call expect_line(suite, 'sta.sta', 4, '     2         12     2     4  0.650000E+01  0.600000E+01  0.500000E+00')
     call suite%that('four lines', count_lines('sta.sta') == 4)
-    call close_printed(printed)
+    call close_text_output(printed)
     call print_increment(printed, make_record(2, 13, 1, .true.))
     call suite%that('nothing is written after closing', count_lines('sta.sta') == 4)
   end subroutine test_sta
@@ -55,15 +56,15 @@ contains
   !> Four head lines, and residual and correction in per cent.
   subroutine test_cvg(suite)
     type(suite_type), intent(inout) :: suite
-    type(printed_type) :: printed
+    type(text_output_type) :: printed
     type(model_type) :: model
     type(iteration_record_type) :: record
     type(error_type), allocatable :: error
     call make_model(model)
-    call open_printed(printed, model, make_options('cvg'), error)
+    call open_text_output(printed, model, make_options('cvg'), error)
     record = iteration_record_type(step=1, increment=2, attempt=3, iteration=4, n_closed=243, residual=0.007734_DP, &
-      correction=1.0_DP, n_status=[5, 6, 7], n_scenario=[1, 2, 3, 4], n_opened=8, n_closed_now=9, step_length=0.5_DP, &
-      n_krylov=11, worst_gap=-1.0e-9_DP, n_balanced=12, n_rounds=13)
+      correction=1.0_DP, n_status=[5, 6, 7], n_scenario=[1, 2, 3, 4], n_newly_opened=8, n_newly_closed=9, step_length=0.5_DP, &
+      n_krylov=11, max_gap_error=-1.0e-9_DP, n_slip_converged=12, n_subproblem_iterations=13)
     call print_iteration(printed, record)
     call expect_line(suite, 'cvg.cvg', 1, 'SUMMARY OF C0NVERGENCE INFORMATION')
     call expect_line(suite, 'cvg.cvg', 2, &
@@ -75,7 +76,7 @@ contains
     call expect_line(suite, 'cvg.cvg', 5, &
       '     1     2     3     4      243  0.7734E+00  0.1000E+03  0.0000E+00  0.0000E+00' // &
       '      5      6      7      1      2      3      4      8      9     11  0.50000E+00 -0.10000E-08     12     13')
-    call close_printed(printed)
+    call close_text_output(printed)
   end subroutine test_cvg
 
 
@@ -186,7 +187,7 @@ contains
   !> Only what is due: not increment 0, every second increment, and the last of the step.
   subroutine test_frequency(suite)
     type(suite_type), intent(inout) :: suite
-    type(printed_type) :: printed
+    type(text_output_type) :: printed
     type(model_type) :: model
     type(fields_type) :: fields
     type(error_type), allocatable :: error
@@ -197,7 +198,7 @@ contains
     call add_request(model, PRINT_NODE, 1, [character(4) :: 'U'])
     model%steps(1)%print_frequency = 2
     model%steps(1)%period = 2.5_DP
-    call open_printed(printed, model, make_options('often'), error)
+    call open_text_output(printed, model, make_options('often'), error)
     do increment = 0, 5
       call print_fields(printed, model, fields, make_record(1, increment, 1, .true.), error)
       call suite%that('print_fields', .not. allocated(error))
@@ -208,20 +209,20 @@ contains
     model%steps(1)%print_frequency = 0
     call print_fields(printed, model, fields, make_record(1, 5, 1, .true.), error)
     call suite%that('FREQUENCY=0 prints nothing', count_lines('often.dat') == 33)
-    call close_printed(printed)
+    call close_text_output(printed)
   end subroutine test_frequency
 
 
   !> Without PRINT cards there is no .dat file.
   subroutine test_no_dat(suite)
     type(suite_type), intent(inout) :: suite
-    type(printed_type) :: printed
+    type(text_output_type) :: printed
     type(model_type) :: model
     type(error_type), allocatable :: error
     logical :: is_there
     call make_model(model)
-    call open_printed(printed, model, make_options('silent'), error)
-    call close_printed(printed)
+    call open_text_output(printed, model, make_options('silent'), error)
+    call close_text_output(printed)
     inquire (file='silent.dat', exist=is_there)
     call suite%that('no .dat', .not. is_there)
     inquire (file='silent.sta', exist=is_there)
@@ -232,14 +233,14 @@ contains
   !> A folder that does not exist is told with its path.
   subroutine test_no_folder(suite)
     type(suite_type), intent(inout) :: suite
-    type(printed_type) :: printed
+    type(text_output_type) :: printed
     type(model_type) :: model
     type(job_options_type) :: options
     type(error_type), allocatable :: error
     call make_model(model)
     options = make_options('job')
     options%outdir = 'no/such/folder'
-    call open_printed(printed, model, options, error)
+    call open_text_output(printed, model, options, error)
     call suite%that('there is an error', allocated(error))
     if (.not. allocated(error)) return
     call suite%that('its code', error%code == EXIT_IO)
@@ -272,15 +273,15 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type), intent(in) :: model
     character(*), intent(in) :: name
-    type(printed_type) :: printed
+    type(text_output_type) :: printed
     type(fields_type) :: fields
     type(error_type), allocatable :: error
     call make_fields(model, 1, fields)
-    call open_printed(printed, model, make_options(name), error)
+    call open_text_output(printed, model, make_options(name), error)
     call suite%that('open_printed', .not. allocated(error))
     call print_fields(printed, model, fields, make_record(1, 1, 1, .true.), error)
     call suite%that('print_fields', .not. allocated(error))
-    call close_printed(printed)
+    call close_text_output(printed)
   end subroutine print_one
 
 
