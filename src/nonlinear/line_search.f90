@@ -82,7 +82,7 @@ contains
     start%is_merit_comparable = is_displacement_complete(system, state%new%u)
     call try_full_step(system, model, step, du, start, state, report, outcome)
     if (outcome /= OUTCOME_OK) return
-    call classify_slip_scenarios(system, step, start, report, verdicts)
+    call classify_slave_nodes(system, step, start, report, verdicts)
     select case (step%line_search)
     case (LINE_SEARCH_ALL)
       call try_length(find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, controls_of(system, &
@@ -184,7 +184,7 @@ contains
 
 
   !> Status and scenario of every slave node between the iterate and the full step.
-  pure subroutine classify_slip_scenarios(system, step, start, report, verdicts)
+  pure subroutine classify_slave_nodes(system, step, start, report, verdicts)
     type(equilibrium_type), intent(in) :: system        !< evaluated after the full step
     type(step_type), intent(in) :: step
     type(search_start_type), intent(in) :: start
@@ -199,7 +199,7 @@ contains
     call classify_slip_scenarios(start%slip_data, system%contact%slip_data, d, controls_of(system, step), verdicts)
     report%n_slip_converged = count(verdicts%status == STATUS_BALANCED)
     report%n_scenario = [(count(verdicts%scenario == scenario), scenario=1, 4)]
-  end subroutine classify_slip_scenarios
+  end subroutine classify_slave_nodes
 
 
   !> The scenario of each node that this iteration moved by one; the others show that of an earlier iteration.

@@ -332,7 +332,8 @@ contains
   subroutine check_many(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: M = 5
-    real(DP), parameter :: AT_U(M) = [5, 5, 1, 1, 1], AT_UD(M) = [2, 4, 4, 2, 1]   ! Rt along t
+    real(DP), parameter :: AT_U(M) = [5.0_DP, 5.0_DP, 1.0_DP, 1.0_DP, 1.0_DP]     ! Rt along t
+    real(DP), parameter :: AT_UD(M) = [2.0_DP, 4.0_DP, 4.0_DP, 2.0_DP, 1.0_DP]
     real(DP), parameter :: G_U(M) = [0.0_DP, 0.0_DP, 0.2_DP, 0.2_DP, 0.0_DP], G_UD(M) = [0.0_DP, 0.0_DP, 0.1_DP, -0.1_DP, 0.0_DP]
     type(slip_state_type) :: u(M), ud(M)
     type(slip_result_type) :: verdicts(M)
