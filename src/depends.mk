@@ -94,9 +94,10 @@ uses_master_symmetry_planes = kinds steps model facets surface_projection
 uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 
 # friction
-uses_pressure_overclosure = kinds surfaces
-uses_local_equilibrium = kinds tensor surfaces pressure_overclosure
 uses_slip_scenarios = kinds
+uses_pressure_overclosure = kinds surfaces slip_scenarios
+uses_local_equilibrium = kinds tensor surfaces slip_scenarios pressure_overclosure
+uses_node_overrides = kinds
 
 # mortar
 uses_dual_shape_functions = kinds dense topology
@@ -108,7 +109,11 @@ uses_segment_derivatives = kinds tensor dense topology shape_functions facets du
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
+<<<<<<< HEAD
 uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios
+=======
+uses_state = kinds tensor loads materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios node_overrides
+>>>>>>> decision
 uses_model_change = mesh model state
 uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
 
@@ -127,39 +132,51 @@ uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data 
 # contact
 uses_slave_nodes = kinds surfaces local_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
-uses_shared_slave_nodes = kinds facets state slave_nodes
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows facet_search surface_projection tributary_areas local_equilibrium mortar state constraints slave_nodes user_contact shared_slave_nodes
-uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows pressure_overclosure local_equilibrium slip_scenarios state slave_nodes user_contact shared_slave_nodes contact_pairs
-uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas mortar state slave_nodes shared_slave_nodes contact_pairs
+uses_shared_slave_nodes = kinds facets node_overrides state
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows facet_search surface_projection tributary_areas slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
+uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_integration_points mortar state contact_pairs
-uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
+uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 
 # equilibrium
 uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner mesh steps constraints
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface constraints
-uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface
+uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface equilibrium
 
 # model_check
+<<<<<<< HEAD
 uses_model_check_bodies = kinds text errors topology model element
 uses_model_check_contact = kinds text containers errors loads topology surfaces model state contact_pairs model_check_bodies
+=======
+uses_model_check_bodies = kinds text errors topology mesh model element
+uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state contact_pairs model_check_bodies
+>>>>>>> decision
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
-uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
+uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
 
 # nonlinear
 uses_active_set_history = kinds state
-uses_active_set_cycling = kinds surfaces surface_projection state contact_pairs active_set_history
+uses_active_set_cycling = kinds surfaces surface_projection node_overrides state contact_pairs active_set_history
 uses_contact_subproblem = kinds errors steps model state equilibrium newton_step active_set_history active_set_cycling
 uses_convergence = kinds steps
 uses_failure_words = text failure
 uses_proximal_step = kinds errors mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors steps model state equilibrium newton_step contact_subproblem convergence proximal_step
+<<<<<<< HEAD
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search state contact_pairs
 uses_line_search = kinds sparse steps model slip_scenarios state reduced_system schur_interface equilibrium tunnelling_check
 uses_newton = kinds errors iteration_records mesh steps model state contact_pairs equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
 uses_failure_report = kinds failure iteration_records model state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
+=======
+uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
+uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state reduced_system schur_interface equilibrium tunnelling_check
+uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
+uses_failure_report = kinds text iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence globalization newton
+>>>>>>> decision
 uses_increment_control = kinds steps convergence
 
 # output

@@ -8,21 +8,22 @@
 module amontons_contact_evaluation
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
-  use amontons_slave_nodes, only: detach_slave, suppress_friction_stepwise, is_friction_suppressed, is_rough, set_force, &
-    set_slip_data
+  use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_node_overrides, only: note_pull_off, is_friction_suppressed, is_status_imposed, gives_way, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slave_nodes, only: detach_slave, is_rough, set_force
   use amontons_user_contact, only: call_user_interaction, call_user_friction
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_row_imbalance, distribute_row_force
   use amontons_sparse, only: multiply
   use amontons_shared_slave_nodes, only: free_projector, support_free_projector, is_friction_in_other_pair
   use amontons_facets, only: is_line_facet
-  use amontons_slip_scenarios, only: trial_traction_type, evaluate_trial_traction
-  use amontons_pressure_overclosure, only: find_activation_gap
+  use amontons_slip_scenarios, only: trial_traction_type, evaluate_trial_traction, slip_state_type, friction_limit, &
+    NO_FRICTION_LIMIT
+  use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_local_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
     set_first_touch_origin, is_stuck_to_mortar_row, &
-    current_row, origin_row, contact_slip_vector, FROZEN_NOW
+    current_row, origin_row, contact_slip_vector
   implicit none
   private
   public :: evaluate_contact, elastic_trial_slip, has_other_constraints
@@ -32,6 +33,7 @@ module amontons_contact_evaluation
   real(DP), parameter :: TOL_OPENING = 1.0e-12_DP       !< a closed node opens when it is pulled off by more than this times the
                                                         !! edge [-]
   real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
+  real(DP), parameter :: SLIP_ZERO = 1.0e-12_DP    !< for the slip scenarios a slip up to this times the edge is zero [-]
   real(DP), parameter :: MIN_FREE_NORMAL = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
   real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP          !< a node that supports lead farther than this times the edge
                                                                   !! slides [-]
@@ -57,6 +59,7 @@ contains
     contact%n_closed = 0
     contact%n_changed = 0
     contact%n_lost_master = 0
+    contact%n_imposed = 0
     contact%max_gap_error = 0.0_DP
     contact%worst_slave = 0
     if (size(fields%slaves) == 0) return
@@ -72,7 +75,8 @@ contains
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) /= level) cycle
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%frozen(s) == FROZEN_NOW, s, fields)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. &
+          is_status_imposed(fields%slaves(s)%overrides), s, fields)
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) == level) call add_contact_force(contact, s, fields%slaves(s), fields%contact_force)
@@ -123,8 +127,8 @@ contains
     integer :: status_before
     associate (slave => fields%slaves(s))
       status_before = slave%status
-      if (slave%row > 0 .and. .not. contact%has_fixed_geometry(slave%pair) &
-        .and. contact%shared_slaves%is_active_side(s)) call update_mortar_slave(contact, slave)
+      if (slave%row > 0 .and. .not. contact%has_fixed_geometry(slave%pair) .and. .not. gives_way(slave%overrides)) &
+        call update_mortar_slave(contact, slave)
       if (slave%facet == 0 .and. slave%row == 0) call search_lost_slave(contact, x, s, slave)
       call update_gap(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
@@ -160,11 +164,7 @@ contains
       free_normal = matmul(free, slave%normal)
       free_share = norm2(free_normal)
       if (slave%facet == 0 .or. free_share < MIN_FREE_NORMAL) then
-        if (status_before /= STATUS_OPEN) contact%n_lost_master = contact%n_lost_master + 1
-        call detach_slave(slave)
-        if (old%status == STATUS_OPEN) slave%origin_facet = 0
-        slave%slip_increment = 0.0_DP
-        call set_slip_data(contact%slip_data, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
+        call release_slave(contact, old, status_before, s, slave)
         return
       end if
       free_normal = free_normal / free_share
@@ -172,7 +172,7 @@ contains
       if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
       if (is_prescribed_tangentially(free, d - dot_product(slave%normal, d) * slave%normal, &
         contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
-      if (is_rough(law) .and. is_friction_suppressed(slave)) contact%friction(s) = 0.0_DP
+      if (is_rough(law) .and. is_friction_suppressed(slave%overrides)) contact%friction(s) = 0.0_DP
       mu = contact%friction(s) / free_share
       shear_limit_force = law%shear_limit * slave%area
       contact%has_sliding_support(s) = has_sliding_support(free, d, contact%edge(slave%pair))
@@ -185,15 +185,14 @@ contains
       end if
       if (status_before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (is_rough(law) .or. has_other_constraints(contact, &
         s))) &
-        call suppress_friction_stepwise(slave)
+        call note_pull_off(slave%overrides)
       if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       contact%direction(:, s) = trial%direction
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
       call set_forces(-dot_product(free_normal, Rhat))
-      contact%slip_data%position(:, s) = d
-      if (has_other_constraints(contact, s)) contact%slip_data%position(:, s) = slave%slip_increment + slave%gap * free_normal
-      call count_changes(contact, status_before, s, slave)
+      if (has_other_constraints(contact, s)) d = slave%slip_increment + slave%gap * free_normal
+      call count_changes(contact, status_before, s, slave, norm2(d))
     end associate
 
   contains
@@ -208,6 +207,8 @@ contains
         call evaluate_trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, status_before /= STATUS_OPEN, &
           shear_limit_force, trial)
         slave%status = merge(status_before, trial%status, is_frozen)
+        if (slave%overrides%status == NODE_OVERRIDE_STICK_ONCE .and. trial%status /= STATUS_STICK) &
+          contact%n_imposed = contact%n_imposed + 1
       end associate
     end subroutine evaluate_status
 
@@ -224,14 +225,59 @@ contains
         if (contact%laws(slave%pair)%is_user_friction .and. slave%status == STATUS_SLIP) then
           slave%force = N / free_share * slave%normal
         else
-          call set_force(slave, Rhat, N / free_share, min(mu * N, shear_limit_force) * trial%direction)
+          call set_force(slave, Rhat, N / free_share, friction_limit(mu, N, shear_limit_force) * trial%direction)
         end if
         if (slave%status == STATUS_STICK .and. has_other_constraints(contact, s)) slave%shear = -Rhat - N * free_normal
-        call set_slip_data(contact%slip_data, s, slave%status, Rhat + N * free_normal, N, slave%slip_increment)
+        contact%slip_data(s) = slip_state_type(slave%status, N, Rhat + N * free_normal, limit_of(contact, slave, s, &
+          N / free_share), &
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
       end associate
     end subroutine set_forces
 
   end subroutine evaluate_hard_node
+
+
+  !> A slave node that is not over its master, or whose normal supports hold, is open.
+  subroutine release_slave(contact, old, status_before, s, slave)
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: old
+    integer, intent(in) :: status_before                  !< status before
+    integer, intent(in) :: s                       !< index of the slave
+    type(slave_state_type), intent(inout) :: slave
+    if (status_before /= STATUS_OPEN) contact%n_lost_master = contact%n_lost_master + 1
+    call detach_slave(slave)
+    if (old%status == STATUS_OPEN) slave%origin_facet = 0
+    slave%slip_increment = 0.0_DP
+    contact%slip_data(s) = slip_state_type()
+  end subroutine release_slave
+
+
+  !> The friction limit of a closed node as the slip scenarios take it: by its coefficient, TAUMAX or the user's routine.
+  !!
+  !! Exact contact: the coefficient of the node, 0 where its friction is suppressed, with the normal force that acts along the
+  !! normal itself. Compliant law: that of the law. FRIC: the shear that it gave. A node that FRIC holds, a ROUGH one and a TIED
+  !! one have no limit.
+  pure real(DP) function limit_of(contact, slave, s, N) result(limit)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave          !< evaluated
+    integer, intent(in) :: s                       !< index of the slave
+    real(DP), intent(in) :: N                      !< normal force that the imbalance requires [force]
+    logical :: is_unlimited
+    associate (law => contact%laws(slave%pair))
+      if (law%is_user_friction) then
+        limit = merge(NO_FRICTION_LIMIT, norm2(slave%shear), contact%user_responses(s)%is_stuck)
+        return
+      end if
+      if (is_compliant(law)) then
+        is_unlimited = law%friction >= ROUGH_FRICTION .or. law%behavior == BEHAVIOR_TIED
+        limit = find_shear_limit(law, slave%area, N / slave%area)
+      else
+        is_unlimited = contact%friction(s) >= ROUGH_FRICTION
+        limit = friction_limit(contact%friction(s), max(N, 0.0_DP), law%shear_limit * slave%area)
+      end if
+      if (is_unlimited .and. law%shear_limit >= NO_SHEAR_LIMIT) limit = NO_FRICTION_LIMIT
+    end associate
+  end function limit_of
 
 
   !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
@@ -304,8 +350,9 @@ contains
           model, old, fields%u, &
           slave), old, contact%memory, s, fields, contact%user_responses(s))
         if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
-        call set_slip_data(contact%slip_data, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
-        call count_changes(contact, status_before, s, slave)
+        contact%slip_data(s) = slip_state_type(status=slave%status, slip=slave%slip_increment, &
+          slip_zero=SLIP_ZERO * contact%edge(slave%pair))
+        call count_changes(contact, status_before, s, slave, 0.0_DP)
         return
       end if
       if (old%status == STATUS_OPEN .and. .not. slave%is_in_law_range) slave%origin_facet = 0
@@ -324,11 +371,12 @@ contains
         -contact%local_equilibrium(s)%pressure * slave%normal - slave%shear / slave%area, local_problem%slip, s, fields)
       N = -dot_product(slave%normal, imbalance)
       if (slave%status == STATUS_OPEN) then
-        call set_slip_data(contact%slip_data, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
+        contact%slip_data(s) = slip_state_type(slip=slave%slip_increment, slip_zero=SLIP_ZERO * contact%edge(slave%pair))
       else
-        call set_slip_data(contact%slip_data, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
+        contact%slip_data(s) = slip_state_type(slave%status, N, imbalance + N * slave%normal, limit_of(contact, slave, s, N), &
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
       end if
-      call count_changes(contact, status_before, s, slave)
+      call count_changes(contact, status_before, s, slave, 0.0_DP)
     end associate
   end subroutine evaluate_compliant_node
 
@@ -374,7 +422,7 @@ contains
   end subroutine apply_local_equilibrium
 
 
-  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope.
+  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope, as the law has it without a friction limit.
   subroutine apply_fric_compliant(contact, model, status_before, required_traction, d, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -386,8 +434,13 @@ contains
     type(slave_state_type) :: stuck
     stuck = fields%slaves(s)
     call apply_fric_hard(contact, model, status_before, required_traction, d, s, fields)
-    if (contact%user_responses(s)%is_stuck) fields%slaves(s) = stuck
-    if (.not. contact%user_responses(s)%is_stuck) fields%slaves(s)%elastic = 0.0_DP
+    if (contact%user_responses(s)%is_stuck) then
+      fields%slaves(s) = stuck
+    else                                           ! no elastic slip, nor its energy
+      fields%slaves(s)%elastic = 0.0_DP
+      fields%slaves(s)%energy = stuck%energy + 0.5_DP * dot_product(stuck%shear, stuck%elastic)
+      contact%local_equilibrium(s)%law_linearization_force = 0.0_DP
+    end if
   end subroutine apply_fric_compliant
 
 
@@ -407,18 +460,19 @@ contains
 
 
   !> Counts changes of status and keeps the worst violation of a closed node.
-  subroutine count_changes(contact, status_before, s, slave)
+  subroutine count_changes(contact, status_before, s, slave, from_origin)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: status_before                  !< status before
     integer, intent(in) :: s
     type(slave_state_type), intent(in) :: slave
+    real(DP), intent(in) :: from_origin            !< exact contact: distance from where it sticks [length]
     real(DP) :: distance
     if (slave%status /= status_before) contact%n_changed = contact%n_changed + 1
     if (slave%status == STATUS_OPEN .and. status_before /= STATUS_OPEN) contact%n_newly_opened = contact%n_newly_opened + 1
     if (slave%status /= STATUS_OPEN .and. status_before == STATUS_OPEN) contact%n_closed = contact%n_closed + 1
     if (slave%status == STATUS_OPEN .or. is_compliant(contact%laws(slave%pair))) return
     distance = abs(slave%gap)
-    if (slave%status == STATUS_STICK) distance = max(distance, norm2(contact%slip_data%position(:, s)))
+    if (slave%status == STATUS_STICK) distance = max(distance, from_origin)
     distance = distance / contact%edge(slave%pair)
     if (distance > contact%max_gap_error) then
       contact%max_gap_error = distance

@@ -5,8 +5,9 @@ module amontons_contact_initialization
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
-  use amontons_state, only: fields_type, slave_state_type, FRICTION_ACTIVE, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, &
-    create_state
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
+  use amontons_node_overrides, only: node_overrides_type, gives_way, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, &
+    NODE_OVERRIDE_GIVES_WAY
   use amontons_contact_constraint_rows, only: evaluate_facet_weights
   use amontons_tributary_areas, only: integrate_face_area, out_of_plane_depth, sum_nodal_areas
   use amontons_surface_projection, only: find_edge_excess
@@ -75,7 +76,8 @@ contains
         else if (is_step_start) then
           call update_projection(contact, x, s, reach, slave)
         end if
-        if (.not. is_beyond_edge(contact, slave)) slave%extension = 0.0_DP
+        slave%overrides = node_overrides_type(edge=merge(NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_NONE, is_beyond_edge(contact, &
+          slave)))
         is_new = .not. slave%is_initialized
         if (is_new) call initialize_slave(contact, model, slave)
         call ramp_interference(contact, is_step_start, fields, slave)
@@ -83,7 +85,6 @@ contains
         slave%scenario = 0
         slave%is_in_law_range = .false.
         if (is_rough(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
-        slave%friction_state = FRICTION_ACTIVE
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
         if (slave%status /= STATUS_OPEN) call set_stick_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
@@ -91,9 +92,9 @@ contains
     end do
     if (contact%shared_slaves%has_reaction_chains) call list_reachable_nodes(contact, model, fields%slaves, nodes_in_reach)
     call order_slave_levels(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%shared_slaves)
-    where (contact%is_pretension_duplicate) contact%shared_slaves%is_active_side = .false.
+    where (contact%is_pretension_duplicate) fields%slaves%overrides%edge = NODE_OVERRIDE_GIVES_WAY
     do s = 1, size(fields%slaves)
-      if (contact%shared_slaves%is_active_side(s)) cycle
+      if (.not. gives_way(fields%slaves(s)%overrides)) cycle
       call detach_slave(fields%slaves(s))
       fields%slaves(s)%origin_facet = 0
     end do
@@ -174,7 +175,7 @@ contains
   pure logical function is_beyond_edge(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
-    is_beyond_edge = slave%extension > 0.0_DP .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
+    is_beyond_edge = slave%overrides%edge == NODE_OVERRIDE_EXTENDED .and. slave%facet > 0 .and. slave%status /= STATUS_OPEN
     if (is_beyond_edge) is_beyond_edge = any(find_edge_excess(contact%facets(slave%pair)%kind(slave%facet), slave%xi) > 0.0_DP)
   end function is_beyond_edge
 

@@ -13,6 +13,7 @@ module amontons_contact_linearization
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, ROW_CONFLICT
   use amontons_surface_projection, only: evaluate_gap_derivatives, gap_derivatives_type, evaluate_vertex_derivative
+  use amontons_slip_scenarios, only: friction_limit, is_friction_capped
   use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_segment_derivatives, only: facet_derivatives_type
@@ -397,7 +398,7 @@ contains
       mu = contact%friction(tangent%slave)
       if (contact%laws(slave%pair)%is_user_friction) mu = 0.0_DP
       shear_limit_force = contact%laws(slave%pair)%shear_limit * slave%area
-      is_capped = mu / share * N > shear_limit_force
+      is_capped = is_friction_capped(mu / share, N, shear_limit_force)
       w = -matmul(m, imbalance) - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
       p = unit - outer_product(n_f, n_f)
       h = matmul(p, m) / share                     ! d n_f = h d n
@@ -410,7 +411,7 @@ contains
         direction_derivative = (unit - outer_product(q, q)) / length
       end if
       d_limit = merge(0.0_DP, mu, is_capped)       ! friction is limit q, d limit = d_limit/|n_f| (dN - N d|n_f|/|n_f|)
-      limit = merge(shear_limit_force, mu / share * N, is_capped)
+      limit = friction_limit(mu / share, N, shear_limit_force)
       a = (slave%normal + d_limit * q) / share
       tangent%force_imbalance = -outer_product(a, n_f) - limit * matmul(direction_derivative, p)
       force_slip = -limit * slave%stiffness * matmul(matmul(direction_derivative, p), m)

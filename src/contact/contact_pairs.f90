@@ -9,7 +9,9 @@ module amontons_contact_pairs
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, pair_interactions
-  use amontons_slave_nodes, only: slip_data_type, detach_slave
+  use amontons_slave_nodes, only: detach_slave
+  use amontons_slip_scenarios, only: slip_state_type
+  use amontons_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
   use amontons_user_contact, only: user_response_type
   use amontons_local_equilibrium, only: local_solution_type
   use amontons_steps, only: step_type
@@ -33,12 +35,7 @@ module amontons_contact_pairs
   public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
-    update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, SEARCH_RADIUS_RATIO, &
-    FROZEN_NEVER, FROZEN_NOW, FROZEN_BEFORE
-
-  integer, parameter :: FROZEN_NEVER = 0            !< the node's status was not held in this increment
-  integer, parameter :: FROZEN_NOW = 1              !< it is held, whatever its trial traction says
-  integer, parameter :: FROZEN_BEFORE = 2              !< it was, and is not held again
+    update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, SEARCH_RADIUS_RATIO
 
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are
                                                                  !! two [-]
@@ -75,7 +72,7 @@ module amontons_contact_pairs
     real(DP), allocatable :: Rhat(:, :)           !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
-    type(slip_data_type) :: slip_data                  !< of the last evaluation
+    type(slip_state_type), allocatable :: slip_data(:) !< (n_slaves) the decision on each slave node at the last evaluation
     type(user_response_type), allocatable :: user_responses(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
     type(local_solution_type), allocatable :: local_equilibrium(:)     !< (n_slaves) under compliant laws, at the last evaluation
     real(DP), allocatable :: law_linearization_force(:, :)          !< (3, n_nodes) what laws give more where their slaves are
@@ -84,11 +81,11 @@ module amontons_contact_pairs
                                                        !! force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
-    integer, allocatable :: frozen(:)               !< (n_slaves) HOLD_...: whether a cycle has its status held
     integer :: n_newly_opened = 0                       !< changes found by the last evaluation
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, opened and closed included
     integer :: n_lost_master = 0                         !< nodes that left their master
+    integer :: n_imposed = 0                      !< nodes that the line search set to stick against their trial traction
     real(DP) :: max_gap_error = 0                     !< of the closed nodes, over the edge of the master's facet [-]
     integer :: worst_slave = 0
   end type contact_type
@@ -151,10 +148,7 @@ contains
     allocate (contact%user_responses(n), contact%local_equilibrium(n))
     allocate (contact%is_uncoupled(n), source=.false.)
     allocate (contact%law_linearization_force(3, model%mesh%n_nodes), source=0.0_DP)
-    allocate (contact%frozen(n), source=FROZEN_NEVER)
-    allocate (contact%slip_data%imbalance_t(3, n), contact%slip_data%slip(3, n), contact%slip_data%position(3, n), source=0.0_DP)
-    allocate (contact%slip_data%normal_force(n), source=0.0_DP)
-    allocate (contact%slip_data%status(n), source=STATUS_OPEN)
+    allocate (contact%slip_data(n))
   end subroutine create_contact
 
 
@@ -251,7 +245,6 @@ contains
     contact%free = reshape([0.0_DP], [3, 3, n], pad=[0.0_DP])
     contact%has_sliding_support = spread(.false., 1, n)
     contact%friction = spread(0.0_DP, 1, n)
-    contact%frozen = spread(FROZEN_NEVER, 1, n)
     contact%is_pretension_duplicate = [contact%is_pretension_duplicate(:min(n, size(contact%is_pretension_duplicate))), &
       spread(.false., 1, n - min(n, size(contact%is_pretension_duplicate)))]
     deallocate (contact%user_responses, contact%local_equilibrium)
@@ -260,11 +253,7 @@ contains
       size(contact%is_uncoupled)))]
     contact%Rhat = reshape([0.0_DP], [3, n], pad=[0.0_DP])
     contact%direction = contact%Rhat
-    contact%slip_data%imbalance_t = contact%Rhat
-    contact%slip_data%slip = contact%Rhat
-    contact%slip_data%position = contact%Rhat
-    contact%slip_data%normal_force = contact%friction
-    contact%slip_data%status = spread(STATUS_OPEN, 1, n)
+    contact%slip_data = spread(slip_state_type(), 1, n)
     call resize_shared_slaves(contact%shared_slaves, n)
   end subroutine resize_contact
 
@@ -458,8 +447,8 @@ contains
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: s
     type(slave_state_type), intent(inout) :: slave
-    if (contact%has_fixed_geometry(slave%pair) .or. contact%is_removed(slave%pair) .or. slave%extension < 0.0_DP) return
-    if (.not. contact%shared_slaves%is_active_side(s)) return
+    if (contact%has_fixed_geometry(slave%pair) .or. contact%is_removed(slave%pair)) return
+    if (slave%overrides%edge == NODE_OVERRIDE_OFF_MASTER .or. gives_way(slave%overrides)) return
     call update_projection(contact, x, s, SEARCH_RADIUS_RATIO * contact%edge(slave%pair), slave)
   end subroutine search_lost_slave
 
@@ -481,7 +470,7 @@ contains
     end if
     if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
       call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status, slave%extension)
+        slave%normal, status, edge_extension(slave%overrides))
     else
       call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
         projection, contact%slave_normal(:, s))
@@ -646,7 +635,7 @@ contains
         - rotated_origin_offset(contact, slave))
     else
       call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status, slave%extension)
+        slave%normal, status, edge_extension(slave%overrides))
       slave%gap = slave%gap + slave%offset
       if (status /= PROJECTION_INSIDE) slave%facet = 0
     end if

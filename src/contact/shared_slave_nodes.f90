@@ -9,7 +9,7 @@ module amontons_shared_slave_nodes
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
   use amontons_state, only: slave_state_type, STATUS_OPEN
-  use amontons_slave_nodes, only: is_friction_suppressed
+  use amontons_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
   implicit none
   private
   public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, order_slave_levels, &
@@ -26,7 +26,6 @@ module amontons_shared_slave_nodes
     logical :: has_multi_pair_nodes = .false.           !< nodes are slaves in several exact pairs
     integer :: n_levels = 1
     integer, allocatable :: level(:)           !< (n_slaves) from 1
-    logical, allocatable :: is_active_side(:)         !< (n_slaves) .false.: gives way in this increment
     logical, allocatable :: is_hard_pair(:)        !< (n_slaves) of a HARD pair: found from the balance of its node
     integer, allocatable :: first(:)           !< (n_nodes + 1) start of a node's slaves in member(:)
     integer, allocatable :: member(:)          !< slaves of all nodes, ascending
@@ -50,7 +49,6 @@ contains
     integer, allocatable :: next(:)
     integer :: s, p, n
     allocate (shared%level(size(slaves)), source=1)
-    allocate (shared%is_active_side(size(slaves)), source=.true.)
     shared%is_hard_pair = is_exact(slaves%pair)
     allocate (shared%first(n_nodes + 1), source=0)
     do s = 1, size(slaves)
@@ -86,41 +84,42 @@ contains
     integer :: m
     m = min(n, size(shared%level))
     shared%level = [shared%level(:m), spread(1, 1, n - m)]
-    shared%is_active_side = [shared%is_active_side(:m), spread(.true., 1, n - m)]
     shared%is_hard_pair = [shared%is_hard_pair(:m), spread(.false., 1, n - m)]
   end subroutine resize_shared_slaves
 
 
   !> The levels of an increment, and which slaves give way: pair by pair in the order of the deck, a slave is kept unless
   !! its reaction would come back to it through slaves that are kept already.
-  subroutine order_slave_levels(slaves, is_passive_side, reach, shared)
-    type(slave_state_type), intent(in) :: slaves(:)
-    logical, intent(in) :: is_passive_side(:)            !< (n_pairs) all slaves of the pair give way
+  subroutine order_slave_levels(slaves, is_secondary, reach, shared)
+    type(slave_state_type), intent(inout) :: slaves(:)   !< out: the override GIVES_WAY
+    logical, intent(in) :: is_secondary(:)         !< (n_pairs) all slaves of the pair give way
     type(reachable_nodes_type), intent(in) :: reach          !< of the slaves where they are at the start of the increment
     type(shared_slaves_type), intent(inout) :: shared
     integer, allocatable :: list(:), mark(:), stack(:)
     integer :: s, t, i, n, pass
+    logical, allocatable :: is_kept(:)             ! (n_slaves)
     logical :: is_changed
     shared%level = 1
     shared%n_levels = 1
-    shared%is_active_side = .true.
+    slaves%overrides%edge = NODE_OVERRIDE_NONE
     if (.not. shared%has_reaction_chains) return
-    shared%is_active_side = .not. shared%is_hard_pair
+    is_kept = .not. shared%is_hard_pair
     allocate (mark(size(slaves)), source=0)
     allocate (stack(size(slaves)))
     do s = 1, size(slaves)
-      if (.not. shared%is_hard_pair(s) .or. is_passive_side(slaves(s)%pair)) cycle
-      shared%is_active_side(s) = .true.
-      shared%is_active_side(s) = .not. is_reaction_circular(s)
+      if (.not. shared%is_hard_pair(s) .or. is_secondary(slaves(s)%pair)) cycle
+      is_kept(s) = .true.
+      is_kept(s) = .not. is_reaction_circular(s)
     end do
+    where (.not. is_kept) slaves%overrides%edge = NODE_OVERRIDE_GIVES_WAY
     do pass = 1, size(slaves)
       is_changed = .false.
       do s = 1, size(slaves)
-        if (.not. shared%is_active_side(s)) cycle
+        if (.not. is_kept(s)) cycle
         call find_receiving_slaves(shared, reach, s, list, n)
         do i = 1, n
           t = list(i)
-          if (.not. shared%is_active_side(t) .or. shared%level(t) > shared%level(s)) cycle
+          if (.not. is_kept(t) .or. shared%level(t) > shared%level(s)) cycle
           shared%level(t) = shared%level(s) + 1
           is_changed = .true.
         end do
@@ -146,7 +145,7 @@ contains
         do k = 1, n
           if (list(k) == s) is_reaction_circular = .true.
           if (list(k) == s) return
-          if (mark(list(k)) == s .or. .not. shared%is_active_side(list(k))) cycle
+          if (mark(list(k)) == s .or. .not. is_kept(list(k))) cycle
           mark(list(k)) = s
           n_stack = n_stack + 1
           stack(n_stack) = list(k)
@@ -216,7 +215,7 @@ contains
     do k = shared%first(slaves(s)%node), shared%first(slaves(s)%node + 1) - 1
       t = shared%member(k)
       if (t == s .or. slaves(t)%facet == 0) cycle
-      if (slaves(t)%status == STATUS_OPEN .and. .not. is_friction_suppressed(slaves(t))) cycle
+      if (slaves(t)%status == STATUS_OPEN .and. .not. is_friction_suppressed(slaves(t)%overrides)) cycle
       along = abs(dot_product(slaves(t)%normal, slaves(s)%normal))
       if (along > MIN_PARALLEL_COSINE .and. t > s) cycle
       v = matmul(free, slaves(t)%normal)

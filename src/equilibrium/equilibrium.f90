@@ -26,7 +26,8 @@ module amontons_equilibrium
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row
   use amontons_contact_evaluation, only: evaluate_contact
-  use amontons_slave_nodes, only: slip_data_type, rounding_force
+  use amontons_slave_nodes, only: rounding_force
+  use amontons_slip_scenarios, only: slip_state_type
   use amontons_contact_initialization, only: initialize_contact
   use amontons_contact_integration_points, only: update_points
   use amontons_contact_constraint_rows, only: contact_row_type
@@ -118,7 +119,7 @@ module amontons_equilibrium
     real(DP), allocatable :: applied_force(:, :)   !< (3, n_nodes) with which it is balanced, here and where it leads [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R [force]
     type(slave_state_type), allocatable :: slaves(:)
-    type(slip_data_type) :: slip_data
+    type(slip_state_type), allocatable :: slip_data(:)  !< (n_slaves)
     real(DP) :: merit = 0                          !< [force]
   end type configuration_type
 

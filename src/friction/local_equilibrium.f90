@@ -8,6 +8,7 @@ module amontons_local_equilibrium
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_TIED
+  use amontons_slip_scenarios, only: is_friction_capped
   use amontons_pressure_overclosure, only: evaluate_pressure_overclosure, find_activation_gap, find_shear_limit
   implicit none
   private
@@ -156,8 +157,8 @@ contains
     solution%energy = solution%energy + 0.5_DP * limit**2 / k
     solution%d_force_d_slip = -limit * c / (length - limit) * (IDENTITY - outer_product(q, q))
     solution%law_linearization_force = matmul(solution%d_force_d_slip, problem%slip)
-    if (law%behavior == BEHAVIOR_TIED .or. solution%pressure <= 0.0_DP .or. law%friction &
-      * solution%pressure > law%shear_limit) return
+    if (law%behavior == BEHAVIOR_TIED .or. solution%pressure <= 0.0_DP .or. &
+      is_friction_capped(law%friction, solution%pressure, law%shear_limit)) return
     solution%d_force_d_gap = law%friction * solution%slope * problem%area * q
     solution%law_linearization_force = solution%law_linearization_force - law%friction * excess * q
   end subroutine solve_shear

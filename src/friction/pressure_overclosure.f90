@@ -6,6 +6,7 @@
 !! overclosure, minus the gap.
 module amontons_pressure_overclosure
   use amontons_kinds, only: DP, PI
+  use amontons_slip_scenarios, only: friction_limit
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   implicit none
   private
@@ -109,13 +110,14 @@ contains
   end function find_activation_gap
 
 
-  !> The largest shear force that a compliant law lets a node carry.
+  !> The friction limit of a law at a pressure: the largest shear force that a node carries. TIED slips at TAUMAX alone; under FRIC
+  !! the law gives the shear of a node that sticks.
   pure real(DP) function find_shear_limit(law, area, pressure) result(most)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: pressure               !< [stress]
-    most = min(law%friction * max(pressure, 0.0_DP), law%shear_limit) * area
-    if (law%behavior == BEHAVIOR_TIED) most = law%shear_limit * area
+    most = friction_limit(law%friction, max(pressure, 0.0_DP), law%shear_limit) * area
+    if (law%behavior == BEHAVIOR_TIED .or. law%is_user_friction) most = law%shear_limit * area
   end function find_shear_limit
 
 end module amontons_pressure_overclosure

@@ -18,6 +18,7 @@ module amontons_model_check
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, dof_direction, n_nonlinear_mpcs
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type
   use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
@@ -390,7 +391,7 @@ contains
     n_closed = 0
     n_open = 0
     do s = 1, size(slaves)
-      if (slaves(s)%facet == 0 .or. .not. contact%shared_slaves%is_active_side(s)) cycle
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
       call current_row(contact, slaves(s), row)
       if (.not. any(bodies%of_node(row%nodes) == b)) cycle
       if (is_closed(contact, slaves(s))) then
@@ -578,7 +579,7 @@ contains
     real(DP) :: contact_normal(3)
     integer :: s, i, b
     do s = 1, size(slaves)
-      if (slaves(s)%facet == 0 .or. .not. contact%shared_slaves%is_active_side(s)) cycle
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
       call current_row(contact, slaves(s), row)
       do i = 1, size(row%nodes)
         b = bodies%of_node(row%nodes(i))

@@ -24,6 +24,7 @@ module amontons_failure_report
   use amontons_failure_words, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, REPORT_LINE_LENGTH
   use amontons_model, only: model_type
+  use amontons_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_model_check_motion, only: find_free_motion
   use amontons_active_set_history, only: most_constrained_status, find_cycle, cycling_slaves, is_stick_slip_flip, &
@@ -302,10 +303,16 @@ contains
     integer :: s
     allocate (lines(0))
     if (size(state%new%slaves) == 0) return
+<<<<<<< HEAD
     slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%extension > 0.0_DP .and. &
       state%old%slaves%extension <= 0.0_DP)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(labels_of(model, state%new%slaves, &
       slaves)) // &
+=======
+    slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%overrides%edge == NODE_OVERRIDE_EXTENDED .and. &
+      state%old%slaves%overrides%edge /= NODE_OVERRIDE_EXTENDED)
+    if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(model, state%new%slaves, slaves) // &
+>>>>>>> decision
       ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
     slaves = slaves_off_master(state%old%slaves, state%new%slaves)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: lines, 'Slave ' // &

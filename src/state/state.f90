@@ -7,7 +7,12 @@ module amontons_state
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
+<<<<<<< HEAD
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
+=======
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_node_overrides, only: node_overrides_type
+>>>>>>> decision
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
@@ -18,16 +23,9 @@ module amontons_state
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
   public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
-  public :: FRICTION_ACTIVE, FRICTION_SEPARATED_ONCE, FRICTION_SUPPRESSED, FRICTION_ON_TRIAL, FRICTION_TRIAL_FAILED
 
   integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
-
-  !> Of a slave node of surfaces that never slip, within an increment: it sticks; it was pulled off once; again, and slides freely;
-  !! it sticks on trial; it was pulled off then, too, and slides freely. Of one that other pairs hold as well: their friction does
-  !! not act along its normal where it would slide freely.
-  integer, parameter :: FRICTION_ACTIVE = 0, FRICTION_SEPARATED_ONCE = 1, FRICTION_SUPPRESSED = 2, FRICTION_ON_TRIAL = 3, &
-    FRICTION_TRIAL_FAILED = 4
 
   !> The contact memory of one slave node of one pair.
   type :: slave_state_type
@@ -37,12 +35,11 @@ module amontons_state
     integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
     integer :: slave_facet = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
     real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
-    integer :: friction_state = FRICTION_ACTIVE             !< GRIP_...: of surfaces that never slip, or of several pairs
-    integer :: status = STATUS_OPEN
+    type(node_overrides_type) :: overrides  !< what the solver imposes on it
+    integer :: status = STATUS_OPEN         !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
     integer :: facet = 0                    !< facet of the master that it projects on; 0: none
     real(DP) :: xi(2) = 0                   !< natural coordinates there
-    real(DP) :: extension = 0               !< how far it may be beyond an edge of its master, if more than a tenth of a facet [-]
     real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0               !< unit normal out of the master
     logical :: is_in_law_range = .false.          !< it came within the reach of its compliant law in this increment and is there
