@@ -109,11 +109,7 @@ uses_segment_derivatives = kinds tensor dense topology shape_functions facets du
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-<<<<<<< HEAD
-uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios
-=======
-uses_state = kinds tensor loads materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios node_overrides
->>>>>>> decision
+uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios node_overrides
 uses_model_change = mesh model state
 uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
 
@@ -147,13 +143,8 @@ uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps mo
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface equilibrium
 
 # model_check
-<<<<<<< HEAD
 uses_model_check_bodies = kinds text errors topology model element
-uses_model_check_contact = kinds text containers errors loads topology surfaces model state contact_pairs model_check_bodies
-=======
-uses_model_check_bodies = kinds text errors topology mesh model element
 uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state contact_pairs model_check_bodies
->>>>>>> decision
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
@@ -166,17 +157,10 @@ uses_convergence = kinds steps
 uses_failure_words = text failure
 uses_proximal_step = kinds errors mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors steps model state equilibrium newton_step contact_subproblem convergence proximal_step
-<<<<<<< HEAD
-uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search state contact_pairs
-uses_line_search = kinds sparse steps model slip_scenarios state reduced_system schur_interface equilibrium tunnelling_check
-uses_newton = kinds errors iteration_records mesh steps model state contact_pairs equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
-uses_failure_report = kinds failure iteration_records model state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
-=======
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
 uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state reduced_system schur_interface equilibrium tunnelling_check
 uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
-uses_failure_report = kinds text iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence globalization newton
->>>>>>> decision
+uses_failure_report = kinds failure iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
 uses_increment_control = kinds steps convergence
 
 # output

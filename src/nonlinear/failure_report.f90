@@ -303,16 +303,10 @@ contains
     integer :: s
     allocate (lines(0))
     if (size(state%new%slaves) == 0) return
-<<<<<<< HEAD
-    slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%extension > 0.0_DP .and. &
-      state%old%slaves%extension <= 0.0_DP)
-    if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(labels_of(model, state%new%slaves, &
-      slaves)) // &
-=======
     slaves = pack([(s, s=1, size(state%new%slaves))], state%new%slaves%overrides%edge == NODE_OVERRIDE_EXTENDED .and. &
       state%old%slaves%overrides%edge /= NODE_OVERRIDE_EXTENDED)
-    if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(model, state%new%slaves, slaves) // &
->>>>>>> decision
+    if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(labels_of(model, state%new%slaves, &
+      slaves)) // &
       ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
     slaves = slaves_off_master(state%old%slaves, state%new%slaves)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: lines, 'Slave ' // &

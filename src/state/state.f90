@@ -7,12 +7,8 @@ module amontons_state
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
-<<<<<<< HEAD
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
-=======
-  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_node_overrides, only: node_overrides_type
->>>>>>> decision
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
