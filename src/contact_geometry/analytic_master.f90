@@ -4,8 +4,8 @@
 !! Theory: doc/theory/contact.md, "Analytic masters". The facets are the pieces of a profile, which moves with a few carrier nodes
 !! of a rigid body. The carriers are at A_0, A_0 + h e_1, A_0 + h e_2 (in space also + h e_3). Every point of the body is an affine
 !! combination of them, x = sum w_i(X) x_i, or x = A X + b with the rotation A. The slave node maps to
-!! X = inv(A) (x_s - b) on the undeformed side and is projected there; A maps projection and normal to the current configuration. A is a rotation only after
-!! the rigid body constraint has converged: with the length l = |A N| all derivatives hold before that too,
+!! X = inv(A) (x_s - b) on the undeformed side and is projected there; A maps projection and normal to the current configuration. A
+!! is a rotation only after the rigid body constraint has converged: with the length l = |A N| all derivatives hold before that too,
 !!
 !!     n = A N/l,  g = l G,  x_s = x_m + g n,   dX = inv(A) (dx_s - sum w_i(X) dx_i),   dG = N . dX
 !!     d(A N) = sum (grad w_i . N) dx_i + A Q dX,   dn = (1 - n n') d(A N)/l,   dg = l dG + G n . d(A N),
