@@ -1,4 +1,4 @@
-!> Node overrides: the sequence of friction, the four fields side by side, and what each of them says.
+!> Tests of the node overrides: the sequence of friction, the four fields in combination, and the queries.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_node_overrides
   use amontons_kinds, only: DP
@@ -15,7 +15,7 @@ program test_node_overrides
 
 contains
 
-  !> Opened once, twice, released on trial, opened again: and then it stays.
+  !> Opened once, twice, released on trial, opened again: suppressed until the increment ends.
   subroutine check_friction()
     type(node_overrides_type) :: node
     call suite%that('friction: at first none', .not. is_friction_suppressed(node))
@@ -37,7 +37,7 @@ contains
   end subroutine check_friction
 
 
-  !> Each field speaks for itself, also with all of them set.
+  !> Each query depends on its own field, also with all of them set.
   subroutine check_fields()
     type(node_overrides_type) :: nodes(5)
     nodes%status = [NODE_OVERRIDE_NONE, NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_STICK_ONCE, &
