@@ -109,24 +109,24 @@ contains
     integer, intent(inout) :: group(:)                !< (n_elements) 0 becomes n_parts + colour
     integer, intent(out) :: n_groups
     integer, parameter :: N_WORDS = 8, N_BITS = 60
-    integer(selected_int_kind(18)), allocatable :: met(:, :)   ! (N_WORDS, n_nodes) colours in use, as bits
+    integer(selected_int_kind(18)), allocatable :: used_colours(:, :)   ! (N_WORDS, n_nodes) colours in use, as bits
     integer(selected_int_kind(18)) :: taken(N_WORDS)
     integer :: e, i, colour
-    allocate (met(N_WORDS, mesh%n_nodes))
-    met = 0
+    allocate (used_colours(N_WORDS, mesh%n_nodes))
+    used_colours = 0
     n_groups = n_parts
     do e = 1, mesh%n_elements
       if (group(e) /= 0) cycle
       taken = 0
       do i = mesh%first(e), mesh%first(e + 1) - 1
-        taken = ior(taken, met(:, mesh%nodes(i)))
+        taken = ior(taken, used_colours(:, mesh%nodes(i)))
       end do
       colour = 0
       do while (btest(taken(colour / N_BITS + 1), mod(colour, N_BITS)))
         colour = colour + 1
       end do
       do i = mesh%first(e), mesh%first(e + 1) - 1
-        associate (word => met(colour / N_BITS + 1, mesh%nodes(i)))
+        associate (word => used_colours(colour / N_BITS + 1, mesh%nodes(i)))
           word = ibset(word, mod(colour, N_BITS))
         end associate
       end do
@@ -315,7 +315,7 @@ contains
 
 
   !> Position of a node among the neighbours of a lower one, from 0: binary search.
-  pure integer function find_block_position(assembly, low, high) result(place)
+  pure integer function find_block_position(assembly, low, high) result(position)
     type(assembly_type), intent(in) :: assembly
     integer, intent(in) :: low, high
     integer :: left, right, middle
@@ -329,7 +329,7 @@ contains
         right = middle
       end if
     end do
-    place = left - assembly%graph_first(low)
+    position = left - assembly%graph_first(low)
   end function find_block_position
 
 
@@ -749,15 +749,15 @@ contains
 
 
   !> Adds a 3 x 3 block to the three rows of a node; of a diagonal block (position 0) the upper triangle.
-  pure subroutine add_row_block(matrix, node, place, block)
+  pure subroutine add_row_block(matrix, node, position, block)
     type(sparse_type), intent(inout) :: matrix
     integer, intent(in) :: node
-    integer, intent(in) :: place                   !< of the block in the rows, from 0
+    integer, intent(in) :: position                !< of the block in the rows, from 0
     real(DP), intent(in) :: block(3, 3)            !< [force/length]
     integer :: r, s, start
     do r = 1, 3
-      start = matrix%first(3 * node - 3 + r) + 3 * place - r
-      do s = merge(r, 1, place == 0), 3
+      start = matrix%first(3 * node - 3 + r) + 3 * position - r
+      do s = merge(r, 1, position == 0), 3
         matrix%value(start + s) = matrix%value(start + s) + block(r, s)
       end do
     end do

@@ -409,8 +409,8 @@ contains
     subroutine add(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
-      associate (place => condensed(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))
-        place = place + amount
+      associate (component => condensed(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))
+        component = component + amount
       end associate
     end subroutine add
 

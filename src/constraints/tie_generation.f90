@@ -63,7 +63,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
-    type(projection_type) :: place
+    type(projection_type) :: projection
     real(DP), allocatable :: x(:, :)
     integer, allocatable :: slaves(:)
     real(DP) :: tolerance_length
@@ -80,11 +80,11 @@ contains
     n_tied = 0
     do i = 1, size(slaves)
       if (any(facets%nodes == slaves(i))) cycle    ! a common node of both surfaces needs no tie
-      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, place)
-      if (place%status /= PROJECTION_INSIDE .or. place%facet == 0) cycle
+      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, projection)
+      if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) cycle
       n_tied = n_tied + 1
-      if (tie%is_adjusted) call evaluate_facet_point(facets, x, place%facet, place%xi, mesh%coordinates(:, slaves(i)))
-      call add_tie_equations(facets, place, slaves(i), tie%line, equations)
+      if (tie%is_adjusted) call evaluate_facet_point(facets, x, projection%facet, projection%xi, mesh%coordinates(:, slaves(i)))
+      call add_tie_equations(facets, projection, slaves(i), tie%line, equations)
     end do
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
@@ -92,15 +92,15 @@ contains
 
 
   !> The three equations of one tied node.
-  subroutine add_tie_equations(facets, place, slave, line, equations)
+  subroutine add_tie_equations(facets, projection, slave, line, equations)
     type(facets_type), intent(in) :: facets
-    type(projection_type), intent(in) :: place
+    type(projection_type), intent(in) :: projection
     integer, intent(in) :: slave, line
     type(equation_type), allocatable, intent(inout) :: equations(:)
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: nodes(MAX_FACE_NODES), n, k
-    call facet_nodes(facets, place%facet, n, nodes)
-    call facet_shapes(facets%kind(place%facet), place%xi, N_i, dN, ddN)
+    call facet_nodes(facets, projection%facet, n, nodes)
+    call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
     do k = 1, 3
       equations = [equations, new_equation([slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)]
     end do
@@ -165,7 +165,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
-    real(DP) :: place(3), reach
+    real(DP) :: position(3), reach
     integer :: s, i
     logical :: has_faces
     associate (slaves => model%surfaces(tie%slave)%nodes, master => model%surfaces(tie%master), X => mesh%coordinates)
@@ -178,13 +178,13 @@ contains
       if (allocated(error)) return
       if (has_faces) call build_facet_search(facets, X, reach, search)
       do s = 1, size(slaves)
-        place = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
-        i = minloc(sum((X(:, master%nodes) - spread(place, 2, size(master%nodes)))**2, dim=1), dim=1)
-        if (norm2(X(:, master%nodes(i)) - place) <= reach) then
+        position = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
+        i = minloc(sum((X(:, master%nodes) - spread(position, 2, size(master%nodes)))**2, dim=1), dim=1)
+        if (norm2(X(:, master%nodes(i)) - position) <= reach) then
           nodes = [nodes, master%nodes(i)]
           weight = [weight, 1.0_DP]
         else if (has_faces) then
-          call append_facet_weights(facets, search, X, place, reach, nodes, weight)
+          call append_facet_weights(facets, search, X, position, reach, nodes, weight)
         end if
         first(s + 1) = size(nodes) + 1
       end do
@@ -193,16 +193,16 @@ contains
 
 
   !> Appends the nodes of the facet at a point, if one is within the tolerance.
-  subroutine append_facet_weights(facets, search, X, place, reach, nodes, weight)
+  subroutine append_facet_weights(facets, search, X, position, reach, nodes, weight)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search
-    real(DP), intent(in) :: X(:, :), place(3), reach   !< [length]
+    real(DP), intent(in) :: X(:, :), position(3), reach   !< [length]
     integer, allocatable, intent(inout) :: nodes(:)
     real(DP), allocatable, intent(inout) :: weight(:)
     type(projection_type) :: projection
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: corners(MAX_FACE_NODES), n
-    call find_projection(facets, search, X, place, reach, projection)
+    call find_projection(facets, search, X, position, reach, projection)
     if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) return
     call facet_nodes(facets, projection%facet, n, corners)
     call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)

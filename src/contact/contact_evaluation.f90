@@ -406,16 +406,16 @@ contains
 
 
   !> Status, force and energy of a slave node from the solution of its local problem.
-  pure subroutine apply_local_equilibrium(met, slave)
-    type(local_solution_type), intent(in) :: met
+  pure subroutine apply_local_equilibrium(solution, slave)
+    type(local_solution_type), intent(in) :: solution
     type(slave_state_type), intent(inout) :: slave
-    slave%status = merge(STATUS_SLIP, STATUS_STICK, met%is_slipping)
-    if (met%is_open) slave%status = STATUS_OPEN
-    slave%force = met%pressure * slave%area * slave%normal
-    slave%shear = met%shear
-    slave%elastic = met%elastic
-    slave%slip_increment = met%slip
-    slave%energy = met%energy
+    slave%status = merge(STATUS_SLIP, STATUS_STICK, solution%is_slipping)
+    if (solution%is_open) slave%status = STATUS_OPEN
+    slave%force = solution%pressure * slave%area * slave%normal
+    slave%shear = solution%shear
+    slave%elastic = solution%elastic
+    slave%slip_increment = solution%slip
+    slave%energy = solution%energy
   end subroutine apply_local_equilibrium
 
 

@@ -238,8 +238,7 @@ contains
       is_new = fields%step <= 1 .and. (is_step_start .or. slave%slave_facet > 0)
       is_new = is_new .or. (slave%slave_facet > 0 .and. is_step_start .and. slave%status == STATUS_OPEN)
       remaining_share = 1.0_DP - (fields%step_time - fields%time_increment) / contact%period
-      is_new = is_new .and. fields%time_increment > 0.0_DP .and. remaining_share > 0.0_DP  ! not in the model check before the first
-                                                                                           ! step
+      is_new = is_new .and. fields%time_increment > 0.0_DP .and. remaining_share > 0.0_DP   ! not in the model check
       slave%allowed = 0.0_DP
       if (slave%facet > 0 .and. is_new) slave%allowed = max(0.0_DP, -(gap_without_offset + clearance_now)) / remaining_share
     end if

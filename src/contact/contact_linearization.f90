@@ -418,8 +418,7 @@ contains
       force_normal = -outer_product(a, matmul(imbalance, h)) + N / share * (unit - outer_product(a, matmul(n_f, m))) &
         - limit * matmul(direction_derivative, dot_product(n_f, w) * h + outer_product(n_f, matmul(w, h)))
     end associate
-    if (contact%laws(fields%slaves(tangent%slave)%pair)%is_user_friction) then  ! the shear is FRIC's, a function of pressure and
-                                                                                ! slip
+    if (contact%laws(fields%slaves(tangent%slave)%pair)%is_user_friction) then   ! the shear is FRIC's
       associate (response => contact%user_responses(tangent%slave), slave => fields%slaves(tangent%slave))
         tangent%force_imbalance = tangent%force_imbalance - outer_product(response%by_pressure, n_f) / slave%area
         force_slip = matmul(response%d_force_d_slip, m)

@@ -190,16 +190,16 @@ contains
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
-    logical :: is_pushed(model%mesh%n_nodes)
+    logical :: is_pair_slave(model%mesh%n_nodes)
     integer :: p, i
     do p = 1, size(model%pairs)
       if (is_compliant(contact%laws(p))) cycle
       if (model%pairs(p)%is_mortar) call add_pretension_rows(contact%mortar(p), model%twins)
-      is_pushed = .false.
-      is_pushed(pack(slaves%node, slaves%pair == p)) = .true.
+      is_pair_slave = .false.
+      is_pair_slave(pack(slaves%node, slaves%pair == p)) = .true.
       associate (twins => model%twins)
         do i = 1, size(twins, 2)
-          if (is_pushed(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, &
+          if (is_pair_slave(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, &
             i)) contact%is_pretension_duplicate = .true.
         end do
       end associate
@@ -486,13 +486,13 @@ contains
   subroutine copy_mortar_state(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(inout) :: slave
-    associate (place => contact%mortar(slave%pair)%places(slave%row))
-      slave%facet = merge(0, place%facet, place%is_barely_covered)
-      slave%xi = place%xi
+    associate (mortar_node => contact%mortar(slave%pair)%places(slave%row))
+      slave%facet = merge(0, mortar_node%facet, mortar_node%is_barely_covered)
+      slave%xi = mortar_node%xi
       if (slave%facet == 0) return
-      slave%normal = place%normal
-      slave%area = place%area
-      slave%force_arm = place%force_arm
+      slave%normal = mortar_node%normal
+      slave%area = mortar_node%area
+      slave%force_arm = mortar_node%force_arm
     end associate
   end subroutine copy_mortar_state
 
@@ -641,7 +641,7 @@ contains
 
   !> Sets the origin of an open node that closes: the first touch on its straight path from the committed state.
   !!
-  !! All points move along straight lines, so the gap decreases linearly but for rotating normals; a node already in contact has its
+  !! All points move along straight lines, so the gap decreases linearly but for rotating normals; a node already in contact keeps its
   !! old position as origin. The projection is repeated at both positions, because the node may be over another facet by now.
   subroutine set_first_touch_origin(contact, model, u_old, u, slave)
     type(contact_type), intent(inout) :: contact

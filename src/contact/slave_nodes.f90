@@ -52,9 +52,9 @@ contains
 
   !> The largest rounding error of the force at a closed node, from a gap error of one unit in the last place of the coordinates: by
   !! the pressure-overclosure law of its pair or, for exact contact, by the stiffness of the body.
-  pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
+  pure real(DP) function rounding_force(laws, solutions, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
-    type(local_solution_type), intent(in) :: met(:)           !< (n_slaves)
+    type(local_solution_type), intent(in) :: solutions(:)     !< (n_slaves)
     type(slave_state_type), intent(in) :: slaves(:)          !< (n_slaves)
     real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
     integer :: s
@@ -62,7 +62,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN) cycle
       if (is_compliant(laws(slaves(s)%pair))) then
-        force = max(force, met(s)%slope * slaves(s)%area)
+        force = max(force, solutions(s)%slope * slaves(s)%area)
       else
         force = max(force, slaves(s)%stiffness)
       end if

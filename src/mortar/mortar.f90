@@ -298,18 +298,18 @@ contains
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: i, j                    !< rows of the free node and of the node bound to it
     real(DP) :: before, after                      ! fraction of the force at the head of the row
-    type(mortar_node_type) :: place
-    place = mortar%places(i)
+    type(mortar_node_type) :: mortar_node
+    mortar_node = mortar%places(i)
     if (mortar%places(j)%vertex == 0) return
-    if (place%vertex == 0) then
-      place = mortar%places(j)
-      place%area = 0.0_DP
-      place%whole = 0.0_DP
+    if (mortar_node%vertex == 0) then
+      mortar_node = mortar%places(j)
+      mortar_node%area = 0.0_DP
+      mortar_node%whole = 0.0_DP
     end if
-    if (dot_product(place%normal, mortar%places(j)%normal) <= 0.0_DP) return
+    if (dot_product(mortar_node%normal, mortar%places(j)%normal) <= 0.0_DP) return
     before = merge(1 / (1 - 2 * BASIS_ALPHA), 1.0_DP, mortar%corners(1, i) > 0)
-    call average_rows(place%whole + mortar%places(j)%whole, mortar%rows(j), place, mortar%rows(i), mortar%places(j))
-    if (mortar%places(j)%is_merged) mortar%places(i) = place
+    call average_rows(mortar_node%whole + mortar%places(j)%whole, mortar%rows(j), mortar_node, mortar%rows(i), mortar%places(j))
+    if (mortar%places(j)%is_merged) mortar%places(i) = mortar_node
     associate (row => mortar%rows(i))
       after = row%weights(1) + row%weights(findloc(row%nodes, mortar%nodes(j), dim=1))
       row%imbalance_weights = mortar%base_rows(i)%imbalance_weights * (before / after)
@@ -318,16 +318,16 @@ contains
 
 
   !> Means of two rows weighted by their areas; one area may be negative (as of transformed corner functions in places).
-  pure subroutine average_rows(whole, other_row, place, row, other)
+  pure subroutine average_rows(whole, other_row, mortar_node, row, other)
     real(DP), intent(in) :: whole                  !< total area of both [length^2]
     type(contact_row_type), intent(in) :: other_row
-    type(mortar_node_type), intent(inout) :: place
+    type(mortar_node_type), intent(inout) :: mortar_node
     type(contact_row_type), intent(inout) :: row
     type(mortar_node_type), intent(inout) :: other       !< is_merged, unless the areas cancel
     real(DP) :: share
     integer :: k, at
-    if (abs(place%area + other%area) <= MIN_COUNTED_FRACTION * whole) return
-    share = other%area / (place%area + other%area)
+    if (abs(mortar_node%area + other%area) <= MIN_COUNTED_FRACTION * whole) return
+    share = other%area / (mortar_node%area + other%area)
     row%weights = (1 - share) * row%weights
     do k = 1, size(other_row%nodes)
       at = findloc(row%nodes, other_row%nodes(k), dim=1)
@@ -338,12 +338,12 @@ contains
         row%weights = [row%weights, share * other_row%weights(k)]
       end if
     end do
-    place%normal = (1 - share) * place%normal + share * other%normal
-    place%normal = place%normal / norm2(place%normal)
-    place%area = place%area + other%area
-    place%whole = whole
-    place%is_barely_covered = place%area <= MIN_COVERED_FRACTION * whole
-    place%is_shared = .true.
+    mortar_node%normal = (1 - share) * mortar_node%normal + share * other%normal
+    mortar_node%normal = mortar_node%normal / norm2(mortar_node%normal)
+    mortar_node%area = mortar_node%area + other%area
+    mortar_node%whole = whole
+    mortar_node%is_barely_covered = mortar_node%area <= MIN_COVERED_FRACTION * whole
+    mortar_node%is_shared = .true.
     other = mortar_node_type(is_merged=.true.)
   end subroutine average_rows
 
@@ -544,9 +544,9 @@ contains
     integer :: j, v
     allocate (at(size(x, 2)), source=0)
     do j = 1, size(mortar%nodes)
-      associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), place => mortar%places(j), &
+      associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), mortar_node => mortar%places(j), &
         cuts => mortar%cuts)
-        place = mortar_node_type()
+        mortar_node = mortar_node_type()
         call fill_slave_part(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
         mortar%rows(j)%imbalance_weights = mortar%base_rows(j)%imbalance_weights
         if (size(vertices) == 0) cycle
@@ -554,12 +554,12 @@ contains
         if (abs(cuts%area(v)) <= MIN_COUNTED_FRACTION * cuts%whole(v)) cycle
         m = evaluate_vertex_normal(mortar%slave, x, v)
         if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_compliant .and. mortar%transferred_fraction(j) >= 1.0_DP)) cycle
-        place%vertex = v
-        place%area = cuts%area(v)
-        place%whole = cuts%whole(v)
-        place%is_barely_covered = .not. mortar%is_compliant .and. place%area <= MIN_COVERED_FRACTION * place%whole
-        place%normal = -m / norm2(m)
-        call fill_master_part(mortar, master, x, at, place, mortar%rows(j))
+        mortar_node%vertex = v
+        mortar_node%area = cuts%area(v)
+        mortar_node%whole = cuts%whole(v)
+        mortar_node%is_barely_covered = .not. mortar%is_compliant .and. mortar_node%area <= MIN_COVERED_FRACTION * mortar_node%whole
+        mortar_node%normal = -m / norm2(m)
+        call fill_master_part(mortar, master, x, at, mortar_node, mortar%rows(j))
       end associate
     end do
   end subroutine fill_rows
@@ -619,12 +619,12 @@ contains
 
   !> The master's part of a row: -M_ji / D_j, in the node order of the segments. Neighbouring nodes beyond the master's edge
   !! transfer their functions to the row: their part of the slave's side is included.
-  subroutine fill_master_part(mortar, master, x, at, place, row)
+  subroutine fill_master_part(mortar, master, x, at, mortar_node, row)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer, intent(inout) :: at(:)                !< (n_nodes) 0 on entry and exit
-    type(mortar_node_type), intent(inout) :: place
+    type(mortar_node_type), intent(inout) :: mortar_node
     type(contact_row_type), intent(inout) :: row
     real(DP), allocatable :: weights(:)
     integer, allocatable :: nodes(:)
@@ -633,7 +633,7 @@ contains
     integer :: i, s, k, n, f, own, n_head
     n = 0
     associate (slave => mortar%slave)
-      do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
+      do s = slave%star_first(mortar_node%vertex), slave%star_first(mortar_node%vertex + 1) - 1
         f = slave%star_facet(s)
         n = n + MAX_FACE_NODES * (mortar%cuts%covers(f)%n + 3)
       end do
@@ -642,10 +642,10 @@ contains
       allocate (weights(n), source=0.0_DP)
       n = 0
       largest = -huge(1.0_DP)
-      own_area = merge(0.0_DP, place%area, mortar%is_compliant)
+      own_area = merge(0.0_DP, mortar_node%area, mortar%is_compliant)
       adjacent_area = 0.0_DP
       first_moment = 0.0_DP
-      do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
+      do s = slave%star_first(mortar_node%vertex), slave%star_first(mortar_node%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
         if (mortar%cuts%covers(f)%n == 0) cycle
@@ -657,35 +657,35 @@ contains
             call add_segment_weights(master, segments(k), received, at, n, nodes, weights)
             if (segments(k)%share(own) <= largest) cycle
             largest = segments(k)%share(own)
-            place%facet = segments(k)%master
-            place%xi = segments(k)%centre
+            mortar_node%facet = segments(k)%master
+            mortar_node%xi = segments(k)%centre
           end do
           call add_adjacent_slave_nodes(mortar, f, own, received, segments)
         end associate
       end do
       at(nodes(:n)) = 0
     end associate
-    place%area = own_area + adjacent_area
-    if (abs(place%area) <= MIN_COUNTED_FRACTION * place%whole) then
-      place = mortar_node_type()
+    mortar_node%area = own_area + adjacent_area
+    if (abs(mortar_node%area) <= MIN_COUNTED_FRACTION * mortar_node%whole) then
+      mortar_node = mortar_node_type()
       return
     end if
     if (adjacent_area > 0.0_DP) then
       first_moment = first_moment + own_area * evaluate_relative_position(row, x)
-      row%weights = row%weights * (own_area / place%area)
-      if (own_area > 0.0_DP) row%imbalance_weights = row%imbalance_weights * (place%area / own_area)
-      place%force_arm = first_moment / place%area - x(:, row%nodes(1))
+      row%weights = row%weights * (own_area / mortar_node%area)
+      if (own_area > 0.0_DP) row%imbalance_weights = row%imbalance_weights * (mortar_node%area / own_area)
+      mortar_node%force_arm = first_moment / mortar_node%area - x(:, row%nodes(1))
     end if
     do k = 1, n_head                               ! each node once
       i = findloc(nodes(:n), row%nodes(k), dim=1)
       if (i == 0) cycle
-      row%weights(k) = row%weights(k) - weights(i) / place%area
+      row%weights(k) = row%weights(k) - weights(i) / mortar_node%area
       nodes(i:n - 1) = nodes(i + 1:n)
       weights(i:n - 1) = weights(i + 1:n)
       n = n - 1
     end do
     row%nodes = [row%nodes, nodes(:n)]
-    row%weights = [row%weights, -weights(:n) / place%area]
+    row%weights = [row%weights, -weights(:n) / mortar_node%area]
 
   contains
 

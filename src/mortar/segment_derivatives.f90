@@ -251,7 +251,7 @@ contains
     type(point_derivatives_type) :: point
     real(DP) :: cut(2, MAX_POLYGON_CORNERS), d_cut(MAX_CUT_COORDINATES, 2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), &
       weight(MAX_CUT_POINTS)
-    real(DP) :: place(2, MAX_CUT_POINTS)
+    real(DP) :: barycentric(2, MAX_CUT_POINTS)
     real(DP), allocatable :: term_derivatives(:, :)            ! (coordinates, variables of all points)
     real(DP), allocatable :: integrand_slopes(:, :)          ! (variables of all points, integrals)
     real(DP), allocatable :: values(:)             ! (integrals)
@@ -263,7 +263,7 @@ contains
       call differentiate_corners(own, master_outline, nd, lines, n, cut, d_cut)
       call set_polygon_quadrature(cut(:, :n), is_line_facet(own%kind), max(choose_quadrature_order(own%kind, own%corners), &
         choose_quadrature_order(master_outline%kind, &
-        master_outline%corners)), n_points, at, weight, corner, place)
+        master_outline%corners)), n_points, at, weight, corner, barycentric)
       allocate (values((integrals%n * (integrals%n + 1)) / 2 + integrals%n * master_outline%n + own%n), source=0.0_DP)
       m = merge(MAX_INTEGRAND_TERMS - 2, MAX_INTEGRAND_TERMS, integrals%is_full)     ! N~ does not depend on the position
       allocate (term_derivatives(nd, m * n_points), integrand_slopes(m * n_points, size(values)))
@@ -272,7 +272,7 @@ contains
         point%weight = weight(q)
         point%xi = segmentation%points%xi(:, first + q - 1)
         point%eta = segmentation%points%eta(:, first + q - 1)
-        call differentiate_position(cut, d_cut, corner(q), place(:, q), nd, point)
+        call differentiate_position(cut, d_cut, corner(q), barycentric(:, q), nd, point)
         call differentiate_point(own, master_outline, plane, d_normal, nd, point)
         i = m * (q - 1)
         term_derivatives(:, i + 1) = point%d_weight(:nd)
@@ -479,10 +479,10 @@ contains
 
 
   !> Position and weight of a point, from the triangle that contains it.
-  pure subroutine differentiate_position(cut, d_cut, k, place, nd, point)
+  pure subroutine differentiate_position(cut, d_cut, k, barycentric, nd, point)
     real(DP), intent(in) :: cut(2, MAX_POLYGON_CORNERS), d_cut(MAX_CUT_COORDINATES, 2, MAX_POLYGON_CORNERS)
     integer, intent(in) :: k                       !< of the triangle 1, k, k + 1
-    real(DP), intent(in) :: place(2)               !< barycentric coordinates at k and k + 1 [-]
+    real(DP), intent(in) :: barycentric(2)         !< barycentric coordinates at k and k + 1 [-]
     integer, intent(in) :: nd
     type(point_derivatives_type), intent(inout) :: point
     real(DP) :: a(2), b(2), share, d_a(2), d_b(2)
@@ -493,7 +493,7 @@ contains
     do i = 1, nd
       d_a = d_cut(i, :, k) - d_cut(i, :, 1)
       d_b = d_cut(i, :, k + 1) - d_cut(i, :, 1)
-      point%d_at(i, :) = d_cut(i, :, 1) + place(1) * d_a + place(2) * d_b
+      point%d_at(i, :) = d_cut(i, :, 1) + barycentric(1) * d_a + barycentric(2) * d_b
       point%d_weight(i) = share * (d_a(1) * b(2) - d_a(2) * b(1) + a(1) * d_b(2) - a(2) * d_b(1))
     end do
   end subroutine differentiate_position
