@@ -5,7 +5,8 @@ uses_kinds =
 uses_text = kinds
 uses_containers = kinds text
 uses_errors =
-uses_iteration_records = kinds
+uses_failure = kinds
+uses_iteration_records = kinds failure
 uses_posix = kinds errors
 uses_logger = kinds text errors iteration_records posix
 uses_tensor = kinds
@@ -93,9 +94,10 @@ uses_master_symmetry_planes = kinds steps model facets surface_projection
 uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 
 # friction
-uses_pressure_overclosure = kinds surfaces
-uses_local_equilibrium = kinds tensor surfaces pressure_overclosure
 uses_slip_scenarios = kinds
+uses_pressure_overclosure = kinds surfaces slip_scenarios
+uses_local_equilibrium = kinds tensor surfaces slip_scenarios pressure_overclosure
+uses_node_overrides = kinds
 
 # mortar
 uses_dual_shape_functions = kinds dense topology
@@ -107,7 +109,7 @@ uses_segment_derivatives = kinds tensor dense topology shape_functions facets du
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-uses_state = kinds tensor loads materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios
+uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios node_overrides
 uses_model_change = mesh model state
 uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
 
@@ -120,18 +122,18 @@ uses_stabilization = kinds sparse mesh steps state
 # constraints
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly constraints
-uses_boundary_conditions = kinds errors loads mesh steps model state user_state constraints nonlinear_mpc
-uses_tie_generation = kinds errors tensor loads topology mpc_data model shape_functions facets facet_search surface_projection tributary_areas
+uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
+uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
 uses_slave_nodes = kinds surfaces local_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
-uses_shared_slave_nodes = kinds facets state slave_nodes
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows facet_search surface_projection tributary_areas local_equilibrium mortar state constraints slave_nodes user_contact shared_slave_nodes
-uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows pressure_overclosure local_equilibrium slip_scenarios state slave_nodes user_contact shared_slave_nodes contact_pairs
-uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas mortar state slave_nodes shared_slave_nodes contact_pairs
+uses_shared_slave_nodes = kinds facets node_overrides state
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows facet_search surface_projection tributary_areas slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
+uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_integration_points mortar state contact_pairs
-uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
+uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 
 # equilibrium
@@ -140,33 +142,34 @@ uses_skin_tiles = kinds errors blas sparse
 uses_contact_skin = kinds errors dense sparse constraints reduced_system skin_tiles
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface constraints
 uses_free_rigid_motions = kinds dense sparse constraints
-uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
+uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse contact_constraint_rows state contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 
 # model_check
-uses_model_check_bodies = kinds text errors topology mesh model element
-uses_model_check_contact = kinds text containers errors loads topology surfaces model state contact_pairs model_check_bodies
+uses_model_check_bodies = kinds text errors topology model element
+uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state contact_pairs model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
-uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
+uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
 
 # nonlinear
 uses_active_set_history = kinds state
-uses_active_set_cycling = kinds surfaces surface_projection state contact_pairs active_set_history
+uses_active_set_cycling = kinds surfaces surface_projection node_overrides state contact_pairs active_set_history
 uses_contact_subproblem = kinds errors steps model state equilibrium newton_step active_set_history active_set_cycling
 uses_convergence = kinds steps
+uses_failure_words = text failure
 uses_proximal_step = kinds errors mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors steps model state equilibrium newton_step contact_subproblem convergence proximal_step
-uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search state contact_pairs
-uses_line_search = kinds sparse steps model slip_scenarios state equilibrium newton_step tunnelling_check
-uses_newton = kinds errors iteration_records mesh steps model state contact_pairs equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
-uses_failure_report = kinds text iteration_records model state equilibrium model_check_motion active_set_history convergence globalization newton
+uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
+uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
+uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
+uses_failure_report = kinds failure iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
 uses_increment_control = kinds steps convergence
 
 # output
 uses_hdf5_file = kinds errors posix
-uses_checkpoint = kinds errors posix model state reduced_system equilibrium newton increment_control hdf5_file
+uses_checkpoint = kinds errors posix steps model state reduced_system equilibrium newton increment_control hdf5_file
 uses_postprocess = kinds tensor materials topology mesh surfaces model material_point shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor topology steps model state postprocess
 uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output
@@ -177,10 +180,11 @@ uses_results = kinds errors iteration_records tensor materials mesh steps model 
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver
-uses_user_routine_setup = kinds errors logger user_routines materials surfaces model user_material state user_state
+uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
+uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization tie_generation slave_nodes contact_initialization equilibrium model_check active_set_history convergence globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes equilibrium model_check active_set_history convergence failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

@@ -17,6 +17,7 @@ module amontons_containers
   contains
     procedure :: add => add_name
     procedure :: find => find_name
+    procedure :: nearest => nearest_name
     procedure :: suggest => suggest_names
     procedure, private :: find_slot
     procedure, private :: double_slots
@@ -88,25 +89,35 @@ contains
   end function find_name
 
 
-  !> How a sentence about a name that is not known ends: with the name that was meant, all names if they are few, or a full stop.
-  function suggest_names(self, name) result(text)
+  !> The position of the name that was probably meant by one that is not known; 0: none is near.
+  pure integer function nearest_name(self, name) result(best)
     class(name_table_type), intent(in) :: self
     character(*), intent(in) :: name
-    character(:), allocatable :: text
-    integer, parameter :: MAX_LISTED_NAMES = 5
     character(:), allocatable :: word
-    integer :: i, best, least, distance
-    text = '.'
+    integer :: i, least, distance
+    best = 0
     word = name_key(name)
     if (word == '') return
     least = 1 + max(1, len_trim(word) / 3)
-    best = 0
     do i = 1, self%n
       distance = edit_distance(trim(word), trim(self%keys(i)))
       if (distance >= least) cycle
       least = distance
       best = i
     end do
+  end function nearest_name
+
+
+  !> How a sentence about a name that is not known ends: with the name that was meant, all names if they are few, or a full stop.
+  function suggest_names(self, name) result(text)
+    class(name_table_type), intent(in) :: self
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    integer, parameter :: MAX_LISTED_NAMES = 5
+    integer :: i, best
+    text = '.'
+    if (name_key(name) == '') return
+    best = self%nearest(name)
     if (best > 0) then
       text = '; did you mean ' // trim(self%keys(best)) // '?'
     else if (self%n == 0) then

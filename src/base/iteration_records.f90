@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_iteration_records
   use amontons_kinds, only: DP
+  use amontons_failure, only: failure_type
   implicit none
   private
   public :: iteration_record_type, increment_record_type
@@ -65,7 +66,8 @@ module amontons_iteration_records
     real(DP) :: stabilization_work = 0                !< dissipated by the damping of STABILIZE since the start [energy]
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored by compliant laws of contact [energy]
-    character(:), allocatable :: reason        !< why the attempt failed; empty if it converged
+    type(failure_type) :: failure              !< why the attempt failed; FAILURE_NONE if it converged
+    character(:), allocatable :: reason        !< the same in words, to be shown; empty if it converged
     character(REPORT_LINE_LENGTH), allocatable :: report_lines(:)   !< of a failed attempt: worst nodes and a remedy; who left its
                                                                     !! master
   end type increment_record_type

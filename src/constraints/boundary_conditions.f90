@@ -1,12 +1,11 @@
-!> Supports: the base constraints of a step: boundary conditions, equations, bonds, and what nothing else holds.
+!> Base constraints of a step: prescribed displacements, equations, nonlinear MPCs, mid-side constraints, unconnected unknowns.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_boundary_conditions
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_loads, only: load_value
   use amontons_steps, only: step_type
   use amontons_mesh, only: mesh_extent
-  use amontons_model, only: model_type, dof_direction
+  use amontons_model, only: model_type, dof_direction, load_now
   use amontons_state, only: fields_type
   use amontons_user_state, only: evaluate_disp
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
@@ -16,13 +15,12 @@ module amontons_boundary_conditions
   private
   public :: build_base_constraints
 
-  real(DP), parameter :: TOL_ROW_CONFLICT = 1.0e-9_DP      !< of displacements, by which rows may miss each other [-]
-  real(DP), parameter :: MIN_DISPLACEMENT_SCALE = 0.1_DP            !< displacements are taken for no less than this part of the
-                                                                    !! model [-]
+  real(DP), parameter :: TOL_ROW_CONFLICT = 1.0e-9_DP      !< tolerance of contradicting rows, over the displacements [-]
+  real(DP), parameter :: MIN_DISPLACEMENT_SCALE = 0.1_DP  !< lower bound of the displacement scale, over the size of the model [-]
 
 contains
 
-  !> The base constraints for what is still missing to the prescribed displacements at the time of `fields`.
+  !> The base constraints for the missing part of the prescribed displacements at the time of `fields`.
   subroutine build_base_constraints(base, model, step, fields, u_start, midside_nodes, is_unconnected, violation, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -31,14 +29,14 @@ contains
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     integer, intent(in) :: midside_nodes(:, :)          !< (3, n) mid-side slave nodes and their corners
     logical, intent(in) :: is_unconnected(:)              !< (3 n_nodes) of a node without elements
-    real(DP), intent(out) :: violation             !< largest of the bonds, over their size [-]
+    real(DP), intent(out) :: violation             !< largest of the nonlinear MPCs, over their size [-]
     type(error_type), allocatable, intent(out) :: error
     violation = 0.0_DP
     call reset_constraints(base, 3 * model%mesh%n_nodes)
     call fix_unresisted_unknowns(base, model, fields%u)
     call add_prescribed_displacements(base, model, step, fields, u_start, error)
     if (allocated(error)) return
-    call add_equations(base, model, fields%u, error)
+    call add_equations(base, model, step, fields%u, error)
     if (allocated(error)) return
     call add_nonlinear_mpcs(base, model, fields%u, step%is_nlgeom, violation, error)
     if (allocated(error)) return
@@ -48,7 +46,7 @@ contains
   end subroutine build_base_constraints
 
 
-  !> The prescribed displacements; those of a transformed node are rows in its own directions.
+  !> The prescribed displacements; those of a transformed node are rows in its local directions.
   subroutine add_prescribed_displacements(base, model, step, fields, u_start, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -60,7 +58,7 @@ contains
     real(DP) :: direction(3), residual
     integer :: i, pass, row_status
     logical :: is_global
-    do pass = 1, 2                                 ! what is fixed comes before all rows
+    do pass = 1, 2                                 ! fixed unknowns come before all rows
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
           direction = dof_direction(model, load%node, load%dof)
@@ -86,7 +84,7 @@ contains
   end subroutine add_prescribed_displacements
 
 
-  !> What rows may miss each other by without a contradiction.
+  !> Tolerance within which rows do not contradict each other.
   pure real(DP) function find_conflict_tolerance(model, u) result(length)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -94,7 +92,7 @@ contains
   end function find_conflict_tolerance
 
 
-  !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
+  !> Displacements without stiffness (the third of plane models) remain zero, unless a support prescribes them.
   subroutine fix_unresisted_unknowns(base, model, u)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -110,7 +108,7 @@ contains
   end subroutine fix_unresisted_unknowns
 
 
-  !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.
+  !> The current displacement of a support. One that is new in this step is linear from its value at the start of the step.
   pure real(DP) function prescribed_value(model, step, i, fields, u_start) result(value)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -123,17 +121,18 @@ contains
       else if (load%amplitude == 0 .and. load%is_from_current) then
         value = u_start + (load%end - u_start) * (fields%step_time / step%period)
       else
-        value = load_value(load, model%amplitudes, fields%step_time, fields%total_time, step%period)
+        value = load_now(model, step, load, fields%step_time, fields%total_time)
       end if
       if (load%is_user) call evaluate_disp(model, load, fields, value)
     end associate
   end function prescribed_value
 
 
-  !> The rows of *EQUATION, corrected by what is violated at u.
-  subroutine add_equations(base, model, u, error)
+  !> The rows of *EQUATION that hold in a step, with the violation at u as right-hand side.
+  subroutine add_equations(base, model, step, u, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
     real(DP), intent(in) :: u(:, :)
     type(error_type), allocatable, intent(out) :: error
     type(constraint_row_type) :: row
@@ -141,7 +140,7 @@ contains
     character(12) :: line
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
-        if (equation%is_removed) cycle
+        if (equation%last_step < step%number) cycle
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
@@ -158,7 +157,7 @@ contains
   end subroutine add_equations
 
 
-  !> A mid-side node of a slave face stays in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
+  !> A mid-side node of a slave face remains in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
   subroutine add_midside_constraints(base, midside_nodes, u)
     type(constraints_type), intent(inout) :: base
     integer, intent(in) :: midside_nodes(:, :)          !< (3, n) the node and its two corners

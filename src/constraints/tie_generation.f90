@@ -1,4 +1,4 @@
-!> Fasten: turns tied surfaces, cyclic symmetry and distributing couplings into equations, once before the start.
+!> Converts tie constraints, cyclic symmetry and distributing couplings into linear equations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_tie_generation
   use amontons_kinds, only: DP
@@ -8,72 +8,83 @@ module amontons_tie_generation
   use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
   use amontons_loads, only: equation_type
   use amontons_mpc_data, only: tie_type, distributing_coupling_type
-  use amontons_model, only: model_type, append_equation
+  use amontons_mesh, only: mesh_type
+  use amontons_surfaces, only: surface_type
+  use amontons_model, only: model_type, new_equation
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, find_projection, evaluate_facet_point, PROJECTION_INSIDE
   implicit none
   private
-  public :: convert_ties_to_equations
+  public :: generate_ties
 
-  real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< nodes nearer than this times the mean edge of a facet are tied [-]
-  real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< the same of a sector: of the extent of its dependent side [-]
+  real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< position tolerance over the mean edge of a facet [-]
+  real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< matching tolerance of a sector, over the extent of its dependent side [-]
 
 contains
 
-  !> Appends the equations of all ties and distributing couplings to the model, and moves tied nodes onto their masters.
-  subroutine convert_ties_to_equations(model, error)
-    type(model_type), intent(inout) :: model
+  !> The equations of all ties and distributing couplings, and the coordinates of tied nodes moved to their masters.
+  subroutine generate_ties(model, equations, coordinates, error)
+    type(model_type), intent(in) :: model
+    type(equation_type), allocatable, intent(out) :: equations(:)
+    real(DP), allocatable, intent(out) :: coordinates(:, :)   !< (3, n_nodes) of all nodes [length]
     type(error_type), allocatable, intent(out) :: error
+    type(mesh_type) :: mesh                        ! with tied nodes moved to their masters
     integer :: i
+    mesh = model%mesh
+    allocate (equations(0))
     if (allocated(model%ties)) then
       do i = 1, size(model%ties)
         if (model%ties(i)%is_cyclic) then
-          call convert_cyclic_symmetry(model, model%ties(i), error)
+          call convert_cyclic_symmetry(model, mesh, model%ties(i), equations, error)
         else
-          call convert_tie(model, model%ties(i), error)
+          call convert_tie(model, model%ties(i), mesh, equations, error)
         end if
         if (allocated(error)) return
       end do
     end if
-    if (.not. allocated(model%distributing_couplings)) return
-    do i = 1, size(model%distributing_couplings)
-      call convert_distributing_coupling(model, model%distributing_couplings(i), error)
-      if (allocated(error)) return
-    end do
-  end subroutine convert_ties_to_equations
+    if (allocated(model%distributing_couplings)) then
+      do i = 1, size(model%distributing_couplings)
+        call convert_distributing_coupling(model, mesh, model%distributing_couplings(i), equations, error)
+        if (allocated(error)) return
+      end do
+    end if
+    call move_alloc(mesh%coordinates, coordinates)
+  end subroutine generate_ties
 
 
-  !> The nodes of the slave stay where they are on the facets of the master: u = sum N_i u_i.
-  subroutine convert_tie(model, tie, error)
-    type(model_type), intent(inout) :: model
+  !> Ties the slave nodes to the facets of the master: u = sum N_i u_i.
+  subroutine convert_tie(model, tie, mesh, equations, error)
+    type(model_type), intent(in) :: model
     type(tie_type), intent(in) :: tie
+    type(mesh_type), intent(inout) :: mesh         !< out: slave nodes moved to their masters
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
-    type(projection_type) :: place
+    type(projection_type) :: projection
     real(DP), allocatable :: x(:, :)
     integer, allocatable :: slaves(:)
     real(DP) :: tolerance_length
     integer :: i, n_tied
     associate (master => model%surfaces(tie%master))
-      call build_facets(model%mesh, master%element, master%face, facets, error)
+      call build_facets(mesh, master%element, master%face, facets, error)
     end associate
     if (allocated(error)) return
-    x = model%mesh%coordinates
+    x = mesh%coordinates
     tolerance_length = tie%tolerance
     if (tie%tolerance < 0.0_DP) tolerance_length = TOL_TIE_DISTANCE * sum(facets%edge_length) / real(facets%n, DP)
     call build_facet_search(facets, x, tolerance_length, search)
     slaves = model%surfaces(tie%slave)%nodes
     n_tied = 0
     do i = 1, size(slaves)
-      if (any(facets%nodes == slaves(i))) cycle    ! a node of both is one with itself
-      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, place)
-      if (place%status /= PROJECTION_INSIDE .or. place%facet == 0) cycle
+      if (any(facets%nodes == slaves(i))) cycle    ! a common node of both surfaces needs no tie
+      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, projection)
+      if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) cycle
       n_tied = n_tied + 1
-      if (tie%is_adjusted) call evaluate_facet_point(facets, x, place%facet, place%xi, model%mesh%coordinates(:, slaves(i)))
-      call add_tie_equations(model, facets, place, slaves(i), tie%line)
+      if (tie%is_adjusted) call evaluate_facet_point(facets, x, projection%facet, projection%xi, mesh%coordinates(:, slaves(i)))
+      call add_tie_equations(facets, projection, slaves(i), tie%line, equations)
     end do
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
@@ -81,27 +92,29 @@ contains
 
 
   !> The three equations of one tied node.
-  subroutine add_tie_equations(model, facets, place, slave, line)
-    type(model_type), intent(inout) :: model
+  subroutine add_tie_equations(facets, projection, slave, line, equations)
     type(facets_type), intent(in) :: facets
-    type(projection_type), intent(in) :: place
+    type(projection_type), intent(in) :: projection
     integer, intent(in) :: slave, line
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: nodes(MAX_FACE_NODES), n, k
-    call facet_nodes(facets, place%facet, n, nodes)
-    call facet_shapes(facets%kind(place%facet), place%xi, N_i, dN, ddN)
+    call facet_nodes(facets, projection%facet, n, nodes)
+    call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
     do k = 1, 3
-      call append_equation(model, [slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)
+      equations = [equations, new_equation([slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)]
     end do
   end subroutine add_tie_equations
 
 
-  !> Appends u_s = R sum N_i u_i for every node s of the dependent side, R the turn that brings the independent side onto it.
+  !> Appends u_s = R sum N_i u_i for every node s of the dependent side, with the rotation R of the independent side onto it.
   !!
-  !! Of the two senses the one counts in which more nodes find a partner. Errors: nodes without a partner (EXIT_SETUP).
-  subroutine convert_cyclic_symmetry(model, tie, error)
-    type(model_type), intent(inout) :: model
+  !! Of the two senses of rotation the one with more matching nodes applies. Errors: nodes without a partner (EXIT_SETUP).
+  subroutine convert_cyclic_symmetry(model, mesh, tie, equations, error)
+    type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes moved to their masters
     type(tie_type), intent(in) :: tie
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: first(:), nodes(:), best_first(:), best_nodes(:)
     real(DP), allocatable :: weight(:), best_weight(:)
@@ -112,7 +125,7 @@ contains
     do rotation_sign = 1, 2
       rotation_map = tie%turn
       if (rotation_sign == 2) rotation_map = transpose(tie%turn)
-      call find_cyclic_partners(model, tie, rotation_map, first, nodes, weight, error)
+      call find_cyclic_partners(model, mesh, tie, rotation_map, first, nodes, weight, error)
       if (allocated(error)) return
       n_found = count(first(2:) > first(:size(first) - 1))
       if (n_found <= n_best) cycle
@@ -132,45 +145,46 @@ contains
       end if
       do s = 1, size(slaves)
         do k = 1, 3
-          call add_rotated_equation(model, slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
-            best_weight(best_first(s):best_first(s + 1) - 1), best_rotation(k, :), tie%line)
+          call add_rotated_equation(slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
+            best_weight(best_first(s):best_first(s + 1) - 1), best_rotation(k, :), tie%line, equations)
         end do
       end do
     end associate
   end subroutine convert_cyclic_symmetry
 
 
-  !> For each node of the dependent side the nodes and weights of its place on the independent side; none if there is none.
-  subroutine find_cyclic_partners(model, tie, rotation_map, first, nodes, weight, error)
+  !> For each node of the dependent side the nodes and weights of its matching point on the independent side, if any.
+  subroutine find_cyclic_partners(model, mesh, tie, rotation_map, first, nodes, weight, error)
     type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes moved to their masters
     type(tie_type), intent(in) :: tie
-    real(DP), intent(in) :: rotation_map(3, 3)             !< brings the independent side onto the dependent one
+    real(DP), intent(in) :: rotation_map(3, 3)             !< rotates the independent side onto the dependent one
     integer, allocatable, intent(out) :: first(:)  !< (n + 1)
     integer, allocatable, intent(out) :: nodes(:)
     real(DP), allocatable, intent(out) :: weight(:)
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
-    real(DP) :: place(3), reach
+    real(DP) :: position(3), reach
     integer :: s, i
     logical :: has_faces
-    associate (slaves => model%surfaces(tie%slave)%nodes, master => model%surfaces(tie%master), X => model%mesh%coordinates)
+    associate (slaves => model%surfaces(tie%slave)%nodes, master => model%surfaces(tie%master), X => mesh%coordinates)
       allocate (first(size(slaves) + 1), source=1)
       allocate (nodes(0), weight(0))
       reach = tie%tolerance
       if (reach < 0.0_DP) reach = TOL_CYCLIC_MATCH * norm2(maxval(X(:, slaves), dim=2) - minval(X(:, slaves), dim=2))
       has_faces = .not. master%is_node_based
-      if (has_faces) call build_facets(model%mesh, master%element, master%face, facets, error)
+      if (has_faces) call build_facets(mesh, master%element, master%face, facets, error)
       if (allocated(error)) return
       if (has_faces) call build_facet_search(facets, X, reach, search)
       do s = 1, size(slaves)
-        place = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
-        i = minloc(sum((X(:, master%nodes) - spread(place, 2, size(master%nodes)))**2, dim=1), dim=1)
-        if (norm2(X(:, master%nodes(i)) - place) <= reach) then
+        position = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
+        i = minloc(sum((X(:, master%nodes) - spread(position, 2, size(master%nodes)))**2, dim=1), dim=1)
+        if (norm2(X(:, master%nodes(i)) - position) <= reach) then
           nodes = [nodes, master%nodes(i)]
           weight = [weight, 1.0_DP]
         else if (has_faces) then
-          call append_facet_weights(facets, search, X, place, reach, nodes, weight)
+          call append_facet_weights(facets, search, X, position, reach, nodes, weight)
         end if
         first(s + 1) = size(nodes) + 1
       end do
@@ -178,17 +192,17 @@ contains
   end subroutine find_cyclic_partners
 
 
-  !> Appends the nodes of the facet at a place, if there is one within reach.
-  subroutine append_facet_weights(facets, search, X, place, reach, nodes, weight)
+  !> Appends the nodes of the facet at a point, if one is within the tolerance.
+  subroutine append_facet_weights(facets, search, X, position, reach, nodes, weight)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search
-    real(DP), intent(in) :: X(:, :), place(3), reach   !< [length]
+    real(DP), intent(in) :: X(:, :), position(3), reach   !< [length]
     integer, allocatable, intent(inout) :: nodes(:)
     real(DP), allocatable, intent(inout) :: weight(:)
     type(projection_type) :: projection
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: corners(MAX_FACE_NODES), n
-    call find_projection(facets, search, X, place, reach, projection)
+    call find_projection(facets, search, X, position, reach, projection)
     if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) return
     call facet_nodes(facets, projection%facet, n, corners)
     call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
@@ -197,13 +211,13 @@ contains
   end subroutine append_facet_weights
 
 
-  !> u_s(k) - sum_j R(k, j) sum_i N_i u_i(j) = 0; terms of a node on the axis, which is its own partner, are added up.
-  subroutine add_rotated_equation(model, slave, k, partners, weight, rotation_map, line)
-    type(model_type), intent(inout) :: model
+  !> u_s(k) - sum_j R(k, j) sum_i N_i u_i(j) = 0; the terms of a node on the axis, which is its own partner, are summed.
+  subroutine add_rotated_equation(slave, k, partners, weight, rotation_map, line, equations)
     integer, intent(in) :: slave, k
     integer, intent(in) :: partners(:)
     real(DP), intent(in) :: weight(:), rotation_map(3)     !< row k of R
     integer, intent(in) :: line                    !< of the deck
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(equation_type) :: equation
     real(DP) :: coefficient
     integer :: i, j, n
@@ -220,7 +234,7 @@ contains
       end do
     end do
     associate (is_kept => abs(equation%coefficient) > 1.0e-14_DP)
-      if (.not. any(is_kept)) return               ! along the axis a node on it is free
+      if (.not. any(is_kept)) return               ! a node on the axis is free along it
       equation%node = pack(equation%node, is_kept)
       equation%dof = pack(equation%dof, is_kept)
       equation%coefficient = pack(equation%coefficient, is_kept)
@@ -228,18 +242,20 @@ contains
     equation%n_eliminable = count(equation%node == slave)
     equation%card = 'CYCLIC SYMMETRY'
     equation%line = line
-    model%equations = [model%equations, equation]
+    equations = [equations, equation]
   end subroutine add_rotated_equation
 
 
-  !> The reference node moves with the mean rigid motion of the surface, weighted by area.
+  !> Couples the reference node to the mean rigid motion of the surface, weighted by area.
   !!
-  !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the
-  !! reference node has u = u_c + t x (X - c) and the rotation t. Its forces and moments so spread over the nodes as
-  !! w (f + inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
-  subroutine convert_distributing_coupling(model, coupling, error)
-    type(model_type), intent(inout) :: model
+  !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the reference node
+  !! has u = u_c + t x (X - c) and the rotation t. Its forces and moments are thereby distributed over the nodes as w (f +
+  !! inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
+  subroutine convert_distributing_coupling(model, mesh, coupling, equations, error)
+    type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
     type(distributing_coupling_type), intent(in) :: coupling
+    type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: weight(:), rotation_map(:, :, :), coefficient(:)
     real(DP) :: centre(3), arm(3), mean(3, 3)
@@ -248,9 +264,9 @@ contains
     logical :: is_ok, is_plane
     nodes = model%surfaces(coupling%surface)%nodes
     n = size(nodes)
-    call find_nodal_weights(model, coupling%surface, weight)
-    is_plane = all(model%mesh%is_unstiffened(3, nodes))
-    call find_mean_rotation(model%mesh%coordinates(:, nodes), weight, is_plane, centre, rotation_map, is_ok)
+    call find_nodal_weights(model%surfaces(coupling%surface), mesh, weight)
+    is_plane = all(mesh%is_unstiffened(3, nodes))
+    call find_mean_rotation(mesh%coordinates(:, nodes), weight, is_plane, centre, rotation_map, is_ok)
     if (.not. is_ok) then
       call set_error(error, EXIT_SETUP, 'The nodes of the surface of a *DISTRIBUTING coupling lie on a line; a ' // &
         'rotation cannot be spread over them.')
@@ -259,7 +275,7 @@ contains
         'have no mean rigid motion but along their axis; an *EQUATION can bind the mean displacement along it.')
     end if
     if (allocated(error)) return
-    arm = model%mesh%coordinates(:, coupling%reference) - centre
+    arm = mesh%coordinates(:, coupling%reference) - centre
     node = [0, [(spread(nodes(i), 1, 3), i=1, n)]]
     dof = [0, [(1, 2, 3, i=1, n)]]
     coefficient = [(1.0_DP, i=0, 3 * n)]
@@ -273,7 +289,7 @@ contains
         if (k <= 3) mean = weight(i) * IDENTITY + rotation_moment_matrix(arm, rotation_map(:, :, i))
         coefficient(3 * i - 1:3 * i + 1) = -matmul(coupling%axes(:, dof(1)), mean)
       end do
-      call append_equation(model, node, dof, coefficient, 'COUPLING', coupling%line)
+      equations = [equations, new_equation(node, dof, coefficient, 'COUPLING', coupling%line)]
     end do
   end subroutine convert_distributing_coupling
 
@@ -293,30 +309,28 @@ contains
 
 
   !> The share of each node of a surface in its area, by the shape functions.
-  subroutine find_nodal_weights(model, surface, weight)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: surface
+  subroutine find_nodal_weights(faces, mesh, weight)
+    type(surface_type), intent(in) :: faces
+    type(mesh_type), intent(in) :: mesh
     real(DP), allocatable, intent(out) :: weight(:)   !< of surface%nodes, sum 1
     type(element_kind_type) :: kind
-    real(DP) :: of_node(model%mesh%n_nodes)
+    real(DP) :: of_node(mesh%n_nodes)
     integer :: i, e
     integer, allocatable :: nodes(:)
     of_node = 0.0_DP
-    associate (faces => model%surfaces(surface), mesh => model%mesh)
-      do i = 1, size(faces%element)
-        e = faces%element(i)
-        kind = element_kind(mesh%kind(e))
-        associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
-          nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
-          of_node(nodes) = of_node(nodes) + integrate_nodal_areas(mesh%coordinates(:, nodes), facet, out_of_plane_depth(mesh, e))
-        end associate
-      end do
-      weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
-    end associate
+    do i = 1, size(faces%element)
+      e = faces%element(i)
+      kind = element_kind(mesh%kind(e))
+      associate (local => kind%face_nodes(:, faces%face(i)), facet => kind%face_kind(faces%face(i)))
+        nodes = mesh%nodes(mesh%first(e) - 1 + pack(local, local > 0))
+        of_node(nodes) = of_node(nodes) + integrate_nodal_areas(mesh%coordinates(:, nodes), facet, out_of_plane_depth(mesh, e))
+      end associate
+    end do
+    weight = of_node(faces%nodes) / sum(of_node(faces%nodes))
   end subroutine find_nodal_weights
 
 
-  !> The matrix of u -> (turn u) x arm.
+  !> The matrix of u -> (rotation of u) x arm.
   pure function rotation_moment_matrix(arm, rotation_map) result(M)
     real(DP), intent(in) :: arm(3), rotation_map(3, 3)
     real(DP) :: M(3, 3)
@@ -327,7 +341,8 @@ contains
   end function rotation_moment_matrix
 
 
-  !> The centre of weighted nodes, and the matrices with mean rotation t = sum turn_i u_i. In the plane nodes turn about z alone.
+  !> The centre of weighted nodes, and the matrices of the mean rotation t = sum turn_i u_i. In the plane nodes rotate about z
+  !! alone.
   pure subroutine find_mean_rotation(x, weight, is_plane, centre, rotation_map, is_ok)
     real(DP), intent(in) :: x(:, :)              !< (3, n) [length]
     real(DP), intent(in) :: weight(:)            !< (n) sum 1

@@ -1,51 +1,51 @@
-!> Contact forces: the node loop: whether each slave node touches, sticks or slips, and the force on it.
+!> Contact evaluation: trial traction, status (open, stick, slip) and contact force of every slave node at a configuration.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-!!
-!! Theory: doc/theory/contact.md. Where contact is exact the force on a slave node is its own imbalance with the sign turned, as far
-!! as contact can give it (`evaluate_hard_node`); under a compliant law it is the law's (`evaluate_compliant_node`). The masters
-!! get the opposite
+!! Theory: doc/theory/contact.md. Under exact contact the force on a slave node is minus its imbalance, as far as the contact laws
+!! admit it (`evaluate_hard_node`); under a compliant law it is the law's (`evaluate_compliant_node`). The masters get the opposite
 !! force with the weights of the row.
 module amontons_contact_evaluation
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
-  use amontons_slave_nodes, only: detach_slave, suppress_friction_stepwise, is_friction_suppressed, is_rough, set_force, &
-    set_slip_data
+  use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_node_overrides, only: note_pull_off, is_friction_suppressed, is_status_imposed, gives_way, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slave_nodes, only: detach_slave, is_rough, set_force
   use amontons_user_contact, only: call_user_interaction, call_user_friction
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_row_imbalance, distribute_row_force
   use amontons_sparse, only: multiply
   use amontons_shared_slave_nodes, only: free_projector, support_free_projector, is_friction_in_other_pair
   use amontons_facets, only: is_line_facet
-  use amontons_slip_scenarios, only: trial_traction_type, evaluate_trial_traction
-  use amontons_pressure_overclosure, only: find_activation_gap
+  use amontons_slip_scenarios, only: trial_traction_type, evaluate_trial_traction, slip_state_type, friction_limit, &
+    NO_FRICTION_LIMIT
+  use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_local_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
     set_first_touch_origin, is_stuck_to_mortar_row, &
-    current_row, origin_row, contact_slip_vector, FROZEN_NOW
+    current_row, origin_row, contact_slip_vector
   implicit none
   private
   public :: evaluate_contact, elastic_trial_slip, has_other_constraints
 
-  real(DP), parameter :: TOL_CLOSING = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge
-                                                        !! [-]
-  real(DP), parameter :: TOL_OPENING = 1.0e-12_DP       !< a closed node opens when it is pulled off by more than this times the
-                                                        !! edge [-]
-  real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
-  real(DP), parameter :: MIN_FREE_NORMAL = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
-  real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP          !< a node that supports lead farther than this times the edge
-                                                                  !! slides [-]
+  real(DP), parameter :: TOL_CLOSING = 1.0e-10_DP  !< an open node closes at a penetration larger than this times the facet's edge
+                                                   !! [-]
+  real(DP), parameter :: TOL_OPENING = 1.0e-12_DP  !< a closed node opens at a tension displacement larger than this times the edge
+                                                   !! [-]
+  real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is at rounding level [-]
+  real(DP), parameter :: SLIP_ZERO = 1.0e-12_DP    !< for the slip scenarios a slip up to this times the edge is zero [-]
+  real(DP), parameter :: MIN_FREE_NORMAL = 1.0e-6_DP    !< a normal with a smaller free part than this is fixed by supports [-]
+  real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP  !< a larger displacement imposed by supports, over the edge, is sliding
+                                                          !! [-]
 
 contains
 
   !> Positions, statuses and contact forces of all slave nodes at a configuration.
   !!
-  !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 where a support holds).
-  !! After: slaves, contact_force, and in `contact` the view for the slip procedure and the counts of changes.
+  !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 at supports). After: slaves, contact_force,
+  !! and in `contact` the data of the slip scenarios and the counts of changes.
   subroutine evaluate_contact(contact, model, old, imbalance, is_frozen, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: old           !< committed: where the increment started
+    type(fields_type), intent(in) :: old           !< committed: start of the increment
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) [force]
     logical, intent(in) :: is_frozen               !< .true.: keep every status
     type(fields_type), intent(inout) :: fields
@@ -57,6 +57,7 @@ contains
     contact%n_closed = 0
     contact%n_changed = 0
     contact%n_lost_master = 0
+    contact%n_imposed = 0
     contact%max_gap_error = 0.0_DP
     contact%worst_slave = 0
     if (size(fields%slaves) == 0) return
@@ -72,7 +73,8 @@ contains
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) /= level) cycle
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. contact%frozen(s) == FROZEN_NOW, s, fields)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. &
+          is_status_imposed(fields%slaves(s)%overrides), s, fields)
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) == level) call add_contact_force(contact, s, fields%slaves(s), fields%contact_force)
@@ -82,7 +84,7 @@ contains
   end subroutine evaluate_contact
 
 
-  !> The imbalance that the contact force of a slave node has to answer: by the row by which it sticks, where it sticks.
+  !> The imbalance that the contact force of a slave node balances: for a sticking node that of its origin's row.
   pure function row_imbalance(contact, slave, imbalance) result(own)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -98,7 +100,7 @@ contains
   end function row_imbalance
 
 
-  !> The imbalance with the contact forces that are known by now, condensed onto the free unknowns.
+  !> The imbalance with the contact forces known so far, condensed onto the free unknowns.
   subroutine add_known_reactions(contact, contact_force, imbalance, total)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: contact_force(:, :)    !< (3, n_nodes) [force]
@@ -110,7 +112,7 @@ contains
   end subroutine add_known_reactions
 
 
-  !> One slave node: where it is, and what its law makes of that.
+  !> Evaluates one slave node: its projection, then its contact law.
   subroutine evaluate_slave(contact, model, old, u_old, x, is_frozen, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -123,8 +125,8 @@ contains
     integer :: status_before
     associate (slave => fields%slaves(s))
       status_before = slave%status
-      if (slave%row > 0 .and. .not. contact%has_fixed_geometry(slave%pair) &
-        .and. contact%shared_slaves%is_active_side(s)) call update_mortar_slave(contact, slave)
+      if (slave%row > 0 .and. .not. contact%has_fixed_geometry(slave%pair) .and. .not. gives_way(slave%overrides)) &
+        call update_mortar_slave(contact, slave)
       if (slave%facet == 0 .and. slave%row == 0) call search_lost_slave(contact, x, s, slave)
       call update_gap(contact, x, slave)
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
@@ -136,8 +138,8 @@ contains
   end subroutine evaluate_slave
 
 
-  !> A slave node of exact contact: its status by the trial traction along what supports and other pairs leave free, its force
-  !! from its imbalance. Theory: doc/theory/contact.md, section 3.
+  !> A slave node of exact contact: its status by the trial traction in the directions that supports and other pairs leave free, its
+  !! force from its imbalance. Theory: doc/theory/contact.md, section 3.
   subroutine evaluate_hard_node(contact, model, old, u_old, is_frozen, status_before, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -160,11 +162,7 @@ contains
       free_normal = matmul(free, slave%normal)
       free_share = norm2(free_normal)
       if (slave%facet == 0 .or. free_share < MIN_FREE_NORMAL) then
-        if (status_before /= STATUS_OPEN) contact%n_lost_master = contact%n_lost_master + 1
-        call detach_slave(slave)
-        if (old%status == STATUS_OPEN) slave%origin_facet = 0
-        slave%slip_increment = 0.0_DP
-        call set_slip_data(contact%slip_data, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, spread(0.0_DP, 1, 3))
+        call release_slave(contact, old, status_before, s, slave)
         return
       end if
       free_normal = free_normal / free_share
@@ -172,7 +170,7 @@ contains
       if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
       if (is_prescribed_tangentially(free, d - dot_product(slave%normal, d) * slave%normal, &
         contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
-      if (is_rough(law) .and. is_friction_suppressed(slave)) contact%friction(s) = 0.0_DP
+      if (is_rough(law) .and. is_friction_suppressed(slave%overrides)) contact%friction(s) = 0.0_DP
       mu = contact%friction(s) / free_share
       shear_limit_force = law%shear_limit * slave%area
       contact%has_sliding_support(s) = has_sliding_support(free, d, contact%edge(slave%pair))
@@ -180,26 +178,25 @@ contains
       call evaluate_status()
       if (slave%status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call set_first_touch_origin(contact, model, u_old, fields%u, slave)
-        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! since first touch: stick or slip is asked again
+        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! slip from first touch decides on stick or slip
         call evaluate_status()
       end if
       if (status_before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (is_rough(law) .or. has_other_constraints(contact, &
         s))) &
-        call suppress_friction_stepwise(slave)
+        call note_pull_off(slave%overrides)
       if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       contact%direction(:, s) = trial%direction
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
       call set_forces(-dot_product(free_normal, Rhat))
-      contact%slip_data%position(:, s) = d
-      if (has_other_constraints(contact, s)) contact%slip_data%position(:, s) = slave%slip_increment + slave%gap * free_normal
-      call count_changes(contact, status_before, s, slave)
+      if (has_other_constraints(contact, s)) d = slave%slip_increment + slave%gap * free_normal
+      call count_changes(contact, status_before, s, slave, norm2(d))
     end associate
 
   contains
 
-    !> Trial traction and status. An open node that grazes its master stays open: it would only chatter. One that touches without
-    !! any force stays closed: rounding would choose.
+    !> Trial traction and status. Hysteresis prevents open/close oscillation of a node at zero gap; a closed node without force
+    !! stays closed, since otherwise rounding would decide.
     subroutine evaluate_status()
       real(DP) :: gap
       associate (slave => fields%slaves(s))
@@ -208,12 +205,14 @@ contains
         call evaluate_trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, status_before /= STATUS_OPEN, &
           shear_limit_force, trial)
         slave%status = merge(status_before, trial%status, is_frozen)
+        if (slave%overrides%status == NODE_OVERRIDE_STICK_ONCE .and. trial%status /= STATUS_STICK) &
+          contact%n_imposed = contact%n_imposed + 1
       end associate
     end subroutine evaluate_status
 
-    !> Normal force and friction by the status; of a routine of the user where the pair has one.
+    !> Normal force and friction by the status; by the user routine if the pair has one.
     subroutine set_forces(N)
-      real(DP), intent(in) :: N                    !< normal force that the imbalance asks for [force]
+      real(DP), intent(in) :: N                    !< normal force required by the imbalance [force]
       integer :: status
       associate (slave => fields%slaves(s))
         status = slave%status
@@ -224,18 +223,63 @@ contains
         if (contact%laws(slave%pair)%is_user_friction .and. slave%status == STATUS_SLIP) then
           slave%force = N / free_share * slave%normal
         else
-          call set_force(slave, Rhat, N / free_share, min(mu * N, shear_limit_force) * trial%direction)
+          call set_force(slave, Rhat, N / free_share, friction_limit(mu, N, shear_limit_force) * trial%direction)
         end if
         if (slave%status == STATUS_STICK .and. has_other_constraints(contact, s)) slave%shear = -Rhat - N * free_normal
-        call set_slip_data(contact%slip_data, s, slave%status, Rhat + N * free_normal, N, slave%slip_increment)
+        contact%slip_data(s) = slip_state_type(slave%status, N, Rhat + N * free_normal, limit_of(contact, slave, s, &
+          N / free_share), &
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
       end associate
     end subroutine set_forces
 
   end subroutine evaluate_hard_node
 
 
-  !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
-  !! there the supports carry, and the node is not to be held where it first touched.
+  !> A slave node without a facet, or whose normal is fixed by supports, is open.
+  subroutine release_slave(contact, old, status_before, s, slave)
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: old
+    integer, intent(in) :: status_before                  !< status before
+    integer, intent(in) :: s                       !< index of the slave
+    type(slave_state_type), intent(inout) :: slave
+    if (status_before /= STATUS_OPEN) contact%n_lost_master = contact%n_lost_master + 1
+    call detach_slave(slave)
+    if (old%status == STATUS_OPEN) slave%origin_facet = 0
+    slave%slip_increment = 0.0_DP
+    contact%slip_data(s) = slip_state_type()
+  end subroutine release_slave
+
+
+  !> The friction limit of a closed node for the slip scenarios: from its coefficient, TAUMAX or the user routine.
+  !!
+  !! Exact contact: the coefficient of the node, 0 if its friction is suppressed, with the force along its full normal. Compliant
+  !! law: that of the law. FRIC: the shear force that it returned. Nodes that FRIC holds and nodes of ROUGH and TIED laws have no
+  !! limit.
+  pure real(DP) function limit_of(contact, slave, s, N) result(limit)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave          !< evaluated
+    integer, intent(in) :: s                       !< index of the slave
+    real(DP), intent(in) :: N                      !< normal force that the imbalance requires [force]
+    logical :: is_unlimited
+    associate (law => contact%laws(slave%pair))
+      if (law%is_user_friction) then
+        limit = merge(NO_FRICTION_LIMIT, norm2(slave%shear), contact%user_responses(s)%is_stuck)
+        return
+      end if
+      if (is_compliant(law)) then
+        is_unlimited = law%friction >= ROUGH_FRICTION .or. law%behavior == BEHAVIOR_TIED
+        limit = find_shear_limit(law, slave%area, N / slave%area)
+      else
+        is_unlimited = contact%friction(s) >= ROUGH_FRICTION
+        limit = friction_limit(contact%friction(s), max(N, 0.0_DP), law%shear_limit * slave%area)
+      end if
+      if (is_unlimited .and. law%shear_limit >= NO_SHEAR_LIMIT) limit = NO_FRICTION_LIMIT
+    end associate
+  end function limit_of
+
+
+  !> Whether supports alone move a slave along its master: none of its tangential directions is free. The supports carry the
+  !! friction there, and the node must not stick to its first-touch point.
   pure logical function is_prescribed_tangentially(free, d, edge)
     real(DP), intent(in) :: free(3, 3)             !< its free directions
     real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) along the master [length]
@@ -244,12 +288,12 @@ contains
   end function is_prescribed_tangentially
 
 
-  !> FRIC at a slave node of exact contact: LM = 1 sticks, all else slips by the shear that it gives.
+  !> FRIC at a slave node of exact contact: LM = 1 sticks, otherwise the node slips with the shear that FRIC returns.
   subroutine apply_fric_hard(contact, model, status_before, required_traction, d, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     integer, intent(in) :: status_before                  !< status before
-    real(DP), intent(in) :: required_traction(3)                !< imbalance over the area: what the contact has to answer [stress]
+    real(DP), intent(in) :: required_traction(3)  !< imbalance over the area: the traction required from contact [stress]
     real(DP), intent(in) :: d(3)                   !< slip in this increment [length]
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
@@ -264,7 +308,7 @@ contains
   end subroutine apply_fric_hard
 
 
-  !> Whether supports hold a slave in a direction along which its master slides: its gap is not that from its origin then.
+  !> Whether supports fix a slave in a direction in which its master slides: its gap is then not measured from its origin.
   pure logical function has_sliding_support(free, d, edge)
     real(DP), intent(in) :: free(3, 3)             !< its free directions
     real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) [length]
@@ -273,8 +317,7 @@ contains
   end function has_sliding_support
 
 
-  !> Whether a slave is held in directions along the master beside contact: by other pairs, or by supports along which the master
-  !! slides.
+  !> Whether other constraints fix a slave in tangential directions: other pairs, or supports along which the master slides.
   pure logical function has_other_constraints(contact, s)
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: s
@@ -283,7 +326,7 @@ contains
   end function has_other_constraints
 
 
-  !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.
+  !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open outside the activation range.
   subroutine evaluate_compliant_node(contact, model, old, u_old, imbalance, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -304,8 +347,9 @@ contains
           model, old, fields%u, &
           slave), old, contact%memory, s, fields, contact%user_responses(s))
         if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
-        call set_slip_data(contact%slip_data, s, slave%status, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
-        call count_changes(contact, status_before, s, slave)
+        contact%slip_data(s) = slip_state_type(status=slave%status, slip=slave%slip_increment, &
+          slip_zero=SLIP_ZERO * contact%edge(slave%pair))
+        call count_changes(contact, status_before, s, slave, 0.0_DP)
         return
       end if
       if (old%status == STATUS_OPEN .and. .not. slave%is_in_law_range) slave%origin_facet = 0
@@ -324,16 +368,17 @@ contains
         -contact%local_equilibrium(s)%pressure * slave%normal - slave%shear / slave%area, local_problem%slip, s, fields)
       N = -dot_product(slave%normal, imbalance)
       if (slave%status == STATUS_OPEN) then
-        call set_slip_data(contact%slip_data, s, STATUS_OPEN, spread(0.0_DP, 1, 3), 0.0_DP, slave%slip_increment)
+        contact%slip_data(s) = slip_state_type(slip=slave%slip_increment, slip_zero=SLIP_ZERO * contact%edge(slave%pair))
       else
-        call set_slip_data(contact%slip_data, s, slave%status, imbalance + N * slave%normal, N, slave%slip_increment)
+        contact%slip_data(s) = slip_state_type(slave%status, N, imbalance + N * slave%normal, limit_of(contact, slave, s, N), &
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
       end if
-      call count_changes(contact, status_before, s, slave)
+      call count_changes(contact, status_before, s, slave, 0.0_DP)
     end associate
   end subroutine evaluate_compliant_node
 
 
-  !> What a slave node under a compliant law is asked for, but for its slip.
+  !> Sets up the local problem of a slave node under a compliant law, without its slip.
   pure type(local_problem_type) function build_local_problem(contact, slave, imbalance, s) result(local_problem)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -350,7 +395,7 @@ contains
   end function build_local_problem
 
 
-  !> Whether no other row gives a force to the nodes whose imbalance is that of a slave's row.
+  !> Whether no other row gives a force to the nodes whose imbalances form that of a slave's row.
   pure logical function is_row_uncoupled(contact, slave, s)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -360,38 +405,43 @@ contains
   end function is_row_uncoupled
 
 
-  !> Status, force and energy of a slave node as its law and the bodies meet.
-  pure subroutine apply_local_equilibrium(met, slave)
-    type(local_solution_type), intent(in) :: met
+  !> Status, force and energy of a slave node from the solution of its local problem.
+  pure subroutine apply_local_equilibrium(solution, slave)
+    type(local_solution_type), intent(in) :: solution
     type(slave_state_type), intent(inout) :: slave
-    slave%status = merge(STATUS_SLIP, STATUS_STICK, met%is_slipping)
-    if (met%is_open) slave%status = STATUS_OPEN
-    slave%force = met%pressure * slave%area * slave%normal
-    slave%shear = met%shear
-    slave%elastic = met%elastic
-    slave%slip_increment = met%slip
-    slave%energy = met%energy
+    slave%status = merge(STATUS_SLIP, STATUS_STICK, solution%is_slipping)
+    if (solution%is_open) slave%status = STATUS_OPEN
+    slave%force = solution%pressure * slave%area * slave%normal
+    slave%shear = solution%shear
+    slave%elastic = solution%elastic
+    slave%slip_increment = solution%slip
+    slave%energy = solution%energy
   end subroutine apply_local_equilibrium
 
 
-  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope.
+  !> FRIC at a slave node of a compliant law: LM = 1 sticks with the stick slope, as the law without a friction limit.
   subroutine apply_fric_compliant(contact, model, status_before, required_traction, d, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     integer, intent(in) :: status_before                  !< status before
-    real(DP), intent(in) :: required_traction(3)                !< what the contact has to answer [stress]
+    real(DP), intent(in) :: required_traction(3)                !< traction required from contact [stress]
     real(DP), intent(in) :: d(3)                   !< tangential slip in this increment [length]
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
     type(slave_state_type) :: stuck
     stuck = fields%slaves(s)
     call apply_fric_hard(contact, model, status_before, required_traction, d, s, fields)
-    if (contact%user_responses(s)%is_stuck) fields%slaves(s) = stuck
-    if (.not. contact%user_responses(s)%is_stuck) fields%slaves(s)%elastic = 0.0_DP
+    if (contact%user_responses(s)%is_stuck) then
+      fields%slaves(s) = stuck
+    else                                           ! neither elastic slip nor its energy
+      fields%slaves(s)%elastic = 0.0_DP
+      fields%slaves(s)%energy = stuck%energy + 0.5_DP * dot_product(stuck%shear, stuck%elastic)
+      contact%local_equilibrium(s)%law_linearization_force = 0.0_DP
+    end if
   end subroutine apply_fric_compliant
 
 
-  !> Tangential displacement of a slave node under a compliant law, counted as if all since the last commit were elastic.
+  !> Tangential displacement of a slave node under a compliant law, taken as elastic since the last commit.
   pure function elastic_trial_slip(contact, model, old, u, slave) result(d)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -401,24 +451,24 @@ contains
     real(DP) :: d(3)
     d = old%elastic + contact_slip_vector(contact, model, u, slave)
     d = d - dot_product(slave%normal, d) * slave%normal
-    if (norm2(d) <= TOL_SLIP_ROUNDING * contact%edge(slave%pair)) d = 0.0_DP   ! one that only touches has no shear to resist
-                                                                               ! rounding
+    if (norm2(d) <= TOL_SLIP_ROUNDING * contact%edge(slave%pair)) d = 0.0_DP   ! no shear from rounding at first touch
   end function elastic_trial_slip
 
 
-  !> Counts changes of status and keeps the worst violation of a closed node.
-  subroutine count_changes(contact, status_before, s, slave)
+  !> Counts changes of status and records the largest gap error of a closed node.
+  subroutine count_changes(contact, status_before, s, slave, from_origin)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: status_before                  !< status before
     integer, intent(in) :: s
     type(slave_state_type), intent(in) :: slave
+    real(DP), intent(in) :: from_origin            !< exact contact: distance from the stick origin [length]
     real(DP) :: distance
     if (slave%status /= status_before) contact%n_changed = contact%n_changed + 1
     if (slave%status == STATUS_OPEN .and. status_before /= STATUS_OPEN) contact%n_newly_opened = contact%n_newly_opened + 1
     if (slave%status /= STATUS_OPEN .and. status_before == STATUS_OPEN) contact%n_closed = contact%n_closed + 1
     if (slave%status == STATUS_OPEN .or. is_compliant(contact%laws(slave%pair))) return
     distance = abs(slave%gap)
-    if (slave%status == STATUS_STICK) distance = max(distance, norm2(contact%slip_data%position(:, s)))
+    if (slave%status == STATUS_STICK) distance = max(distance, from_origin)
     distance = distance / contact%edge(slave%pair)
     if (distance > contact%max_gap_error) then
       contact%max_gap_error = distance
@@ -427,7 +477,7 @@ contains
   end subroutine count_changes
 
 
-  !> The force on the slave and its reaction on the nodes of the facet, and what a law gives more where the slave is.
+  !> Adds the force on the slave, its reaction on the nodes of the facet, and the linearization force of a compliant law.
   subroutine add_contact_force(contact, s, slave, contact_force)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: s                       !< index of the slave

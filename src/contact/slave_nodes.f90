@@ -1,29 +1,17 @@
-!> Slaves: what is done to the memory of slave nodes alone: let go, loaded by their status, looked at, committed.
+!> Operations on the state of single slave nodes: detach from the master, set forces by status, rounding force, commit of slip.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_slave_nodes
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
   use amontons_local_equilibrium, only: local_solution_type
-  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, FRICTION_ACTIVE, &
-    FRICTION_SEPARATED_ONCE, &
-    FRICTION_SUPPRESSED, FRICTION_ON_TRIAL, FRICTION_TRIAL_FAILED
+  use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: slip_data_type, detach_slave, suppress_friction_stepwise, is_friction_suppressed, is_rough, set_force, set_slip_data, &
-    rounding_force, accumulate_slip
-
-  !> What the slip procedure looks at, for all slave nodes at one configuration.
-  type :: slip_data_type
-    real(DP), allocatable :: imbalance_t(:, :)    !< (3, n_slaves) Rt [force]
-    real(DP), allocatable :: normal_force(:)      !< (n_slaves) N [force]
-    real(DP), allocatable :: slip(:, :)           !< (3, n_slaves) g since the start of the increment [length]
-    real(DP), allocatable :: position(:, :)       !< (3, n_slaves) slave relative to the touching point of its master [length]
-    integer, allocatable :: status(:)             !< (n_slaves) STATUS_...
-  end type slip_data_type
+  public :: detach_slave, is_rough, set_force, rounding_force, accumulate_slip
 
 contains
 
-  !> The node has left its master: open, without force.
+  !> The node has lost contact with its master: open, without force.
   subroutine detach_slave(slave)
     type(slave_state_type), intent(inout) :: slave
     slave%facet = 0
@@ -35,30 +23,7 @@ contains
   end subroutine detach_slave
 
 
-  !> A node of surfaces that never slip, or of several pairs, is pulled off: the second time in an increment it has lost its grip,
-  !! and after that was tried again for good.
-  elemental subroutine suppress_friction_stepwise(slave)
-    type(slave_state_type), intent(inout) :: slave
-    select case (slave%friction_state)
-    case (FRICTION_ACTIVE)
-      slave%friction_state = FRICTION_SEPARATED_ONCE
-    case (FRICTION_SEPARATED_ONCE)
-      slave%friction_state = FRICTION_SUPPRESSED
-    case (FRICTION_ON_TRIAL)
-      slave%friction_state = FRICTION_TRIAL_FAILED
-    end select
-  end subroutine suppress_friction_stepwise
-
-
-  !> Whether a node has lost its grip in this increment: on surfaces that never slip it slides without friction where it touches;
-  !! of several pairs, those that still hold it do not rub along this one's normal.
-  elemental logical function is_friction_suppressed(slave)
-    type(slave_state_type), intent(in) :: slave
-    is_friction_suppressed = slave%friction_state == FRICTION_SUPPRESSED .or. slave%friction_state == FRICTION_TRIAL_FAILED
-  end function is_friction_suppressed
-
-
-  !> Whether the surfaces of a law never slip.
+  !> Whether a law never slips.
   elemental logical function is_rough(law)
     type(interaction_type), intent(in) :: law
     is_rough = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
@@ -85,24 +50,11 @@ contains
   end subroutine set_force
 
 
-  !> Notes for the slip procedure what it looks at.
-  pure subroutine set_slip_data(slip_data, s, status, imbalance_t, normal_force, slip)
-    type(slip_data_type), intent(inout) :: slip_data
-    integer, intent(in) :: s, status
-    real(DP), intent(in) :: imbalance_t(3), normal_force, slip(3)
-    slip_data%status(s) = status
-    slip_data%imbalance_t(:, s) = imbalance_t
-    slip_data%normal_force(s) = normal_force
-    slip_data%slip(:, s) = slip
-    slip_data%position(:, s) = 0.0_DP
-  end subroutine set_slip_data
-
-
-  !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by
-  !! the law of its pair, or, where contact is exact, by the stiffness of the body.
-  pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
+  !> The largest rounding error of the force at a closed node, from a gap error of one unit in the last place of the coordinates: by
+  !! the pressure-overclosure law of its pair or, for exact contact, by the stiffness of the body.
+  pure real(DP) function rounding_force(laws, solutions, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
-    type(local_solution_type), intent(in) :: met(:)           !< (n_slaves)
+    type(local_solution_type), intent(in) :: solutions(:)     !< (n_slaves)
     type(slave_state_type), intent(in) :: slaves(:)          !< (n_slaves)
     real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
     integer :: s
@@ -110,7 +62,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN) cycle
       if (is_compliant(laws(slaves(s)%pair))) then
-        force = max(force, met(s)%slope * slaves(s)%area)
+        force = max(force, solutions(s)%slope * slaves(s)%area)
       else
         force = max(force, slaves(s)%stiffness)
       end if
@@ -119,9 +71,9 @@ contains
   end function rounding_force
 
 
-  !> At the end of a converged increment: gather the slip, and the work that friction took.
+  !> After a converged increment: accumulates slip and frictional work.
   subroutine accumulate_slip(old, fields)
-    type(fields_type), intent(in) :: old           !< committed before
+    type(fields_type), intent(in) :: old           !< last committed fields
     type(fields_type), intent(inout) :: fields
     real(DP) :: work
     integer :: s

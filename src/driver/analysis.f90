@@ -20,11 +20,10 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
-  use amontons_model_change, only: apply_model_changes, activate_elements
-  use amontons_contact_initialization, only: adjust_slave_nodes
-  use amontons_user_routine_setup, only: open_user_routines, handle_user_messages, update_user_amplitudes, restore_user_amplitudes
+  use amontons_model_change, only: activate_elements
+  use amontons_model_setup, only: set_up_model
+  use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
   use amontons_user_state, only: initialize_state_variables
-  use amontons_tie_generation, only: convert_ties_to_equations
   use amontons_stabilization, only: update_damping
   use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment
   use amontons_model_check, only: check_model, summarize_model
@@ -36,12 +35,13 @@ module amontons_analysis
   use amontons_increment_control, only: attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
     reject_increment, can_cut_back, &
     OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
-  use amontons_failure_report, only: diagnose_failure, describe_failure, summarize_attempts, describe_edge_events, &
-    is_always_unsupported
+  use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL
+  use amontons_failure_words, only: failure_words
+  use amontons_failure_report, only: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
   use amontons_text_output, only: print_iteration, print_increment
   use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state
   use amontons_restart_file, only: read_restart_state
-  use amontons_driven_loads, only: list_driven, restore_driven
+  use amontons_driven_loads, only: start_loads, begin_loads, list_driven, restore_driven
   use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
   use amontons_dense, only: solve_symmetric_eigen
   use amontons_factorization, only: set_blas_threads, choose_blas_kernels
@@ -82,13 +82,9 @@ contains
     if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < MIN_NODES_THREADED) analysis%options%n_threads = 1
     call use_threads(analysis%options%n_threads)
     if (.not. analysis%options%is_check) call log_threads(analysis%options%n_threads, logger)
-    call open_user_routines(analysis%model, options, error)
+    call set_up_model(analysis%model, options, logger, error)
     if (allocated(error)) return
-    call convert_ties_to_equations(analysis%model, error)
-    if (allocated(error)) return
-    call adjust_initial_contact(analysis%model, logger, error)
-    if (allocated(error)) return
-    call apply_model_changes(analysis%model, 0)
+    call start_loads(analysis%driven_loads, analysis%model)
     call reserve_matrices(analysis%model, error)
     if (allocated(error)) return
     call create_equilibrium(analysis%system, analysis%model, analysis%state, error)
@@ -110,19 +106,6 @@ contains
     end if
     analysis%is_open = .not. allocated(error)
   end subroutine start_analysis
-
-
-  !> ADJUST: slave nodes are moved onto their master, and it is told how many and how far.
-  subroutine adjust_initial_contact(model, logger, error)
-    type(model_type), intent(inout) :: model
-    type(logger_type), intent(inout) :: logger
-    type(error_type), allocatable, intent(out) :: error
-    integer :: n_moved
-    real(DP) :: largest
-    call adjust_slave_nodes(model, n_moved, largest, error)
-    if (allocated(error) .or. n_moved == 0) return
-    call logger%say('ADJUST moved ' // plural(n_moved, 'node') // ' onto the master, at most by ' // to_text(largest) // '.')
-  end subroutine adjust_initial_contact
 
 
   !> Goes on from the state of another job.
@@ -196,7 +179,7 @@ contains
     type(diagnostic_list_type) :: report
     character(:), allocatable :: summary
     if (size(analysis%model%steps) == 0) return
-    call begin_increment(analysis%system, analysis%model, analysis%model%steps(1), .true., analysis%state)
+    call begin_increment(analysis%system, analysis%model, analysis%driven_loads%step, .true., analysis%state)
     call check_model(analysis%model, analysis%system%contact, analysis%state%new%slaves, report, error)
     call logger%show_diagnostics(report)
     if (analysis%options%is_check) then
@@ -256,7 +239,7 @@ contains
     if (analysis%is_step_start) call plan_solver(analysis%system, analysis%model, error)
     if (allocated(error)) return
     call log_solver_choice(analysis, logger)
-    associate (step => analysis%model%steps(analysis%stepper%step))
+    associate (step => analysis%driven_loads%step)
       do
         dt = min(propose_increment(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
@@ -299,9 +282,9 @@ contains
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
     call begin_stepping(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
     analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
-    call apply_model_changes(analysis%model, analysis%stepper%step)
+    call begin_loads(analysis%driven_loads, analysis%model, analysis%stepper%step)
     call activate_elements(analysis%model, analysis%stepper%step, analysis%state)
-    call begin_step(analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), analysis%state, error)
+    call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
   end subroutine enter_step
 
 
@@ -313,7 +296,7 @@ contains
     call enter_step(analysis, error)
     if (allocated(error)) return
     call start_attempt(analysis, dt)
-    call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%model%steps(analysis%stepper%step), &
+    call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%driven_loads%step, &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial
 
@@ -325,7 +308,7 @@ contains
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
     integer :: turn
-    associate (step => analysis%model%steps(analysis%stepper%step))
+    associate (step => analysis%driven_loads%step)
       turn = suspend_lock()                            ! other jobs of the process may read, write and tell meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
       call resume_lock(turn)
@@ -403,10 +386,12 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%n_records = analysis%n_committed
     analysis%n_iterations = 0
-    call apply_model_changes(analysis%model, analysis%snapshot%stepper%step)
-    call restore_snapshot(analysis%snapshot, analysis%model, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
-      analysis%is_step_start, error)
-    call restore_user_amplitudes(analysis%model, analysis%state%old)
+    call begin_loads(analysis%driven_loads, analysis%model, max(1, analysis%snapshot%stepper%step))
+    call restore_snapshot(analysis%snapshot, analysis%model, analysis%driven_loads%step, analysis%state, analysis%system, &
+      analysis%newton, &
+      analysis%stepper, analysis%is_step_start, error)
+    if (allocated(analysis%driven_loads%step%amplitudes)) call restore_user_amplitudes(analysis%driven_loads%step%amplitudes, &
+      analysis%state%old)
   end subroutine rollback_analysis
 
 
@@ -422,7 +407,8 @@ contains
         to_text(newton%iteration) // ': imbalance ' // to_text(newton%residual) // ' of the largest force, time ' // &
         to_text(record%total_time) // ', ' // to_text(nint(100.0_DP * done_fraction(analysis))) // ' % done.')
       if (pending_stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
-      record%reason = 'The job was stopped by a signal.'
+      record%failure%code = FAILURE_SIGNAL
+      record%reason = failure_words(record%failure)
       call complete_record(analysis, record)
       call log_attempt(analysis, logger)
       call set_error(error, EXIT_NOT_CONVERGED, signal_message(analysis))
@@ -452,7 +438,9 @@ contains
     analysis%state%new%step = analysis%stepper%step
     analysis%state%new%increment = analysis%stepper%increment
     analysis%state%new%time_increment = dt
-    call update_user_amplitudes(analysis%model, analysis%state)
+    if (allocated(analysis%driven_loads%step%amplitudes)) call update_user_amplitudes(analysis%model, &
+      analysis%driven_loads%step%amplitudes, &
+      analysis%state)
     analysis%system%seconds = 0.0_DP
     analysis%system%megabytes = 0.0_DP
     analysis%system%n_factorisations = 0
@@ -515,15 +503,15 @@ contains
     integer :: outcome
     character(120) :: location
     associate (record => analysis%records(analysis%n_records))
-      record%reason = diagnose_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
-      if (analysis%smallest_pnewdt < 1.0_DP) record%reason = 'A user routine asks for a smaller increment: PNEWDT is ' // &
-        to_text(analysis%smallest_pnewdt) // '.'
+      record%failure = find_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
+      if (analysis%smallest_pnewdt < 1.0_DP) record%failure = failure_type(FAILURE_USER_ROUTINE, number=analysis%smallest_pnewdt)
+      record%reason = failure_words(record%failure)
       call complete_record(analysis, record)
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepper%dt = max(step%dt_min, &
         analysis%smallest_pnewdt * dt)
       if (is_always_unsupported(analysis%records(:analysis%n_records))) outcome = OUTCOME_GIVE_UP
-      record%report_lines = describe_failure(analysis%model, analysis%system, analysis%state, analysis%newton, record%reason)
+      record%report_lines = describe_failure(analysis%model, analysis%system, analysis%state, analysis%newton, record%failure)
       if (outcome /= OUTCOME_CUT_BACK) record%report_lines = [summarize_attempts(analysis%records(:analysis%n_records)), &
         record%report_lines]
       call log_attempt(analysis, logger)

@@ -12,7 +12,8 @@ module amontons_c_interface
   use amontons_sparse, only: sparse_type
   use amontons_library, only: job_type, job_options_type, log_sink_type, open_job, advance_job, advance_job_to, try_job, &
     begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix, classify_slip_scenarios, slip_controls_type
+    get_names, get_matrix, classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, slip_result_type, &
+    STATUS_STICK, STATUS_SLIP, NO_FRICTION_LIMIT
   implicit none
   private
 
@@ -81,15 +82,29 @@ contains
     integer(c_int32_t), intent(out), optional :: verdicts(2, n)   !< scenario and state
     real(c_double), intent(out), optional :: alpha(n)   !< [-]
     type(slip_controls_type) :: bounds
-    integer :: scenarios(max(n, 0_c_int64_t)), states(max(n, 0_c_int64_t))
-    real(DP) :: lengths(max(n, 0_c_int64_t))
+    type(slip_state_type), allocatable :: at(:, :)   ! (n, 2) at u and at u + d
+    type(slip_result_type), allocatable :: found(:)
+    real(DP) :: slip_zero
+    integer :: i, k
     status = EXIT_USAGE
     if (n < 0 .or. .not. (present(Rt) .and. present(normal_force) .and. present(slip) .and. present(direction) .and. &
       present(mu))) return
-    if (present(controls)) bounds = slip_controls_type(controls(1), controls(2), controls(3), controls(4), controls(5))
-    call classify_slip_scenarios(Rt, normal_force, slip, direction, mu, bounds, scenarios, states, lengths)
-    if (present(verdicts)) verdicts = transpose(reshape([scenarios, states], [size(states), 2]))
-    if (present(alpha)) alpha = lengths
+    allocate (at(n, 2), found(n))
+    slip_zero = 0.0_DP
+    if (present(controls)) then
+      bounds = slip_controls_type(controls(1), controls(2), controls(4), controls(5))
+      slip_zero = controls(3)
+    end if
+    do k = 1, 2
+      do i = 1, int(n)
+        at(i, k) = slip_state_type(STATUS_SLIP, normal_force(i, k), Rt(:, i, k), &
+          friction_limit(mu(i), max(normal_force(i, k), 0.0_DP), NO_FRICTION_LIMIT), slip(:, i, k), slip_zero)
+      end do
+    end do
+    call classify_slip_scenarios(at(:, 1), at(:, 2), direction, bounds, found)
+    if (present(verdicts)) verdicts = transpose(reshape([found%scenario, &
+      merge(STATUS_STICK, found%status, found%becomes_stick)], [size(found), 2]))
+    if (present(alpha)) alpha = found%alpha
     status = EXIT_SUCCESS
   end function capi_classify
 

@@ -2,19 +2,23 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A value that is set is reached at the end of the increments solved next, straight from where it stands, and kept after
-!! that. Each driven degree of freedom or face has an amplitude of its own in the model, of two points, which replaces
-!! what the deck said. What is reached and what stands are those of the last commit: a rollback needs no more.
+!! that. Each driven degree of freedom or face has an amplitude of its own, of two points, which replaces what the deck said.
+!! What is reached and what stands are those of the last commit: a rollback needs no more.
+!!
+!! The model does not change. What is solved with is the present step, drive%step: that of the model, its loads on driven items
+!! replaced, with coefficients of friction that were set, and with the amplitudes as they are now (those of UAMP among them).
 module amontons_driven_loads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_text, only: to_text
-  use amontons_loads, only: amplitude_type, amplitude_value, load_value, load_type, prescribed_type, concentrated_type, &
+  use amontons_loads, only: amplitude_type, amplitude_value, load_type, prescribed_type, concentrated_type, &
     distributed_type, temperature_type, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, load_now
   implicit none
   private
-  public :: driven_loads_type, set_driven, set_friction, current_loads, activate_driven, finish_driven, list_driven, restore_driven
+  public :: driven_loads_type, start_loads, begin_loads, set_driven, friction_now, set_friction, current_loads, &
+    activate_driven, finish_driven, list_driven, restore_driven
   public :: DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, DRIVEN_TEMPERATURE
 
   integer, parameter :: DRIVEN_FORCE = 1            !< item: 3 (node - 1) + dof
@@ -28,14 +32,15 @@ module amontons_driven_loads
   type :: driven_entry_type
     integer :: kind = 0                            !< DRIVE_...
     integer :: item = 0
-    integer :: amplitude = 0                       !< index into model%amplitudes
+    integer :: amplitude = 0                       !< index into step%amplitudes of the present step
     real(DP) :: target = 0                         !< [force], [length] or [stress]
     logical :: is_pending = .false.                !< the target is set and no increment towards it is committed
     logical :: is_active = .false.                  !< the amplitude runs to the target
   end type driven_entry_type
 
-  !> All that is driven in a job.
+  !> All that is driven in a job, and the step that runs.
   type :: driven_loads_type
+    type(step_type) :: step                        !< the present one; its amplitudes are there if something sets any of them
     type(driven_entry_type), allocatable :: entries(:)
     integer, allocatable :: entry_index(:, :)            !< (items, N_DRIVEN_KINDS) index into entries, 0: not driven
     real(DP), allocatable :: friction(:)           !< (n_interactions) coefficient that was set; negative: the deck's [-]
@@ -48,12 +53,61 @@ module amontons_driven_loads
 
 contains
 
+  !> Before the first step: the loads of that one.
+  subroutine start_loads(driven_loads, model)
+    type(driven_loads_type), intent(inout) :: driven_loads
+    type(model_type), intent(in) :: model
+    if (any(model%amplitudes%is_user)) call own_amplitudes(driven_loads, model)
+    if (size(model%steps) > 0) call begin_loads(driven_loads, model, 1)
+  end subroutine start_loads
+
+
+  !> A step becomes the present one.
+  subroutine begin_loads(driven_loads, model, i_step)
+    type(driven_loads_type), intent(inout) :: driven_loads
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i_step                  !< index into model%steps
+    driven_loads%step = driven_step(driven_loads, model, i_step)
+  end subroutine begin_loads
+
+
+  !> A step of the model with what is driven.
+  function driven_step(driven_loads, model, i_step) result(step)
+    type(driven_loads_type), intent(in) :: driven_loads
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i_step                  !< index into model%steps
+    type(step_type) :: step
+    integer :: kind, i
+    step = model%steps(i_step)
+    if (allocated(driven_loads%step%amplitudes)) step%amplitudes = driven_loads%step%amplitudes
+    if (allocated(driven_loads%friction)) then
+      if (.not. allocated(step%interactions)) step%interactions = model%interactions
+      do i = 1, size(driven_loads%friction)
+        if (driven_loads%friction(i) >= 0) step%interactions(i)%friction = driven_loads%friction(i)
+      end do
+    end if
+    if (.not. allocated(driven_loads%entries)) return
+    do kind = 1, N_DRIVEN_KINDS
+      call redirect_loads(step, kind, pack(driven_loads%entries%item, driven_loads%entries%kind == kind), &
+        pack(driven_loads%entries%amplitude, driven_loads%entries%kind == kind))
+    end do
+  end function driven_step
+
+
+  !> Amplitudes that can be set: those of the model to begin with.
+  subroutine own_amplitudes(driven_loads, model)
+    type(driven_loads_type), intent(inout) :: driven_loads
+    type(model_type), intent(in) :: model
+    if (.not. allocated(driven_loads%step%amplitudes)) driven_loads%step%amplitudes = model%amplitudes
+  end subroutine own_amplitudes
+
+
   !> Sets the values of some items.
   !!
   !! Errors (EXIT_USAGE): a displacement that the deck does not prescribe in the step that runs.
   subroutine set_driven(driven_loads, model, i_step, kind, items, values, now, error)
     type(driven_loads_type), intent(inout) :: driven_loads
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< step that runs, or the first
     integer, intent(in) :: kind                    !< DRIVE_...
     integer, intent(in) :: items(:)                !< each once
@@ -61,10 +115,12 @@ contains
     real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements and temperatures the values now
     type(error_type), allocatable, intent(out) :: error
     integer :: i
+    logical :: has_new
     call allocate_entries(driven_loads, model)
     if (kind == DRIVEN_TEMPERATURE) call check_temperature(model, error)
     if (kind == DRIVEN_DISPLACEMENT) call check_prescribed(model, model%steps(i_step), items, error)
     if (allocated(error)) return
+    has_new = any(driven_loads%entry_index(items, kind) == 0)
     call add_entries(driven_loads, model, i_step, kind, pack(items, driven_loads%entry_index(items, kind) == 0), &
       pack([(i, i=1, size(items))], driven_loads%entry_index(items, kind) == 0), now)
     do i = 1, size(items)
@@ -74,6 +130,7 @@ contains
         entry%is_active = .false.
       end associate
     end do
+    if (has_new) call begin_loads(driven_loads, model, driven_loads%step%number)
   end subroutine set_driven
 
 
@@ -87,20 +144,27 @@ contains
   end subroutine allocate_entries
 
 
-  !> Sets the coefficient of friction of an interaction, at once and for all steps that follow.
+  !> Sets the coefficient of friction of an interaction, for the steps that begin from now on.
   subroutine set_friction(driven_loads, model, i, mu)
     type(driven_loads_type), intent(inout) :: driven_loads
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     integer, intent(in) :: i                       !< interaction
     real(DP), intent(in) :: mu                     !< [-]
-    integer :: k
     if (.not. allocated(driven_loads%friction)) allocate (driven_loads%friction(size(model%interactions)), source=-1.0_DP)
     driven_loads%friction(i) = mu
-    model%interactions(i)%friction = mu
-    do k = 1, size(model%steps)
-      if (allocated(model%steps(k)%interactions)) model%steps(k)%interactions(i)%friction = mu
-    end do
+    if (size(model%steps) > 0) call begin_loads(driven_loads, model, driven_loads%step%number)
   end subroutine set_friction
+
+
+  !> The coefficient of friction of an interaction: the one that was set, else the deck's.
+  pure real(DP) function friction_now(driven_loads, model, i) result(mu)
+    type(driven_loads_type), intent(in) :: driven_loads
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i                       !< interaction
+    mu = model%interactions(i)%friction
+    if (.not. allocated(driven_loads%friction)) return
+    if (driven_loads%friction(i) >= 0) mu = driven_loads%friction(i)
+  end function friction_now
 
 
   !> All that is driven, as numbers for a checkpoint: what stands after the commit that is under way. (8, n): kind,
@@ -119,7 +183,7 @@ contains
     friction = -1
     if (allocated(driven_loads%friction)) friction = driven_loads%friction
     do i = 1, n
-      associate (entry => driven_loads%entries(i), amplitude => model%amplitudes(driven_loads%entries(i)%amplitude))
+      associate (entry => driven_loads%entries(i), amplitude => driven_loads%step%amplitudes(driven_loads%entries(i)%amplitude))
         driven(:, i) = [real([entry%kind, entry%item], DP), entry%target, &
           merge(1.0_DP, 0.0_DP, entry%is_pending .and. .not. entry%is_active), amplitude%time, amplitude%factor]
       end associate
@@ -127,10 +191,10 @@ contains
   end subroutine list_driven
 
 
-  !> Drives a model that is as the deck says it as a checkpoint says it.
+  !> Drives what a checkpoint says, from the loads of the deck.
   subroutine restore_driven(driven_loads, model, driven, friction)
     type(driven_loads_type), intent(inout) :: driven_loads
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     real(DP), intent(in) :: driven(:, :)           !< (8, n) as list_driven gives it
     real(DP), intent(in) :: friction(:)            !< (n_interactions) negative: the deck's [-]
     integer, allocatable :: kinds(:), items(:)
@@ -154,7 +218,7 @@ contains
       first = last + 1
     end do
     do i = 1, size(kinds)
-      associate (entry => driven_loads%entries(i), amplitude => model%amplitudes(driven_loads%entries(i)%amplitude))
+      associate (entry => driven_loads%entries(i), amplitude => driven_loads%step%amplitudes(driven_loads%entries(i)%amplitude))
         entry%target = driven(3, i)
         entry%is_pending = driven(4, i) > 0
         amplitude%time = driven(5:6, i)
@@ -191,10 +255,10 @@ contains
   end subroutine check_prescribed
 
 
-  !> New entries with their amplitudes, which stand at the values now, and the loads of all steps that follow them.
+  !> New entries with their amplitudes, which stand at the values now.
   subroutine add_entries(driven_loads, model, i_step, kind, items, positions, now)
     type(driven_loads_type), intent(inout) :: driven_loads
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     integer, intent(in) :: i_step, kind
     integer, intent(in) :: items(:)                !< new ones
     integer, intent(in) :: positions(:)            !< their positions in the caller's list
@@ -203,13 +267,14 @@ contains
     real(DP), allocatable :: values(:)
     integer :: i, n
     if (size(items) == 0) return
-    n = size(model%amplitudes)
+    call own_amplitudes(driven_loads, model)
+    n = size(driven_loads%step%amplitudes)
     allocate (amplitudes(n + size(items)))
-    amplitudes(:n) = model%amplitudes
+    amplitudes(:n) = driven_loads%step%amplitudes
     if (kind == DRIVEN_DISPLACEMENT .or. kind == DRIVEN_TEMPERATURE) then
       values = now(2 + positions)
     else
-      values = current_loads(model, model%steps(i_step), kind, items, now)
+      values = current_loads(driven_loads, model, i_step, kind, items, now)
     end if
     do i = 1, size(items)
       amplitudes(n + i)%name = ''
@@ -220,35 +285,35 @@ contains
     end do
     driven_loads%entries = [driven_loads%entries, [(driven_entry_type(kind=kind, item=items(i), amplitude=n + i), i=1, &
       size(items))]]
-    call move_alloc(amplitudes, model%amplitudes)
-    do i = 1, size(model%steps)
-      call redirect_loads(model%steps(i), kind, items, n)
-    end do
+    call move_alloc(amplitudes, driven_loads%step%amplitudes)
   end subroutine add_entries
 
 
   !> What the loads on some items are at a time, summed: those of the deck, or what drives them.
-  function current_loads(model, step, kind, items, now) result(values)
+  function current_loads(driven_loads, model, i_step, kind, items, now) result(values)
+    type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
+    integer, intent(in) :: i_step                  !< index into model%steps
     integer, intent(in) :: kind
     integer, intent(in) :: items(:)
     real(DP), intent(in) :: now(:)                 !< total time, step time [time]
     real(DP), allocatable :: values(:)             !< [force] or [stress]
     real(DP), allocatable :: sums(:)
+    type(step_type) :: step
     integer :: i
+    step = driven_step(driven_loads, model, i_step)
     allocate (sums(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements)), source=0.0_DP)
     if (kind == DRIVEN_FORCE) then
       do i = 1, size(step%concentrated)
         associate (sum => sums(item_of_force(step%concentrated(i))))
-          sum = sum + load_value(step%concentrated(i), model%amplitudes, now(2), now(1), step%period)
+          sum = sum + load_now(model, step, step%concentrated(i), now(2), now(1))
         end associate
       end do
     else
       do i = 1, size(step%distributed)
         if (step%distributed(i)%kind /= DISTRIBUTED_PRESSURE) cycle
         associate (sum => sums(item_of_pressure(step%distributed(i))))
-          sum = sum + load_value(step%distributed(i), model%amplitudes, now(2), now(1), step%period)
+          sum = sum + load_now(model, step, step%distributed(i), now(2), now(1))
         end associate
       end do
     end if
@@ -270,17 +335,18 @@ contains
   end function item_of_pressure
 
 
-  !> The loads of a step on some items follow new amplitudes; forces and pressures of the deck on them are taken out.
-  subroutine redirect_loads(step, kind, items, n_before)
+  !> The loads of a step on some items follow amplitudes; forces and pressures of the deck on them are taken out.
+  subroutine redirect_loads(step, kind, items, amplitudes)
     type(step_type), intent(inout) :: step
-    integer, intent(in) :: kind
-    integer, intent(in) :: items(:)
-    integer, intent(in) :: n_before                !< amplitudes before those of the items
+    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: items(:)                !< each once
+    integer, intent(in) :: amplitudes(:)           !< of the items: index into step%amplitudes
     integer, allocatable :: order(:)
-    integer :: i
+    integer :: i, k
+    if (size(items) == 0) return
     if (kind == DRIVEN_TEMPERATURE) then
       if (.not. allocated(step%temperatures)) allocate (step%temperatures(0))
-      step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=n_before + i, node=items(i)), &
+      step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=amplitudes(i), node=items(i)), &
         i=1, size(items))]]                        ! of several for a node the last counts
       return
     end if
@@ -290,19 +356,20 @@ contains
     case (DRIVEN_DISPLACEMENT)
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
-          if (order_of(order, 3 * (load%node - 1) + load%dof) == 0) cycle
-          load%load_type = load_type(end=1.0_DP, amplitude=n_before + order_of(order, 3 * (load%node - 1) + load%dof))
+          k = order_of(order, 3 * (load%node - 1) + load%dof)
+          if (k == 0) cycle
+          load%load_type = load_type(end=1.0_DP, amplitude=amplitudes(k))
           load%is_held = .false.
           load%is_from_current = .false.
         end associate
       end do
     case (DRIVEN_FORCE)
       step%concentrated = [pack(step%concentrated, order_of(order, item_of_force(step%concentrated)) == 0), &
-        [(concentrated_type(end=1.0_DP, amplitude=n_before + i, node=(items(i) + 2) / 3, dof=mod(items(i) - 1, 3) + 1), &
+        [(concentrated_type(end=1.0_DP, amplitude=amplitudes(i), node=(items(i) + 2) / 3, dof=mod(items(i) - 1, 3) + 1), &
         i=1, size(items))]]
     case default
       step%distributed = [pack(step%distributed, order_of(order, item_of_pressure(step%distributed)) == 0 .or. &
-        step%distributed%kind /= DISTRIBUTED_PRESSURE), [(distributed_type(end=1.0_DP, amplitude=n_before + i, &
+        step%distributed%kind /= DISTRIBUTED_PRESSURE), [(distributed_type(end=1.0_DP, amplitude=amplitudes(i), &
         kind=DISTRIBUTED_PRESSURE, element=(items(i) + 5) / 6, face=mod(items(i) - 1, 6) + 1), i=1, size(items))]]
     end select
   end subroutine redirect_loads
@@ -325,15 +392,14 @@ contains
 
 
   !> Before an attempt from t0 to t1: what is pending runs straight to its target.
-  pure subroutine activate_driven(driven_loads, model, t0, t1)
+  pure subroutine activate_driven(driven_loads, t0, t1)
     type(driven_loads_type), intent(inout) :: driven_loads
-    type(model_type), intent(inout) :: model
     real(DP), intent(in) :: t0, t1                 !< total time [time]
     integer :: i
     if (.not. allocated(driven_loads%entries)) return
     do i = 1, size(driven_loads%entries)
       if (.not. driven_loads%entries(i)%is_pending) cycle
-      associate (amplitude => model%amplitudes(driven_loads%entries(i)%amplitude))
+      associate (amplitude => driven_loads%step%amplitudes(driven_loads%entries(i)%amplitude))
         amplitude%factor = [amplitude_value(amplitude, t0), driven_loads%entries(i)%target]
         amplitude%time = [t0, t1]
         driven_loads%entries(i)%is_active = .true.

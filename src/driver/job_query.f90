@@ -16,7 +16,8 @@ module amontons_job_query
   use amontons_postprocess, only: nodal_slaves
   use amontons_results, only: point_fields
   use amontons_analysis, only: analysis_type, is_at_end
-  use amontons_driven_loads, only: set_driven, set_friction, current_loads, DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, &
+  use amontons_driven_loads, only: set_driven, set_friction, friction_now, current_loads, DRIVEN_FORCE, &
+    DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, &
     DRIVEN_TEMPERATURE
   implicit none
   private
@@ -149,7 +150,7 @@ contains
       case ('FRICTION')
         call find_interaction(analysis, set, i, error)
         if (allocated(error)) return
-        value = analysis%model%interactions(i)%friction
+        value = friction_now(analysis%driven_loads, analysis%model, i)
       case default
         is_known = .false.
         return
@@ -264,7 +265,7 @@ contains
     if (allocated(error)) return
     width = merge(3, 1, quantity == 'CF')
     associate (model => analysis%model, new => analysis%state%new)
-      values = reshape(current_loads(model, model%steps(max(1, analysis%stepper%step)), kind, items, &
+      values = reshape(current_loads(analysis%driven_loads, model, max(1, analysis%stepper%step), kind, items, &
         [new%total_time, new%step_time]), [width, size(items) / width])
     end associate
   end subroutine get_loads

@@ -18,7 +18,9 @@ module amontons_library
   use amontons_unsymmetric_tangent, only: combine_with_skew
   use amontons_sparse, only: sparse_type, full_from_upper, multiply_transpose
   use amontons_state, only: state_type
-  use amontons_slip_scenarios, only: classify_slip_scenarios, slip_controls_type
+  use amontons_slip_scenarios, only: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
+    slip_result_type, &
+    STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
   use amontons_user_routine_setup, only: close_user_routines
   use amontons_equilibrium, only: evaluate_equilibrium, OUTCOME_OK
   use amontons_newton_step, only: linearize_equilibrium, assemble_tangent_matrix
@@ -31,7 +33,9 @@ module amontons_library
   public :: job_type, job_options_type, log_sink_type, error_type, sparse_type
   public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job
   public :: is_job_done, get_values, set_values, get_names, get_matrix, VERDICT_CONTINUE, VERDICT_CONVERGED
-  public :: classify_slip_scenarios, slip_controls_type       !< for the nodes of a program that solves by itself: no job
+  ! For the nodes of a program that solves by itself: no job.
+  public :: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, slip_result_type
+  public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
 
   real(DP), parameter :: TOL_TIME = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
 
@@ -349,7 +353,7 @@ contains
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: length                 !< [time]
     associate (now => job%analysis%stepper%total_time)
-      call activate_driven(job%analysis%driven_loads, job%analysis%model, now, now + length)
+      call activate_driven(job%analysis%driven_loads, now, now + length)
     end associate
   end subroutine activate_targets
 
@@ -447,9 +451,9 @@ contains
       if (i_step > 0) then
         call use_threads(analysis%options%n_threads)
         state = analysis%state
-        call evaluate_equilibrium(system, analysis%model, analysis%model%steps(i_step), state, trouble, is_frozen=.true.)
+        call evaluate_equilibrium(system, analysis%model, analysis%driven_loads%step, state, trouble, is_frozen=.true.)
         if (trouble == OUTCOME_OK) then
-          call linearize_equilibrium(system, analysis%model, analysis%model%steps(i_step), state, trouble, error)
+          call linearize_equilibrium(system, analysis%model, analysis%driven_loads%step, state, trouble, error)
         end if
       end if
       if (allocated(error)) return

@@ -10,6 +10,7 @@ module amontons_user_routine_setup
     uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
     ROUTINE_UINTER, &
     ROUTINE_SDVINI
+  use amontons_loads, only: amplitude_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
   use amontons_user_state, only: max_stress_components
@@ -184,15 +185,16 @@ contains
 
 
   !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.
-  subroutine update_user_amplitudes(model, state)
-    type(model_type), intent(inout) :: model       !< in: amplitudes; out: their factors
+  subroutine update_user_amplitudes(model, amplitudes, state)
+    type(model_type), intent(in) :: model
+    type(amplitude_type), intent(inout) :: amplitudes(:)   !< out: the factors of those by UAMP
     type(state_type), intent(inout) :: state       !< old memory; new times, numbers; out: new memory
     type(uamp_type) :: values
     character(USER_NAME_LENGTH) :: name
     integer :: i, first
     first = 1
-    do i = 1, size(model%amplitudes)
-      associate (amplitude => model%amplitudes(i), old => state%old, new => state%new)
+    do i = 1, size(amplitudes)
+      associate (amplitude => amplitudes(i), old => state%old, new => state%new)
         if (.not. amplitude%is_user) cycle
         name = amplitude%name
         associate (svars => new%user_memory(first + 1:first + amplitude%n_svars))
@@ -212,21 +214,21 @@ contains
         first = first + 1 + amplitude%n_svars
       end associate
     end do
-    call restore_user_amplitudes(model, state%new)
+    call restore_user_amplitudes(amplitudes, state%new)
   end subroutine update_user_amplitudes
 
 
   !> The factors that stand in the memory of some fields.
-  subroutine restore_user_amplitudes(model, fields)
-    type(model_type), intent(inout) :: model
+  subroutine restore_user_amplitudes(amplitudes, fields)
+    type(amplitude_type), intent(inout) :: amplitudes(:)
     type(fields_type), intent(in) :: fields
     integer :: i, first
     first = 1
-    do i = 1, size(model%amplitudes)
-      if (.not. model%amplitudes(i)%is_user) cycle
-      model%amplitudes(i)%time = [fields%total_time]
-      model%amplitudes(i)%factor = [fields%user_memory(first)]
-      first = first + 1 + model%amplitudes(i)%n_svars
+    do i = 1, size(amplitudes)
+      if (.not. amplitudes(i)%is_user) cycle
+      amplitudes(i)%time = [fields%total_time]
+      amplitudes(i)%factor = [fields%user_memory(first)]
+      first = first + 1 + amplitudes(i)%n_svars
     end do
   end subroutine restore_user_amplitudes
 

@@ -7,7 +7,7 @@ module amontons_equilibrium
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_posix, only: peak_megabytes
-  use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, SOLVER_AUTO
   use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
@@ -28,7 +28,8 @@ module amontons_equilibrium
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row
   use amontons_contact_evaluation, only: evaluate_contact
-  use amontons_slave_nodes, only: slip_data_type, rounding_force
+  use amontons_slave_nodes, only: rounding_force
+  use amontons_slip_scenarios, only: slip_state_type
   use amontons_contact_initialization, only: initialize_contact
   use amontons_contact_integration_points, only: update_points
   use amontons_contact_constraint_rows, only: contact_row_type
@@ -40,7 +41,8 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, start_clock, stop_clock
-  public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
+  public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
+    OUTCOME_CONSTRAINTS
 
   integer, parameter :: OUTCOME_OK = 0
   integer, parameter :: OUTCOME_ELEMENT = 1        !< an element is inverted: system%failed_element is its index
@@ -48,6 +50,7 @@ module amontons_equilibrium
   integer, parameter :: OUTCOME_NOT_FINITE = 3     !< a number is not finite
   integer, parameter :: OUTCOME_UNSUPPORTED = 4           !< a body flies off
   integer, parameter :: OUTCOME_TUNNELLING = 5        !< a slave node passed through its master
+  integer, parameter :: OUTCOME_CONSTRAINTS = 6    !< constraints contradict each other: system%conflict says which
 
   real(DP), parameter :: MAX_FIRST_INCREMENT_RATIO = 0.3_DP         !< first increment over the step: a factor serves fewer than
                                                                     !! that [-]
@@ -103,6 +106,7 @@ module amontons_equilibrium
     logical :: is_assembled = .false.              !< and is there already
     integer :: n_conflicts = 0                     !< contact rows dropped for stronger constraints
     integer :: failed_element = 0
+    type(error_type), allocatable :: conflict      !< of constraints, at the last evaluation; not there: none
     integer :: n_factorisations = 0                !< since the last reset by the stepper
     integer :: n_factorisations_before = 0                        !< the same when the direction was wanted
     integer :: n_krylov = 0
@@ -120,9 +124,10 @@ module amontons_equilibrium
   type :: configuration_type
     real(DP), allocatable :: u(:, :)               !< (3, n_nodes) [length]
     real(DP), allocatable :: internal_force(:, :)  !< (3, n_nodes) [force]
+    real(DP), allocatable :: applied_force(:, :)   !< (3, n_nodes) with which it is balanced, here and where it leads [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R [force]
     type(slave_state_type), allocatable :: slaves(:)
-    type(slip_data_type) :: slip_data
+    type(slip_state_type), allocatable :: slip_data(:)  !< (n_slaves)
     real(DP) :: merit = 0                          !< [force]
   end type configuration_type
 
@@ -158,7 +163,7 @@ contains
     end do
     call create_assembly(system%assembly, model%mesh, error, first, nodes)
     if (allocated(error)) return
-    system%has_no_element = find_unconnected_unknowns(model)
+    system%has_no_element = find_unconnected_unknowns(model%mesh, absent_elements(model, 1))
     system%rotation_length = find_rotation_lengths(model)
   end subroutine prepare_nonlinear_mpcs
 
@@ -193,7 +198,7 @@ contains
       .and. .not. allocated(model%mesh%spring) &
       .and. .not. is_damped(step)
     system%is_assembled = .false.
-    if (allocated(step%is_inactive)) system%has_no_element = find_unconnected_unknowns(model)
+    if (allocated(step%is_inactive)) system%has_no_element = find_unconnected_unknowns(model%mesh, step%is_inactive)
     system%reduced_system%requested_solver = step%solver
     system%reduced_system%is_factor_reused = size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < MAX_FIRST_INCREMENT_RATIO * step%period)
@@ -252,6 +257,20 @@ contains
   end subroutine update_base_constraints
 
 
+  !> The same where constraints follow the motion: rows that contradict each other there are a trouble of this configuration.
+  subroutine prescribe_here(system, model, step, fields, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    integer, intent(out) :: outcome                !< OUTCOME_OK or OUTCOME_CONSTRAINTS
+    type(error_type), allocatable :: error
+    call update_base_constraints(system, model, step, fields, error)
+    outcome = merge(OUTCOME_CONSTRAINTS, OUTCOME_OK, allocated(error))
+    call move_alloc(error, system%conflict)
+  end subroutine prescribe_here
+
+
   !> Imbalance, contact and residual at state%new%u: forces only.
   subroutine evaluate_equilibrium(system, model, step, state, outcome, is_frozen)
     type(equilibrium_type), intent(inout) :: system
@@ -260,7 +279,6 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome                !< TROUBLE_...
     logical, intent(in) :: is_frozen               !< every slave node keeps its status
-    type(error_type), allocatable :: error         ! rows that contradict each other here
     integer :: failed
     integer(I64) :: clock
     call start_clock(system, clock)
@@ -269,16 +287,15 @@ contains
     system%failed_element = failed
     if (failed /= 0) return
     call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
-    if (is_damped(step) .and. .not. allocated(system%volume_share)) call find_nodal_volumes(model%mesh, state%new, &
-      system%volume_share)
+    if (is_damped(step) .and. .not. allocated(system%volume_share)) &
+      call find_nodal_volumes(model%mesh, absent_elements(model, state%new%step), state%new, system%volume_share)
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
-    if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call update_base_constraints(system, model, step, state%new, error)
-    if (allocated(error)) outcome = OUTCOME_LINEAR_SOLVER
-    if (allocated(error)) return
+    if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call prescribe_here(system, model, step, state%new, outcome)
+    if (outcome /= OUTCOME_OK) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
-    call compute_norms(system, state%new)
+    call compute_norms(system, state%new%applied_force, state%new)
     system%force_rounding = ROUNDING_FACTOR * rounding_force(system%contact%laws, system%contact%local_equilibrium, &
       state%new%slaves, model%mesh%coordinates)
     call stop_clock(system, clock, PHASE_CONTACT)
@@ -287,12 +304,13 @@ contains
 
 
   !> Residual, reaction, and the norms by which an iterate is judged.
-  subroutine compute_norms(system, fields)
+  subroutine compute_norms(system, applied_force, fields)
     type(equilibrium_type), intent(inout) :: system
+    real(DP), intent(in) :: applied_force(:, :)    !< (3, n_nodes) those of the fields, or a part of them [force]
     type(fields_type), intent(inout) :: fields
     real(DP) :: violation
     integer :: s
-    fields%reaction_force = fields%internal_force - fields%applied_force - fields%contact_force
+    fields%reaction_force = fields%internal_force - applied_force - fields%contact_force
     call condense_forces(system%base, -fields%reaction_force, system%residual)
     system%residual_at_gap = system%residual
     if (any(is_compliant(system%contact%laws))) call condense_forces(system%base, &
@@ -301,7 +319,7 @@ contains
     call extract_support_reactions(system%base, fields%reaction_force)
     system%largest_residual = maxval(max_components(system, system%residual, -1))
     system%bulk_force = max(maxval(max_components(system, fields%internal_force, -1)), &
-      maxval(max_components(system, fields%applied_force, -1)))
+      maxval(max_components(system, applied_force, -1)))
     system%largest_force = max(system%bulk_force, maxval(max_components(system, fields%contact_force, -1)))
     violation = 0.0_DP
     do s = 1, size(fields%slaves)
@@ -383,9 +401,9 @@ contains
   pure type(configuration_type) function save_configuration(system, state) result(configuration)
     type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state          !< evaluated
-    configuration = configuration_type(state%new%u, state%new%internal_force, system%residual, state%new%slaves, &
-      system%contact%slip_data, &
-      system%merit)
+    configuration = configuration_type(state%new%u, state%new%internal_force, state%new%applied_force, system%residual, &
+      state%new%slaves, &
+      system%contact%slip_data, system%merit)
   end function save_configuration
 
 
@@ -403,9 +421,9 @@ contains
     call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
-    call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
+    call condense_forces(system%base, start%applied_force - state%new%internal_force, system%imbalance)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
-    call compute_norms(system, state%new)
+    call compute_norms(system, start%applied_force, state%new)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine evaluate_linearized
 

@@ -13,7 +13,6 @@ module amontons_newton_step
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_AUTO, INTERFACE_SKIN
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
-  use amontons_surfaces, only: is_compliant
   use amontons_state, only: state_type, fields_type, DAMPING_NOW
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
@@ -56,11 +55,6 @@ module amontons_newton_step
   integer, parameter :: MAX_INDEFINITE_FACTORS = 3                !< such factorisations after which an attempt goes on without the
                                                                   !! interface
   integer, parameter :: MAX_INTERFACE_UNKNOWNS = 6000            !< largest interface [unknowns]
-  real(DP), parameter :: DENSE_WORK = 9.0e-12_DP         !< a round on the dense interface, over the cube of its unknowns [s]
-  real(DP), parameter :: SKIN_ITERATIONS = 12.0_DP       !< a round by the skin [-]
-  real(DP), parameter :: SPRUNG_ITERATIONS = 30.0_DP     !< the same where all laws are compliant [-]
-  real(DP), parameter :: PRODUCT_WORK = 5.0e-7_DP        !< products of an iteration, over the unknowns [s]
-  real(DP), parameter :: ENTRY_WORK = 2.5e-8_DP          !< its triangular solutions, over the unknowns to the power 4/3 [s]
   integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction by the skin
   integer, parameter :: SKIN_RESTART = 50                !< its vectors: two an iteration
   integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations of a slow round: after some the bulk solver is made
@@ -310,21 +304,17 @@ contains
   end subroutine factorise_schur
 
 
-  !> Whether the contact subproblem is solved by the skin: where a round on the dense interface is reckoned to take longer. Its
-  !! factor takes n_c^3 operations, a round by the skin some iterations with products and two triangular solutions each.
+  !> Whether the contact subproblem is solved on the contact skin: where the interface is too large for a dense matrix, and where
+  !! the bulk is solved by iteration. Below that the dense interface stays the default: where nodes with friction land within an
+  !! increment, the two ways may end with other statuses (decision 0021).
   pure logical function takes_skin(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    real(DP) :: n, n_c, iterations
     takes_skin = step%interface == INTERFACE_SKIN
     if (step%interface /= INTERFACE_AUTO) return
-    takes_skin = system%reduced_system%is_iterative .or. system%skin%is_ready   ! one that is there goes on serving
+    takes_skin = system%reduced_system%is_iterative .or. system%skin%is_ready   ! an existing one is kept
     if (takes_skin .or. .not. allocated(system%is_interface_unknown)) return
-    n = real(system%base%n_free, DP)
-    n_c = real(count(system%is_interface_unknown), DP)
-    iterations = merge(SPRUNG_ITERATIONS, SKIN_ITERATIONS, all(is_compliant(system%contact%laws)))
-    takes_skin = n_c > MAX_INTERFACE_UNKNOWNS .or. &
-      DENSE_WORK * n_c**3 > iterations * (PRODUCT_WORK * n + ENTRY_WORK * n**(4.0_DP / 3.0_DP))
+    takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS
   end function takes_skin
 
 

@@ -361,7 +361,6 @@ contains
     type(card_table_type), intent(in) :: table
     character(*), intent(in) :: key
     character(:), allocatable :: text
-    character(*), parameter :: SUGGESTION = '; did you mean '
     integer :: i, begun
     begun = 0
     do i = 1, table%n
@@ -370,16 +369,9 @@ contains
       if (len(table%entries(i)%key) == begun) text = '; a comma is missing after *' // table%entries(i)%keyword // '.'
     end do
     if (begun > 0) return
-    text = table%names%suggest(key)
-    if (index(text, SUGGESTION) /= 1) then
-      text = '.'
-      return
-    end if
-    do i = 1, table%n
-      if (text(len(SUGGESTION) + 1:) /= table%entries(i)%key // '?') cycle
-      text = SUGGESTION // '*' // table%entries(i)%keyword // '?'
-      return
-    end do
+    i = table%names%nearest(key)
+    text = '.'
+    if (i > 0) text = '; did you mean *' // table%entries(i)%keyword // '?'
   end function suggest_card
 
 

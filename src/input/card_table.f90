@@ -502,7 +502,7 @@ contains
       'and moving contact make unsymmetric; LAGGED: by the stiffness of the bodies where the attempt began.', &
       allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
     call table%option('INTERFACE', VALUE_WORD, 'For studies. DENSE: the contact subproblem is solved on the dense matrix of ' // &
-      'the interface; SKIN: by iteration, with tiles of the contact skin; AUTO: by what is reckoned to be cheaper.', &
+      'the interface; SKIN: by iteration, with tiles of the contact skin; AUTO: SKIN above 6000 interface unknowns.', &
       allowed='AUTO|DENSE|SKIN', default='AUTO')
 
     call table%card('RESTART', SCOPE_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &

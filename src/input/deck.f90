@@ -367,12 +367,14 @@ contains
     type(model_type), intent(in) :: model
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: trouble
+    logical :: is_refused
     integer :: c, n
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'STEP')) cycle
       call read_parameters(reader%cards, reader%cards%cards(c), parameters)
       if (.not. any([(parameters(n)%key == 'PERTURBATION', n=1, size(parameters))])) cycle
       n = reader%step_of_card(c)
+      is_refused = .true.
       trouble = ''
       if (.not. all(model%steps(:n)%is_perturbation)) then
         trouble = 'after a general step: it would show the response of the loaded body alone'
@@ -382,8 +384,10 @@ contains
         trouble = 'where contact, a material, a constraint or NLGEOM makes the step nonlinear'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps(n)%temperatures) > 0) then
         trouble = 'with *TEMPERATURE, which CalculiX leaves out in such a step'
+      else
+        is_refused = .false.
       end if
-      if (trouble /= '') call report_error(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
+      if (is_refused) call report_error(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
         '. Write a general step: its loads, and all those that the step before had.')
     end do
   end subroutine check_perturbations

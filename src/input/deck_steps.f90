@@ -202,6 +202,7 @@ contains
       call truncate_temperatures(progress%thermal, reader%truncated_time / progress%step%period)
       progress%step%period = reader%truncated_time
     end if
+    progress%step%number = progress%n
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step

@@ -89,7 +89,6 @@ module amontons_loads
     integer :: line = 0                          !< line of the card in the deck, for messages
     integer :: deck_dof = 0                     !< degree of freedom of the first term as the deck has it
     integer :: last_step = huge(1)               !< EQUATION, REMOVE: it holds up to this step
-    logical :: is_removed = .false.              !< it does not hold in the present step
   end type equation_type
 
 contains

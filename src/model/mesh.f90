@@ -6,7 +6,7 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_node_copies, is_inactive_element, mesh_extent
+  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -34,7 +34,6 @@ module amontons_mesh
     logical, allocatable :: is_auxiliary(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
     logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
-    logical, allocatable :: is_inactive(:)           !< (n_elements) taken out by the present step; not there: none is
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
@@ -159,15 +158,6 @@ contains
     mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + [(i, i=1, n)]]
     mesh%n_nodes = mesh%n_nodes + n
   end subroutine append_node_copies
-
-
-  !> Whether an element is taken out in the present step.
-  pure logical function is_inactive_element(mesh, e)
-    type(mesh_type), intent(in) :: mesh
-    integer, intent(in) :: e                       !< element index
-    is_inactive_element = .false.
-    if (allocated(mesh%is_inactive)) is_inactive_element = mesh%is_inactive(e)
-  end function is_inactive_element
 
 
   !> The node indices of one element; the first n are set.

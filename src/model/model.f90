@@ -6,14 +6,15 @@ module amontons_model
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
-  use amontons_loads, only: amplitude_type, equation_type
+  use amontons_loads, only: amplitude_type, equation_type, load_type, load_value
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_user_routines, only: user_library_type
   implicit none
   private
   public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, with_pretension_copies, &
-    append_equation, &
+    new_equation, append_equation, &
+    is_out, absent_elements, material_in_step, load_now, &
     DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< a coefficient is nothing beside one that is so much larger [-]
@@ -134,9 +135,56 @@ contains
   end function job_path
 
 
-  !> Appends an equation, coefficients times displacements sum up to zero, without the terms that are nothing beside the largest.
-  subroutine append_equation(model, node, dof, coefficient, card, line)
-    type(model_type), intent(inout) :: model
+  !> Whether an element is taken out in a step. Before the first step (0) what holds in that one holds.
+  pure logical function is_out(model, step, e)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps, or 0
+    integer, intent(in) :: e                       !< element index
+    is_out = .false.
+    if (.not. allocated(model%steps)) return
+    if (size(model%steps) < max(1, step)) return
+    if (allocated(model%steps(max(1, step))%is_inactive)) is_out = model%steps(max(1, step))%is_inactive(e)
+  end function is_out
+
+
+  !> The same of all elements.
+  pure function absent_elements(model, step) result(is_absent)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps, or 0
+    logical :: is_absent(model%mesh%n_elements)
+    integer :: e
+    is_absent = [(is_out(model, step, e), e=1, model%mesh%n_elements)]
+  end function absent_elements
+
+
+  !> The material of an element in a step; 0: it has none.
+  pure integer function material_in_step(model, step, e) result(material)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps, or 0
+    integer, intent(in) :: e                       !< element index
+    material = model%mesh%material(e)
+    if (.not. allocated(model%steps)) return
+    if (size(model%steps) < max(1, step)) return
+    if (allocated(model%steps(max(1, step))%material)) material = model%steps(max(1, step))%material(e)
+  end function material_in_step
+
+
+  !> The magnitude of a load of a step at a time.
+  pure real(DP) function load_now(model, step, load, step_time, total_time) result(magnitude)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    class(load_type), intent(in) :: load
+    real(DP), intent(in) :: step_time, total_time  !< [time]
+    if (allocated(step%amplitudes)) then
+      magnitude = load_value(load, step%amplitudes, step_time, total_time, step%period)
+    else
+      magnitude = load_value(load, model%amplitudes, step_time, total_time, step%period)
+    end if
+  end function load_now
+
+
+  !> An equation, coefficients times displacements sum up to zero, without the terms that are nothing beside the largest.
+  pure function new_equation(node, dof, coefficient, card, line) result(equation)
     integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
     real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
     character(*), intent(in) :: card               !< its name, for messages
@@ -149,7 +197,17 @@ contains
     equation%coefficient = pack(coefficient, is_kept)
     equation%card = card
     equation%line = line
-    model%equations = [model%equations, equation]
+  end function new_equation
+
+
+  !> Appends such an equation to a model that is being read.
+  subroutine append_equation(model, node, dof, coefficient, card, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
+    real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
+    character(*), intent(in) :: card               !< its name, for messages
+    integer, intent(in) :: line                    !< of the deck
+    model%equations = [model%equations, new_equation(node, dof, coefficient, card, line)]
   end subroutine append_equation
 
 end module amontons_model

@@ -3,7 +3,7 @@
 module amontons_steps
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type
-  use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, temperature_type
+  use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
   public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_time_point
@@ -22,7 +22,7 @@ module amontons_steps
   integer, parameter :: TANGENT_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
 
-  integer, parameter :: INTERFACE_AUTO = 0         !< the contact subproblem is solved by what is reckoned to be cheaper
+  integer, parameter :: INTERFACE_AUTO = 0         !< contact subproblem: SKIN where the interface is too large for DENSE
   integer, parameter :: INTERFACE_DENSE = 1        !< on the dense matrix of the interface
   integer, parameter :: INTERFACE_SKIN = 2         !< by iteration, with tiles of the contact skin
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
@@ -78,6 +78,7 @@ module amontons_steps
   !> One load step with everything that acts in it.
   type :: step_type
     character(:), allocatable :: title     !< text line after *STEP, may be empty
+    integer :: number = 1                  !< its place among the steps
     logical :: is_nlgeom = .false.
     integer :: max_increments = 100        !< INC
     logical :: is_direct = .false.         !< DIRECT: fixed increments
@@ -96,6 +97,8 @@ module amontons_steps
     integer :: interface = INTERFACE_AUTO  !< INTERFACE_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)
+    type(amplitude_type), allocatable :: amplitudes(:)       !< of its loads, where a user routine or a calling program sets them;
+                                           !< not there: those of the model
     type(concentrated_type), allocatable :: concentrated(:)
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature

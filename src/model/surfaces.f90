@@ -46,7 +46,7 @@ module amontons_surfaces
     real(DP) :: friction = 0                    !< mu [-]; 0 is frictionless
     real(DP) :: stick_slope = 0                 !< lambda of compliant laws: shear over elastic slip [stress/length]
     real(DP) :: shear_limit = NO_SHEAR_LIMIT    !< TAUMAX [stress]
-    logical :: is_user_friction = .false.       !< friction is by FRIC; then mu is 0
+    logical :: is_user_friction = .false.       !< friction is by FRIC; then mu is 0 and there is no TAUMAX
     real(DP), allocatable :: props(:)           !< PROPS of FRIC or UINTER
     integer :: n_statev = 0                     !< number of its STATEV at each slave node
   end type interaction_type

@@ -18,6 +18,7 @@ module amontons_model_check
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, dof_direction, n_nonlinear_mpcs
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type
   use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
@@ -45,13 +46,15 @@ contains
     type(diagnostic_list_type), intent(inout) :: report
     type(error_type), allocatable, intent(out) :: error
     type(model_type), allocatable :: linear        ! with the bonds as equations, if there are any
+    type(equation_type), allocatable :: equations(:)
     call check_volumes(model, report)
     call check_materials(model, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
     if (n_nonlinear_mpcs(model) > 0) then
       allocate (linear, source=model)
-      call append_nonlinear_mpcs(linear)
+      call linearize_mpcs(model, equations)
+      linear%equations = [model%equations, equations]
       call check_bodies(linear, contact, slaves, report)
     else
       call check_bodies(model, contact, slaves, report)
@@ -61,15 +64,6 @@ contains
   end subroutine check_model
 
 
-  !> The bonds of a model, linearised, among its equations.
-  subroutine append_nonlinear_mpcs(model)
-    type(model_type), intent(inout) :: model
-    type(equation_type), allocatable :: equations(:)
-    call linearize_mpcs(model, equations)
-    model%equations = [model%equations, equations]
-  end subroutine append_nonlinear_mpcs
-
-
   !> Lone nodes and free motions.
   subroutine check_bodies(model, contact, slaves, report)
     type(model_type), intent(in) :: model
@@ -77,7 +71,7 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)
     type(diagnostic_list_type), intent(inout) :: report
     type(bodies_type) :: bodies
-    call find_bodies(model, bodies)
+    call find_bodies(model, 1, bodies)
     call check_lone_nodes(model, bodies, report)
     call check_rigid_motions(model, contact, slaves, bodies, report)
     call check_unilateral_support(model, contact, slaves, bodies, report)
@@ -286,7 +280,7 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
-    call find_bodies(model, bodies)
+    call find_bodies(model, 1, bodies)
     text = mesh_table(model) // material_table(model) // body_table(model, bodies, contact, slaves)
     if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
     text = text // step_table(model)
@@ -397,7 +391,7 @@ contains
     n_closed = 0
     n_open = 0
     do s = 1, size(slaves)
-      if (slaves(s)%facet == 0 .or. .not. contact%shared_slaves%is_active_side(s)) cycle
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
       call current_row(contact, slaves(s), row)
       if (.not. any(bodies%of_node(row%nodes) == b)) cycle
       if (is_closed(contact, slaves(s))) then
@@ -585,7 +579,7 @@ contains
     real(DP) :: contact_normal(3)
     integer :: s, i, b
     do s = 1, size(slaves)
-      if (slaves(s)%facet == 0 .or. .not. contact%shared_slaves%is_active_side(s)) cycle
+      if (slaves(s)%facet == 0 .or. gives_way(slaves(s)%overrides)) cycle
       call current_row(contact, slaves(s), row)
       do i = 1, size(row%nodes)
         b = bodies%of_node(row%nodes(i))

@@ -4,8 +4,7 @@ module amontons_model_check_bodies
   use amontons_kinds, only: DP
   use amontons_text, only: to_text, plural
   use amontons_element, only: evaluate_element_volume
-  use amontons_mesh, only: is_inactive_element
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, is_out, absent_elements, material_in_step
   use amontons_topology, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
   implicit none
@@ -40,15 +39,16 @@ module amontons_model_check_bodies
 contains
 
   !> Finds the bodies, their boxes, volumes and masses. Method: union-find over the nodes. Cost: linear.
-  subroutine find_bodies(model, bodies)
+  subroutine find_bodies(model, step, bodies)
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< whose elements count: index into model%steps
     type(bodies_type), intent(out) :: bodies
     integer, allocatable :: parent(:)
     integer :: e, i, k
     associate (mesh => model%mesh)
       allocate (parent(mesh%n_nodes), source=0)
       do e = 1, mesh%n_elements
-        if (is_inactive_element(mesh, e)) cycle
+        if (is_out(model, step, e)) cycle
         do k = mesh%first(e), mesh%first(e + 1) - 1
           if (parent(mesh%nodes(k)) == 0) parent(mesh%nodes(k)) = mesh%nodes(k)
           call unite_trees(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
@@ -56,7 +56,7 @@ contains
       end do
       allocate (bodies%of_node(mesh%n_nodes), bodies%of_element(mesh%n_elements), source=0)
       do e = 1, mesh%n_elements
-        if (is_inactive_element(mesh, e)) cycle
+        if (is_out(model, step, e)) cycle
         call number_body(bodies, find_root(parent, mesh%nodes(mesh%first(e))))
       end do
       do i = 1, mesh%n_nodes
@@ -68,9 +68,9 @@ contains
         end do
       end do
       bodies%of_element = bodies%of_node(mesh%nodes(mesh%first(:mesh%n_elements)))
-      if (allocated(mesh%is_inactive)) where (mesh%is_inactive) bodies%of_element = 0
+      where (absent_elements(model, step)) bodies%of_element = 0
     end associate
-    call measure_bodies(model, bodies)
+    call measure_bodies(model, step, bodies)
     call name_bodies(model, bodies)
   end subroutine find_bodies
 
@@ -109,11 +109,12 @@ contains
 
 
   !> Boxes, elements, volumes and masses.
-  subroutine measure_bodies(model, bodies)
+  subroutine measure_bodies(model, step, bodies)
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< whose materials count: index into model%steps
     type(bodies_type), intent(inout) :: bodies
     real(DP) :: volume
-    integer :: i, e, status
+    integer :: i, e, m, status
     allocate (bodies%list(bodies%n))
     do i = 1, model%mesh%n_nodes
       if (bodies%of_node(i) == 0) cycle
@@ -133,7 +134,8 @@ contains
         end associate
         body%volume = body%volume + volume
         if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section_value(e)
-        if (mesh%material(e) > 0) body%mass = body%mass + model%materials(mesh%material(e))%density * volume
+        m = material_in_step(model, step, e)
+        if (m > 0) body%mass = body%mass + model%materials(m)%density * volume
       end associate
     end do
     do i = 1, bodies%n

@@ -9,6 +9,7 @@ module amontons_model_check_contact
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_contact_pairs, only: contact_type
   use amontons_model_check_bodies, only: report_error, report_warning, label_list, counted_noun
@@ -90,7 +91,7 @@ contains
     type(pair_statistics_type), intent(inout) :: statistic
     real(DP) :: edge
     logical :: is_turned, is_yielding
-    is_yielding = .not. contact%shared_slaves%is_active_side(s)
+    is_yielding = gives_way(slave%overrides)
     if (slave%row > 0 .and. slave%slave_facet == 0) is_yielding = is_yielding &
       .or. contact%mortar(slave%pair)%places(slave%row)%is_merged
     if (is_yielding) statistic%n_passive = statistic%n_passive + 1

@@ -26,7 +26,7 @@ module amontons_model_check_motion
   use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
   implicit none
   private
-  public :: check_rigid_motions, describe_free_motion
+  public :: check_rigid_motions, find_free_motion
 
   ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
   ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
@@ -52,10 +52,17 @@ module amontons_model_check_motion
     integer :: n_touched = 0
   end type rows_type
 
-  !> A sentence about some bodies, and the steps in which it is true.
+  ! What a finding says of the motions.
+  integer, parameter :: FINDING_FREE = 1           !< nothing holds them
+  integer, parameter :: FINDING_OPEN = 2           !< only contact that is open at the start can hold them
+  integer, parameter :: FINDING_PLACED = 3         !< nothing holds them where the deck has the body; earlier steps may move it
+
+  !> Motions of some bodies that nothing holds, and the steps in which that is so.
   type :: finding_type
-    character(:), allocatable :: text
-    logical :: is_warning = .false.
+    integer :: code = FINDING_FREE                 !< FINDING_...
+    integer, allocatable :: bodies(:)              !< those that move together
+    real(DP), allocatable :: motions(:, :)         !< (6, n) of the first of them: t, r
+    character(:), allocatable :: motion            !< both in words
     type(integer_list_type) :: steps
   end type finding_type
 
@@ -76,31 +83,34 @@ contains
     end do
     do i = 1, size(findings)
       associate (finding => findings(i))
-        if (finding%is_warning) then
-          call report_warning(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+        if (finding%code == FINDING_FREE) then
+          call report_error(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%motion &
+            // remedy_text(finding%code))
         else
-          call report_error(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%text)
+          call report_warning(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%motion &
+            // remedy_text(finding%code))
         end if
       end associate
     end do
   end subroutine check_rigid_motions
 
 
-  !> A motion that supports, equations and the closed slave nodes leave to a body in a step, in words; empty if there is none.
+  !> A motion that supports, equations and the closed slave nodes leave to a body in a step.
   !! Slave nodes that slip hold their bodies along the normal alone.
-  function describe_free_motion(model, contact, slaves, step) result(text)
+  subroutine find_free_motion(model, contact, slaves, step, is_free, motion)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: step                    !< its number
-    character(:), allocatable :: text
+    logical, intent(out) :: is_free                !< there is one
+    character(:), allocatable, intent(out) :: motion   !< the body and how it can move, in words; not there if it cannot
     type(bodies_type) :: bodies
     type(bases_type) :: bases
     type(rows_type) :: rows
     type(finding_type), allocatable :: findings(:)
     integer :: s
-    text = ''
-    call find_bodies(model, bodies)
+    is_free = .false.
+    call find_bodies(model, step, bodies)
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
     allocate (findings(0))
@@ -111,11 +121,9 @@ contains
       call add_contact(model, contact, slaves(s), bodies, bases, rows)
     end do
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
-    if (size(findings) == 0) return
-    text = findings(1)%text
-    text = text(:scan(text // ':', ':') - 1)
-    if (index(text, ' as the deck places it') > 0) text = text(:index(text, ' as the deck places it') - 1)
-  end function describe_free_motion
+    is_free = size(findings) > 0
+    if (is_free) motion = findings(1)%motion
+  end subroutine find_free_motion
 
 
   !> Room for rows.
@@ -421,7 +429,7 @@ contains
     logical :: is_open
     call current_row(contact, slave, row)
     is_open = .not. is_closed(contact, slave)
-    associate (law => model%interactions(model%pairs(slave%pair)%interaction))
+    associate (law => contact%laws(slave%pair))
       n_directions = merge(3, 1, law%friction > 0.0_DP .or. law%is_user_friction .or. law%behavior == BEHAVIOR_USER)
     end associate
     if (slave%status == STATUS_SLIP) n_directions = 1
@@ -594,9 +602,8 @@ contains
     logical, intent(in) :: is_start
     type(finding_type), allocatable, intent(inout) :: findings(:)
     logical :: is_moved(size(members), size(motions, 2)), is_reported(size(motions, 2)), is_same(size(motions, 2))
-    character(:), allocatable :: text
+    type(finding_type) :: finding
     integer :: i, j, first
-    logical :: is_turned
     do j = 1, size(motions, 2)
       do i = 1, size(members)
         is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > MIN_MOTION_PART * maxval(abs(motions(:, j)))
@@ -608,12 +615,16 @@ contains
       is_same = [(all(is_moved(:, i) .eqv. is_moved(:, j)), i=1, size(motions, 2))]
       is_reported = is_reported .or. is_same
       first = findloc(is_moved(:, j), .true., dim=1)
-      text = body_name(model, bodies%list(members(first)))
-      if (count(is_moved(:, j)) > 1) text = text // ' and with it ' // &
-        other_bodies(model, bodies, pack(members, is_moved(:, j)))
-      text = text // ' can ' // motions_text(bodies%list(members(first)), motions(6 * first - 5:6 * first, :), is_same)
-      is_turned = may_be_held_later(model, step, motions(6 * first - 5:6 * first, :), is_same)
-      call add_finding(text // remedy_text(is_start, is_turned), step, is_start .or. is_turned, findings)
+      finding%bodies = pack(members, is_moved(:, j))
+      finding%motions = motions(6 * first - 5:6 * first, pack([(i, i=1, size(is_same))], is_same))
+      finding%motion = body_name(model, bodies%list(members(first)))
+      if (size(finding%bodies) > 1) finding%motion = finding%motion // ' and with it ' // &
+        other_bodies(model, bodies, finding%bodies)
+      finding%motion = finding%motion // ' can ' // motions_text(bodies%list(members(first)), &
+        motions(6 * first - 5:6 * first, :), is_same)
+      finding%code = merge(FINDING_OPEN, FINDING_FREE, is_start)
+      if (may_be_held_later(model, step, finding%motions)) finding%code = FINDING_PLACED
+      call add_finding(finding, step, findings)
     end do
   end subroutine report_motions
 
@@ -632,58 +643,57 @@ contains
 
   !> Whether a body that can turn where it lies in the deck may be held where an earlier step under NLGEOM has brought it.
   !! What can move along without turning can so everywhere.
-  pure logical function may_be_held_later(model, step, motions, is_reported) result(may_be)
+  pure logical function may_be_held_later(model, step, motions) result(may_be)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
     real(DP), intent(in) :: motions(:, :)          !< (6, n) of one body
-    logical, intent(in) :: is_reported(:)              !< (n) those in question
     integer :: i
-    may_be = step > 1 .and. any(model%steps(:step)%is_nlgeom) .and. .not. any([(is_reported(i) .and. &
-      is_translation(motions(:, i)), i=1, size(is_reported))])
+    may_be = step > 1 .and. any(model%steps(:step)%is_nlgeom) .and. &
+      .not. any([(is_translation(motions(:, i)), i=1, size(motions, 2))])
   end function may_be_held_later
 
 
   !> What is missing and what to do.
-  pure function remedy_text(is_start, is_turned) result(text)
-    logical, intent(in) :: is_start
-    logical, intent(in) :: is_turned               !< it may be held where the steps before have brought it
+  pure function remedy_text(code) result(text)
+    integer, intent(in) :: code                    !< FINDING_...
     character(:), allocatable :: text
-    if (is_turned) then
+    select case (code)
+    case (FINDING_PLACED)
       text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
         'held where the steps before have brought it.'
-    else if (is_start) then
+    case (FINDING_OPEN)
       text = ' until its contact closes: what could hold it is open at the start. It will be carried to where it ' // &
         'touches; a body that shall not move so is to be driven by a prescribed displacement.'
-    else
+    case default
       text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
         'that is held (only friction holds it along the surface).'
-    end if
+    end select
   end function remedy_text
 
 
   !> Adds a finding, or its step to one that says the same.
-  subroutine add_finding(text, step, is_warning, findings)
-    character(*), intent(in) :: text
+  subroutine add_finding(finding, step, findings)
+    type(finding_type), intent(in) :: finding      !< without steps
     integer, intent(in) :: step
-    logical, intent(in) :: is_warning
     type(finding_type), allocatable, intent(inout) :: findings(:)
-    type(finding_type), allocatable :: longer(:)
     integer :: i, n
     n = size(findings)
     do i = 1, n
-      if (findings(i)%text == text) then
-        call findings(i)%steps%add(step)
-        return
-      end if
+      if (.not. is_same_finding(findings(i), finding)) cycle
+      call findings(i)%steps%add(step)
+      return
     end do
-    allocate (longer(n + 1))
-    do i = 1, n
-      longer(i) = findings(i)
-    end do
-    longer(n + 1)%text = text
-    longer(n + 1)%is_warning = is_warning
-    call longer(n + 1)%steps%add(step)
-    call move_alloc(longer, findings)
+    findings = [findings, finding]
+    call findings(n + 1)%steps%add(step)
   end subroutine add_finding
+
+
+  !> Whether two findings are of the same motions of the same bodies, to the digits that are shown.
+  pure logical function is_same_finding(a, b) result(is_same)
+    type(finding_type), intent(in) :: a, b
+    is_same = a%code == b%code .and. size(a%bodies) == size(b%bodies) .and. size(a%motions) == size(b%motions)
+    if (is_same) is_same = all(a%bodies == b%bodies)
+    if (is_same) is_same = maxval(abs(a%motions - b%motions)) <= MIN_MOTION_PART * maxval(abs(a%motions))
+  end function is_same_finding
 
 end module amontons_model_check_motion

@@ -13,11 +13,13 @@
 module amontons_active_set_cycling
   use amontons_kinds, only: DP
   use amontons_surfaces, only: is_compliant
-  use amontons_state, only: slave_state_type, STATUS_OPEN, FRICTION_SUPPRESSED, FRICTION_ON_TRIAL
+  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
+    NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY
+  use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_active_set_history, only: active_set_history_type, find_cycle, cycling_slaves, find_least_merit, last_facet, &
     HISTORY_DEPTH
   use amontons_surface_projection, only: projection_type, find_projection, find_edge_excess, PROJECTION_INSIDE
-  use amontons_contact_pairs, only: contact_type, SEARCH_RADIUS_RATIO, FROZEN_NEVER, FROZEN_NOW, FROZEN_BEFORE
+  use amontons_contact_pairs, only: contact_type, SEARCH_RADIUS_RATIO
   implicit none
   private
   public :: break_cycle, release_frozen_nodes, extend_master_edges, facet_track_type
@@ -27,11 +29,8 @@ module amontons_active_set_cycling
   integer, parameter :: MAX_MASTER_LOSSES = 3                  !< times that a node runs off its master until it keeps to the edge
   integer, parameter :: MAX_EDGE_RETURNS = 2                  !< times that it comes back over an edge where the normal jumps until
                                                               !! it stays
-  real(DP), parameter :: EXTENSION_OFF_MASTER = -1.0_DP          !< of a node that stays beside its master in this increment [-]
   real(DP), parameter :: MIN_DEPTH_IN_FACET = 0.1_DP        !< a node deeper in a facet than this is not beside it, in its lengths
                                                             !! [-]
-  real(DP), parameter :: EDGE_EXTENSION = 0.5_DP          !< how far the facet of a node that keeps to its edge reaches beyond
-                                                          !! itself [-]
 
   !> Where a node has been while contact settles along a direction.
   type :: facet_track_type
@@ -44,7 +43,7 @@ contains
 
   !> Looks for a cycle and acts on its nodes. After: the statuses and facets with which contact is to be evaluated again.
   subroutine break_cycle(contact, active_set_history, slaves, is_found, is_changed)
-    type(contact_type), intent(inout) :: contact
+    type(contact_type), intent(in) :: contact
     type(active_set_history_type), intent(in) :: active_set_history
     type(slave_state_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_found               !< there is a cycle
@@ -63,13 +62,13 @@ contains
       associate (slave => slaves(nodes(i)), s => nodes(i))
         if (is_leaving_master(contact, active_set_history, slave, s, length) .or. is_alternating_facets(contact, &
           active_set_history, slave, s, length)) then
-          if (slave%extension >= EDGE_EXTENSION) cycle
-          slave%extension = EDGE_EXTENSION
+          if (slave%overrides%edge == NODE_OVERRIDE_EXTENDED) cycle
+          slave%overrides%edge = NODE_OVERRIDE_EXTENDED
           slave%facet = last_facet(active_set_history, s)
           is_changed = .true.
-        else if (contact%frozen(s) == FROZEN_NEVER .and. .not. is_compliant(contact%laws(slave%pair))) then
+        else if (slave%overrides%status == NODE_OVERRIDE_NONE .and. .not. is_compliant(contact%laws(slave%pair))) then
           if (active_set_history%facet(s, best) == 0) cycle
-          contact%frozen(s) = FROZEN_NOW
+          slave%overrides%status = NODE_OVERRIDE_FROZEN
           slave%status = active_set_history%status(s, best)
           if (slave%facet == 0) slave%facet = active_set_history%facet(s, best)
           is_changed = .true.
@@ -91,15 +90,15 @@ contains
     integer :: s
     is_extended = .false.
     do s = 1, size(trial_slaves)
-      if (abs(start(s)%extension) > 0.0_DP .or. .not. has_master_edges(contact, trial_slaves(s))) cycle
+      if (start(s)%overrides%edge /= NODE_OVERRIDE_NONE .or. .not. has_master_edges(contact, trial_slaves(s))) cycle
       is_faceted = contact%facets(trial_slaves(s)%pair)%is_faceted
       call update_facet_track(trial_slaves(s)%facet, is_faceted, facet_tracks(s))
       if (facet_tracks(s)%n_returns < merge(MAX_EDGE_RETURNS, MAX_MASTER_LOSSES, is_faceted)) cycle
       if (trial_slaves(s)%facet > 0 .and. .not. is_faceted) cycle
-      start(s)%extension = EDGE_EXTENSION
+      start(s)%overrides%edge = NODE_OVERRIDE_EXTENDED
       is_extended = .true.
       if (trial_slaves(s)%facet > 0 .or. start(s)%status /= STATUS_OPEN) cycle
-      start(s)%extension = EXTENSION_OFF_MASTER
+      start(s)%overrides%edge = NODE_OVERRIDE_OFF_MASTER
       start(s)%facet = 0
     end do
   end subroutine extend_master_edges
@@ -156,18 +155,18 @@ contains
   !> All else is in balance: nodes that were held are let go, and those beside their master that are well within it. After:
   !! whether there were any.
   subroutine release_frozen_nodes(contact, x, slaves, is_released)
-    type(contact_type), intent(inout) :: contact
+    type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
     type(slave_state_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_released
     type(projection_type) :: projection
     integer :: s
-    is_released = any(contact%frozen == FROZEN_NOW)
-    where (contact%frozen == FROZEN_NOW) contact%frozen = FROZEN_BEFORE
-    is_released = is_released .or. any(slaves%friction_state == FRICTION_SUPPRESSED)
-    where (slaves%friction_state == FRICTION_SUPPRESSED) slaves%friction_state = FRICTION_ON_TRIAL
+    is_released = any(slaves%overrides%status == NODE_OVERRIDE_FROZEN .or. &
+      slaves%overrides%friction == NODE_OVERRIDE_FRICTIONLESS)
+    where (slaves%overrides%status == NODE_OVERRIDE_FROZEN) slaves%overrides%status = NODE_OVERRIDE_RELEASED
+    where (slaves%overrides%friction == NODE_OVERRIDE_FRICTIONLESS) slaves%overrides%friction = NODE_OVERRIDE_RETRY
     do s = 1, size(slaves)
-      if (slaves(s)%extension >= 0.0_DP) cycle
+      if (slaves(s)%overrides%edge /= NODE_OVERRIDE_OFF_MASTER) cycle
       associate (p => slaves(s)%pair)
         call find_projection(contact%facets(p), contact%search(p), x, x(:, slaves(s)%node), &
           SEARCH_RADIUS_RATIO * contact%edge(p), projection, &
@@ -175,7 +174,7 @@ contains
         if (projection%status /= PROJECTION_INSIDE .or. projection%gap + slaves(s)%offset >= 0.0_DP) cycle
         if (maxval(find_edge_excess(contact%facets(p)%kind(projection%facet), projection%xi)) > -MIN_DEPTH_IN_FACET) cycle
       end associate
-      slaves(s)%extension = 0.0_DP
+      slaves(s)%overrides%edge = NODE_OVERRIDE_NONE
       is_released = .true.
     end do
   end subroutine release_frozen_nodes

@@ -155,10 +155,10 @@ contains
     type(subproblem_result_type), intent(out) :: accepted            !< settled only if that is at the end of the way
     type(error_type), allocatable, intent(out) :: error
     type(subproblem_result_type) :: candidate
-    real(DP), allocatable :: total_applied_force(:, :)         ! (3, n_nodes) [force]
+    type(configuration_type) :: from                       ! u with the forces of a part of the way
     real(DP) :: t, substep_length
     integer :: n_rounds
-    total_applied_force = state%new%applied_force
+    from = start
     allocate (accepted%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
     accepted%slaves = start%slaves
     t = 0.0_DP
@@ -166,8 +166,8 @@ contains
     substep_length = INITIAL_SUBSTEP_LENGTH
     do while (t < 1.0_DP .and. substep_length >= MIN_SUBSTEP_LENGTH .and. n_rounds < MAX_ITERATIONS_ALL_SUBSTEPS)
       candidate = accepted
-      state%new%applied_force = total_applied_force - (1.0_DP - t - substep_length) * start%residual
-      call solve_substep(system, model, step, start, substep_length / (1.0_DP - t), state, candidate, error)
+      from%applied_force = start%applied_force - (1.0_DP - t - substep_length) * start%residual
+      call solve_substep(system, model, step, from, substep_length / (1.0_DP - t), state, candidate, error)
       if (allocated(error)) return
       n_rounds = n_rounds + candidate%n_subproblem_iterations
       if (candidate%is_subproblem_solved) then
@@ -179,7 +179,6 @@ contains
         substep_length = 0.5_DP * substep_length
       end if
     end do
-    state%new%applied_force = total_applied_force
     accepted%n_subproblem_iterations = n_rounds
     accepted%is_subproblem_solved = t >= 1.0_DP
   end subroutine solve_by_substeps
@@ -190,9 +189,9 @@ contains
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(configuration_type), intent(in) :: start          !< u
+    type(configuration_type), intent(in) :: start          !< u, with the applied forces at the end of the portion
     real(DP), intent(in) :: offset_fraction                  !< the portion over what is left of the way [-]
-    type(state_type), intent(inout) :: state       !< with the applied forces at its end
+    type(state_type), intent(inout) :: state
     type(subproblem_result_type), intent(inout) :: candidate         !< in: where it begins; out: where it ends
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: correction(:, :)

@@ -159,7 +159,7 @@ contains
     type(step_type), intent(in) :: step
     is_step_unsolved = step%line_search == LINE_SEARCH_AUTO .and. system%is_schur_active .and. .not. system%is_subproblem_solved &
       .and. &
-      strategy%step_kind == STEP_KIND_NEWTON .and. size(system%contact%slip_data%status) > 0
+      strategy%step_kind == STEP_KIND_NEWTON .and. size(system%contact%slip_data) > 0
   end function is_step_unsolved
 
 end module amontons_globalization

@@ -12,9 +12,11 @@ module amontons_line_search
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
-  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
-  use amontons_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenario, NODE_SLIP, &
-    NODE_BALANCED
+  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_surfaces, only: is_compliant
+  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slip_scenarios, only: slip_result_type, slip_controls_type, classify_slip_scenarios, find_bounded_step_length, &
+    STATUS_BALANCED
   use amontons_newton_step, only: solve_roughly
   use amontons_tunnelling_check, only: largest_sliding
   use amontons_sparse, only: multiply, multiply_transpose
@@ -79,17 +81,19 @@ contains
     start%is_merit_comparable = is_displacement_complete(system, state%new%u)
     call try_full_step(system, model, step, du, start, state, report, outcome)
     if (outcome /= OUTCOME_OK) return
-    call classify_slip_scenarios(system, step, start, state, report, verdicts)
+    call classify_slave_nodes(system, step, start, report, verdicts)
     select case (step%line_search)
     case (LINE_SEARCH_ALL)
-      call try_length(one_step_length(step, start%pair, directional_residual(system, du) - start%pair))
+      call try_length(find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, controls_of(system, &
+        step)))
     case (LINE_SEARCH_GLOBAL)
-      call try_length(one_step_length(step, sum(verdicts%numerator), sum(verdicts%denominator)))
+      call try_length(find_bounded_step_length(sum(verdicts%numerator), sum(verdicts%denominator), controls_of(system, step)))
     case (LINE_SEARCH_NODAL)
       call try_nodal_lengths(system, model, step, start, verdicts, state, report, outcome)
     case (LINE_SEARCH_AUTO)
       call backtrack(system, model, step, du, start, state, report, outcome)
     end select
+    call note_scenarios(verdicts, state%new%slaves)
     report%n_newly_opened = count(start%slaves%status /= STATUS_OPEN .and. state%new%slaves%status == STATUS_OPEN)
     report%n_closed = count(start%slaves%status == STATUS_OPEN .and. state%new%slaves%status /= STATUS_OPEN)
     report%correction = maxval(max_components(system, state%new%u - start%u, 1))
@@ -167,57 +171,46 @@ contains
   end subroutine evaluate_trial
 
 
-  !> State and scenario of every slave node between the iterate and the full step.
-  subroutine classify_slip_scenarios(system, step, start, state, report, verdicts)
+  !> Tolerances and bounds of the slip scenarios and of all step lengths.
+  pure type(slip_controls_type) function controls_of(system, step) result(controls)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    type(search_start_type), intent(in) :: start
-    type(state_type), intent(inout) :: state
-    type(line_search_report_type), intent(inout) :: report
-    type(slip_result_type), allocatable, intent(out) :: verdicts(:)   !< (n_slaves)
-    type(slip_controls_type) :: controls
-    type(slip_state_type) :: at_u, at_ud
-    real(DP) :: d(3), mu
-    integer :: s
     controls%slip_tolerance = step%controls%r_n
     controls%force_zero = step%controls%r_n * system%largest_force
     controls%alpha_min = step%controls%s_min
     controls%alpha_max = step%controls%s_max
-    allocate (verdicts(size(state%new%slaves)))
-    associate (after => system%contact%slip_data)
-      do s = 1, size(verdicts)
-        if (start%slip_data%status(s) == STATUS_OPEN) cycle
-        mu = system%contact%laws(state%new%slaves(s)%pair)%friction
-        if (mu == 0.0_DP) cycle
-        controls%slip_zero = 1.0e-12_DP * system%contact%edge(state%new%slaves(s)%pair)
-        at_u = slip_state_type(N=start%slip_data%normal_force(s), Rt=start%slip_data%imbalance_t(:, s), &
-          slip=start%slip_data%slip(:, s))
-        at_ud = slip_state_type(N=after%normal_force(s), Rt=after%imbalance_t(:, s), slip=after%slip(:, s))
-        d = after%slip(:, s) - start%slip_data%slip(:, s)
-        call classify_slip_scenario(at_u, at_ud, d, mu, controls, verdicts(s))
-        if (verdicts(s)%state == NODE_BALANCED) report%n_slip_converged = report%n_slip_converged + 1
-        if (verdicts(s)%scenario == 0) cycle
-        report%n_scenario(verdicts(s)%scenario) = report%n_scenario(verdicts(s)%scenario) + 1
-        state%new%slaves(s)%scenario = verdicts(s)%scenario
-      end do
-    end associate
-  end subroutine classify_slip_scenarios
+  end function controls_of
 
 
-  !> (LS) within its bounds; 1 where the denominator vanishes or the length is negative.
-  pure real(DP) function one_step_length(step, numerator, denominator) result(alpha)
+  !> Status and scenario of every slave node between the iterate and the full step.
+  pure subroutine classify_slave_nodes(system, step, start, report, verdicts)
+    type(equilibrium_type), intent(in) :: system        !< evaluated after the full step
     type(step_type), intent(in) :: step
-    real(DP), intent(in) :: numerator              !< d'R(u) [energy]
-    real(DP), intent(in) :: denominator            !< d'(R(u + d) - R(u)) [energy]
-    alpha = 1.0_DP
-    if (abs(denominator) <= 1.0e-12_DP * abs(numerator) .or. numerator == 0.0_DP) return
-    alpha = -numerator / denominator
-    if (alpha < 0.0_DP) alpha = 1.0_DP
-    alpha = min(step%controls%s_max, max(step%controls%s_min, alpha))
-  end function one_step_length
+    type(search_start_type), intent(in) :: start
+    type(line_search_report_type), intent(inout) :: report
+    type(slip_result_type), allocatable, intent(out) :: verdicts(:)   !< (n_slaves)
+    real(DP), allocatable :: d(:, :)               ! (3, n_slaves) [length]
+    integer :: s, scenario
+    allocate (verdicts(size(start%slip_data)), d(3, size(start%slip_data)))
+    do s = 1, size(start%slip_data)
+      d(:, s) = system%contact%slip_data(s)%slip - start%slip_data(s)%slip
+    end do
+    call classify_slip_scenarios(start%slip_data, system%contact%slip_data, d, controls_of(system, step), verdicts)
+    report%n_slip_converged = count(verdicts%status == STATUS_BALANCED)
+    report%n_scenario = [(count(verdicts%scenario == scenario), scenario=1, 4)]
+  end subroutine classify_slave_nodes
 
 
-  !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step.
+  !> The scenario of each node that this iteration moved by one; the others show that of an earlier iteration.
+  pure subroutine note_scenarios(verdicts, slaves)
+    type(slip_result_type), intent(in) :: verdicts(:)   !< (n_slaves)
+    type(slave_state_type), intent(inout) :: slaves(:)   !< (n_slaves)
+    where (verdicts%scenario > 0) slaves%scenario = verdicts%scenario
+  end subroutine note_scenarios
+
+
+  !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step. A node whose
+  !! step is cut at zero slip is set to stick there.
   subroutine try_nodal_lengths(system, model, step, start, verdicts, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -227,6 +220,7 @@ contains
     type(state_type), intent(inout) :: state
     type(line_search_report_type), intent(inout) :: report
     integer, intent(out) :: outcome
+    type(search_start_type) :: nodal
     real(DP), allocatable :: u_full(:, :), u(:, :)
     real(DP) :: full_merit
     integer :: s
@@ -235,16 +229,19 @@ contains
     full_merit = system%merit
     u_full = state%new%u
     u = u_full
+    nodal = start
     do s = 1, size(verdicts)
-      if (verdicts(s)%state /= NODE_SLIP) cycle
+      if (verdicts(s)%status /= STATUS_SLIP) cycle
       associate (node => start%slaves(s)%node)
-        u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%slip_data%slip(:, s) - start%slip_data%slip(:, s))
+        u(:, node) = u(:, node) + (verdicts(s)%alpha - 1.0_DP) * (system%contact%slip_data(s)%slip - start%slip_data(s)%slip)
       end associate
+      if (verdicts(s)%becomes_stick) call set_to_stick(system, nodal%slaves(s))
     end do
-    call evaluate_trial(system, model, step, start, u, .false., state, outcome)
+    call evaluate_trial(system, model, step, nodal, u, .false., state, outcome)
+    where (state%new%slaves%overrides%status == NODE_OVERRIDE_STICK_ONCE) state%new%slaves%overrides%status = NODE_OVERRIDE_NONE
     if (outcome == OUTCOME_OK .and. system%merit <= full_merit) then
-      report%step_length = sum(verdicts%alpha, mask=verdicts%state == NODE_SLIP) &
-        / real(count(verdicts%state == NODE_SLIP), DP)
+      report%step_length = sum(verdicts%alpha, mask=verdicts%status == STATUS_SLIP) &
+        / real(count(verdicts%status == STATUS_SLIP), DP)
       report%is_whole_step = .false.
     else
       call evaluate_trial(system, model, step, start, u_full, .true., state, outcome)
@@ -252,9 +249,22 @@ contains
   end subroutine try_nodal_lengths
 
 
+  !> A slave node of exact contact sticks in the next evaluation. (A law, or a routine of the user, decides by itself.)
+  pure subroutine set_to_stick(system, slave)
+    type(equilibrium_type), intent(in) :: system
+    type(slave_state_type), intent(inout) :: slave
+    associate (law => system%contact%laws(slave%pair))
+      if (is_compliant(law) .or. law%is_user_friction) return
+    end associate
+    slave%status = STATUS_STICK
+    slave%overrides%status = NODE_OVERRIDE_STICK_ONCE
+  end subroutine set_to_stick
+
+
   !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
   !! is shorter: the imbalance of slender bodies has to rise first, since bending them stretches them. Else (LS) over all unknowns,
-  !! then halves; the best is taken, if it is not far worse than where the search began.
+  !! then halves, down to the least length of the line search; the best is taken, if it is not far worse than where the search
+  !! began.
   subroutine backtrack(system, model, step, du, start, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -264,7 +274,7 @@ contains
     type(state_type), intent(inout) :: state
     type(line_search_report_type), intent(inout) :: report
     integer, intent(out) :: outcome
-    real(DP) :: alpha, best_length, best_merit
+    real(DP) :: alpha, here, best_length, best_merit
     integer :: halving
     outcome = OUTCOME_OK
     if (system%proximal_shift > 0.0_DP .and. system%is_subproblem_solved) return   ! a body on its way to its master: nothing
@@ -276,21 +286,25 @@ contains
     end if
     best_length = report%step_length
     best_merit = system%merit
-    alpha = min(0.5_DP * best_length, one_step_length(step, start%pair, directional_residual(system, du) - start%pair))
+    here = best_length
+    alpha = min(0.5_DP * best_length, find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, &
+      controls_of(system, step)))
     do halving = 1, MAX_LENGTH_HALVINGS
+      if (alpha < step%controls%s_min) exit
       call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, outcome)
+      here = alpha
       if (outcome == OUTCOME_OK .and. system%merit < MERIT_DECREASE_RATIO * best_merit) then
         best_length = alpha
         best_merit = system%merit
       end if
-      if (best_merit <= MAX_MERIT_GROWTH * start%merit) exit
-      alpha = 0.5_DP * alpha
+      if (best_merit <= MAX_MERIT_GROWTH * start%merit .or. alpha <= step%controls%s_min) exit
+      alpha = max(0.5_DP * alpha, step%controls%s_min)
     end do
     report%is_rejected = system%is_schur_active .and. best_merit > REJECTED_MERIT_GROWTH * start%merit .and. &
       best_merit > max(MIN_REJECTED_RESIDUAL, step%controls%r_n) * system%largest_force
     if (report%is_rejected) best_length = 0.0_DP
-    if (best_length /= alpha .or. halving > MAX_LENGTH_HALVINGS) &
-      call evaluate_trial(system, model, step, start, start%u + best_length * du, best_length == 1.0_DP, state, outcome)
+    if (best_length /= here) call evaluate_trial(system, model, step, start, start%u + best_length * du, best_length == 1.0_DP, &
+      state, outcome)
     report%is_whole_step = best_length == 1.0_DP
     report%step_length = best_length
   end subroutine backtrack

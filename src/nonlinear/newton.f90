@@ -10,7 +10,6 @@ module amontons_newton
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
   use amontons_tunnelling_check, only: largest_sliding, find_tunnelled_slave
   use amontons_active_set_history, only: active_set_history_type, record_active_set
-  use amontons_contact_pairs, only: FROZEN_NEVER
   use amontons_active_set_cycling, only: break_cycle, release_frozen_nodes
   use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, VERDICT_CONTINUE, VERDICT_DIVERGES, &
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
@@ -67,7 +66,6 @@ contains
     newton = newton_type(convergence_measures_type(), iteration_record_type(), active_set_history=active_set_history_type(), &
       n_shifted=system%n_shifted, &
       force_scale=newton%force_scale)
-    system%contact%frozen = FROZEN_NEVER
     if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst
                                                                                                     ! of it
     call begin_increment(system, model, step, is_step_start, state)
@@ -161,6 +159,8 @@ contains
     if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. is_contact_active .and. newton%globalization%step_kind &
       == STEP_KIND_NEWTON) &
       call assess_early(newton%measures, verdict)
+    if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! stick that friction does not hold: once more
+      verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < step%controls%i_c)
     if (step%line_search == LINE_SEARCH_AUTO) call treat_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)

@@ -45,8 +45,8 @@ contains
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
     integer, intent(in) :: outcome                 !< TROUBLE_... of the direction
     real(DP) :: missing_displacement(size(du, 2))               ! prescribed displacements that are [length]
-    is_motion_unrestrained = outcome == OUTCOME_LINEAR_SOLVER .and. size(system%contact%slip_data%status) > 0
-    if (outcome /= OUTCOME_OK .or. size(system%contact%slip_data%status) == 0) return
+    is_motion_unrestrained = outcome == OUTCOME_LINEAR_SOLVER .and. size(system%contact%slip_data) > 0
+    if (outcome /= OUTCOME_OK .or. size(system%contact%slip_data) == 0) return
     missing_displacement = max_components(system, reshape(system%base%offset, shape(du)), 1)
     is_motion_unrestrained = .not. maxval(nodal_norms(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP &
       * maxval(missing_displacement)

@@ -3,6 +3,7 @@
 module amontons_tunnelling_check
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
+  use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
   use amontons_analytic_master, only: evaluate_profile_bending
@@ -83,7 +84,7 @@ contains
     do tunnelled = 1, size(new)
       s = tunnelled
       if (contact%is_removed(new(s)%pair)) cycle
-      if (.not. contact%shared_slaves%is_active_side(s)) cycle   ! the other side of a symmetric pair watches
+      if (gives_way(new(s)%overrides)) cycle       ! the other side of a symmetric pair watches
       if (old(s)%facet > 0 .and. new(s)%facet == 0) then
         call fill_facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
         if (dot_product(old(s)%normal, evaluate_relative_position(row, &

@@ -12,6 +12,7 @@ module amontons_checkpoint
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: checksum_of_text, checksum_of_words, write_whole_file
   use amontons_model, only: model_type
+  use amontons_steps, only: step_type
   use amontons_hdf5_file, only: hdf5_pages_type
   use amontons_state, only: state_type, fields_type, slave_state_type
   use amontons_equilibrium, only: equilibrium_type, begin_step
@@ -103,9 +104,10 @@ contains
 
 
   !> Goes back to a snapshot. Errors: those of begin_step.
-  subroutine restore_snapshot(snapshot, model, state, system, newton, stepper, is_step_start, error)
+  subroutine restore_snapshot(snapshot, model, step, state, system, newton, stepper, is_step_start, error)
     type(snapshot_type), intent(in) :: snapshot
     type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step            !< of the snapshot, with the loads in force
     type(state_type), intent(inout) :: state
     type(equilibrium_type), intent(inout) :: system
     type(newton_type), intent(inout) :: newton
@@ -118,7 +120,7 @@ contains
     is_step_start = snapshot%is_step_start
     newton%force_scale = snapshot%force_scale
     call restore_node_order(snapshot, system)
-    if (.not. is_step_start) call begin_step(system, model, model%steps(stepper%step), state, error)
+    if (.not. is_step_start) call begin_step(system, model, step, state, error)
     system%u_start = snapshot%u_start
     call restore_bulk_factor(snapshot, system)
   end subroutine restore_snapshot

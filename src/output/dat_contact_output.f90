@@ -10,7 +10,7 @@ module amontons_dat_contact_output
   use amontons_postprocess, only: integrate_section, pair_sums_type, section_type, sector_share, printed_contact_energy, &
     printed_slip, sum_pair_forces
   use amontons_steps, only: print_request_type
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, absent_elements, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN
   implicit none
   private
@@ -248,7 +248,8 @@ contains
     logical, intent(in) :: is_nlgeom
     type(section_type) :: s
     real(DP) :: tension, torque, moment(3)
-    call integrate_section(model%mesh, model%surfaces(surface), fields, is_nlgeom, model%dialect == DIALECT_CALCULIX, s)
+    call integrate_section(model%mesh, absent_elements(model, fields%step), model%surfaces(surface), fields, is_nlgeom, &
+      model%dialect == DIALECT_CALCULIX, s)
     write (unit, '(//3a,e14.7)') ' statistics for surface set ', upper_case(model%surfaces(surface)%name), ' and time ', &
       fields%total_time
     call print_sums(unit, 'total surface force', s)

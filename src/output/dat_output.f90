@@ -12,10 +12,10 @@ module amontons_dat_output
   use amontons_postprocess, only: bar_points, mechanical_strain, integration_point_positions, integration_point_volumes, &
     sector_share, printed_energy_density, &
     convert_to_sector, rotate_truss_tensors
-  use amontons_mesh, only: mesh_type, set_type, is_inactive_element
+  use amontons_mesh, only: mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, PRINT_SECTION
   use amontons_materials, only: HISTORY_CEEQ
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, is_out, absent_elements, DIALECT_CALCULIX
   use amontons_state, only: history_variable, equivalent_plastic_strain, state_variables, n_state_variables, fields_type
   use amontons_dat_contact_output, only: print_contact_variable, print_section_sums, block_name
   implicit none
@@ -149,7 +149,8 @@ contains
         if (is_contact_inside) force(:, node) = force(:, node) - fields%contact_force(:, node)
       end associate
     end do
-    call convert_to_sector(model%mesh, fields, model%steps(max(1, fields%step))%is_nlgeom, force)
+    call convert_to_sector(model%mesh, absent_elements(model, fields%step), fields, model%steps(max(1, fields%step))%is_nlgeom, &
+      force)
     if (present(is_field)) force = force / sector_share(model)   ! a field has those of the whole circle
   end function printed_forces
 
@@ -195,27 +196,28 @@ contains
       case ('PEEQ')
         if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! nothing flows
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
-        call print_point_rows(unit, model, set, reshape(equivalent_plastic_strain(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, fields%step, set, reshape(equivalent_plastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
-        call print_point_rows(unit, model, set, reshape(history_variable(fields, HISTORY_CEEQ), [1, mesh%n_points]))
+        call print_point_rows(unit, model, fields%step, set, reshape(history_variable(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
         if (n_state_variables(model, fields) == 0) return   ! no material has any
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
-        call print_point_rows(unit, model, set, state_variables(model, fields))
+        call print_point_rows(unit, model, fields%step, set, state_variables(model, fields))
       case ('ENER')
         call print_head(unit, 'internal energy density (elem, integ.pnt.,energy)', set, time)
-        call print_point_rows(unit, model, set, reshape(printed_energy_density(model, fields), [1, mesh%n_points]))
+        call print_point_rows(unit, model, fields%step, set, reshape(printed_energy_density(model, fields), [1, mesh%n_points]))
       case ('COOR')
         allocate (places(3, mesh%n_points))
         call integration_point_positions(mesh, node_positions(mesh, fields, is_nlgeom), places)
         call print_head(unit, 'global coordinates (elem, integ.pnt.,x,y,z)', set, time)
-        call print_point_rows(unit, model, set, places)
+        call print_point_rows(unit, model, fields%step, set, places)
       case ('ELSE')
         call print_element_rows(unit, ['internal energy (element, energy)', 'total internal energy            '], &
-          model, request, time, printed_energy_density(model, fields))
+          model, fields%step, request, time, printed_energy_density(model, fields))
       case ('EVOL')
-        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, request, time)
+        call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, fields%step, &
+          request, time)
       end select
     end associate
 
@@ -227,7 +229,7 @@ contains
       integer, parameter :: PRINTED_ORDER(6) = [1, 2, 3, 4, 6, 5]
       real(DP), allocatable :: turned(:, :)
       turned = in_orientation(fields, values, request%is_local)
-      call print_point_rows(unit, model, set, turned(PRINTED_ORDER, :))
+      call print_point_rows(unit, model, fields%step, set, turned(PRINTED_ORDER, :))
     end subroutine print_tensors
 
   end subroutine print_element_variable
@@ -251,15 +253,16 @@ contains
 
 
   !> Rows of the integration points of the elements of a set.
-  subroutine print_point_rows(unit, model, set, values)
+  subroutine print_point_rows(unit, model, step, set, values)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps
     type(set_type), intent(in) :: set
     real(DP), intent(in) :: values(:, :)           !< (n_components, n_points)
     integer :: i, p, first, n
     do i = 1, size(set%members)
       associate (e => set%members(i), mesh => model%mesh)
-        if (is_inactive_element(mesh, e)) cycle
+        if (is_out(model, step, e)) cycle
         first = mesh%point_first(e)
         n = mesh%point_first(e + 1) - first
         do p = 1, bar_points(model, e)
@@ -275,10 +278,11 @@ contains
 
 
   !> A block with the integral over each element of a set of a density, or of 1, per reference volume, and their sum.
-  subroutine print_element_rows(unit, titles, model, request, time, density)
+  subroutine print_element_rows(unit, titles, model, step, request, time, density)
     integer, intent(in) :: unit
     character(*), intent(in) :: titles(2)          !< of the rows, of the sum
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps
     type(print_request_type), intent(in) :: request
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
@@ -291,7 +295,7 @@ contains
     share = sector_share(model)
     associate (mesh => model%mesh)
       do i = 1, size(set%members)
-        if (is_inactive_element(mesh, set%members(i))) cycle
+        if (is_out(model, step, set%members(i))) cycle
         call integration_point_volumes(mesh, set%members(i), n, volumes)
         integral = sum(volumes(:n))
         first = mesh%point_first(set%members(i))

@@ -19,11 +19,11 @@ module amontons_frd_output
   use amontons_containers, only: sort_integers
   use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
     FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
-  use amontons_mesh, only: mesh_type, is_inactive_element
+  use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
     FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
-  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_model, only: job_options_type, job_path, model_type, absent_elements, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type
   use amontons_state, only: equivalent_plastic_strain, state_variables, n_state_variables, fields_type, slave_state_type, &
     STATUS_OPEN
@@ -121,22 +121,23 @@ contains
     type(frd_type), intent(inout) :: frd
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
+    integer :: e
     frd%path = job_path(options, '.frd')
     frd%is_all = options%has_frd
-    frd%nodes = nodes_of(model%mesh, .false.)
+    frd%nodes = nodes_of(model%mesh, [(.false., e=1, model%mesh%n_elements)])
   end subroutine prepare
 
 
   !> The nodes of elements, by their numbers (has_elements of the mesh does not know those of pre-tension sections).
-  pure function nodes_of(mesh, is_by_frame) result(nodes)
+  pure function nodes_of(mesh, is_absent) result(nodes)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_by_frame             !< of those alone that are not taken out
+    logical, intent(in) :: is_absent(:)            !< (n_elements) those that do not count
     integer, allocatable :: nodes(:)
     logical :: is_used(mesh%n_nodes)
     integer :: e, i
     is_used = .false.
     do e = 1, mesh%n_elements
-      if (is_by_frame .and. is_inactive_element(mesh, e)) cycle
+      if (is_absent(e)) cycle
       is_used(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
     end do
     nodes = pack([(i, i=1, mesh%n_nodes)], is_used)
@@ -314,7 +315,7 @@ contains
     do i = 1, N_FRD
       if (.not. shown(i)) cycle
       request = model%steps(record%step)%frd(i)
-      frd%present = nodes_of(model%mesh, .true.)
+      frd%present = nodes_of(model%mesh, absent_elements(model, fields%step))
       if (request%set > 0 .and. .not. frd%is_all) frd%present = nodes_in_set(model%mesh, frd%present, request%set)
       head = HEADS(i)
       if (i == FRD_SDV) head%n = n_state_variables(model, fields)
@@ -395,7 +396,7 @@ contains
       case (FRD_SDV)
         call average_scalars(state_variables(model, fields))
       case (FRD_ERROR)
-        call estimate_error(model%mesh, fields%stress, values(1, :))
+        call estimate_error(model%mesh, absent_elements(model, fields%step), fields%stress, values(1, :))
       case (FRD_CONTACT)
         values = contact_values(model, nodal_slaves(model, fields%slaves))
         if (any(fields%slaves%slave_facet > 0)) call fill_point_values(model, fields%slaves, values)
@@ -409,7 +410,8 @@ contains
     !> Means at the nodes, as CalculiX takes them under its dialect.
     subroutine average_scalars(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (components, n_points)
-      call average_at_nodes(model%mesh, at_points, values, model%dialect == DIALECT_CALCULIX)
+      call average_at_nodes(model%mesh, absent_elements(model, fields%step), at_points, values, &
+        model%dialect == DIALECT_CALCULIX)
     end subroutine average_scalars
 
     !> The same of tensors.

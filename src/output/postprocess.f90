@@ -20,16 +20,16 @@ module amontons_postprocess
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
     KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, N_KINDS
-  use amontons_mesh, only: mesh_type, element_nodes, is_inactive_element
+  use amontons_mesh, only: mesh_type, element_nodes
   use amontons_shape_functions, only: extrapolation_matrix, quadrature, shape_functions, choose_face_rule, facet_shapes, &
     facet_quadrature, &
     MAX_FACET_POINTS
   use amontons_element, only: evaluate_point_volumes, set_temperature_weights
   use amontons_material_point, only: evaluate_thermal_strain
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, absent_elements, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
-  use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR
+  use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR, BEHAVIOR_USER
   use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC
   implicit none
@@ -79,8 +79,9 @@ contains
   !!
   !! As CalculiX writes them, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are brought to
   !! the nodes in turn, as far out as if they were those of a rule of three points.
-  subroutine average_at_nodes(mesh, values, averages, is_calculix)
+  subroutine average_at_nodes(mesh, is_absent, values, averages, is_calculix)
     type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)         !< (n_elements) taken out, which do not count
     real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
     real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes) same unit
     logical, intent(in), optional :: is_calculix    !< default .false.
@@ -96,7 +97,7 @@ contains
     averages = 0
     n_elements_at = 0
     do e = 1, mesh%n_elements
-      if (is_inactive_element(mesh, e)) cycle
+      if (is_absent(e)) cycle
       kind = mesh%kind(e)
       entry = element_kind(kind)
       if (entry%family >= FAMILY_SPRING) then
@@ -162,8 +163,9 @@ contains
   !! kind of element; a node on an edge has the mean of the edge's ends. Elements of one point, wedges of six nodes and trusses
   !! have no lines and give nothing.
   !! Reference: CalculiX (2.20), errorestimator.f, for the figures of the lines.
-  subroutine estimate_error(mesh, stress, errors)
+  subroutine estimate_error(mesh, is_absent, stress, errors)
     type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out, which do not count
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP), intent(out) :: errors(:)             !< (n_nodes) [%]
     real(DP) :: scatter(mesh%n_nodes)              ! largest spread of the elements at a corner [-]
@@ -174,7 +176,7 @@ contains
     do pass = 1, 3
       do e = 1, mesh%n_elements
         entry = element_kind(mesh%kind(e))
-        if (is_inactive_element(mesh, e) .or. entry%family > FAMILY_AXISYMMETRIC) cycle
+        if (is_absent(e) .or. entry%family > FAMILY_AXISYMMETRIC) cycle
         call element_nodes(mesh, e, n, nodes)
         call find_edges(entry, n_corners, ends)
         select case (pass)
@@ -316,7 +318,7 @@ contains
     is_nlgeom = model%steps(max(1, fields%step))%is_nlgeom
     strain = fields%strain
     do e = 1, model%mesh%n_elements
-      associate (m => max(1, model%mesh%material(e)))
+      associate (m => max(1, material_in_step(model, fields%step, e)))
         if (.not. allocated(model%materials(m)%expansion%value)) cycle
         call element_nodes(model%mesh, e, n, nodes)
         call set_temperature_weights(model%mesh%kind(e), weight)
@@ -335,8 +337,9 @@ contains
 
 
   !> The sums over a surface of element faces.
-  subroutine integrate_section(mesh, surface, fields, is_nlgeom, is_calculix, section)
+  subroutine integrate_section(mesh, is_absent, surface, fields, is_nlgeom, is_calculix, section)
     type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out, which do not count
     type(surface_type), intent(in) :: surface      !< of element faces
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom               !< the faces are where they are now
@@ -344,7 +347,7 @@ contains
     type(section_type), intent(out) :: section
     real(DP) :: stress(6, mesh%n_nodes)
     integer :: i
-    call average_at_nodes(mesh, fields%stress, stress, is_calculix)
+    call average_at_nodes(mesh, is_absent, fields%stress, stress, is_calculix)
     do i = 1, size(surface%element)
       call add_face(mesh, surface%element(i), surface%face(i), fields, stress, is_nlgeom, section)
     end do
@@ -449,8 +452,9 @@ contains
 
 
   !> Turns the forces of the full circle on the nodes of axisymmetric elements into those that CalculiX prints.
-  pure subroutine convert_to_sector(mesh, fields, is_nlgeom, force)
+  pure subroutine convert_to_sector(mesh, is_absent, fields, is_nlgeom, force)
     type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out, which do not count
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
     real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
@@ -459,7 +463,7 @@ contains
     integer :: e, a, n, nodes(MAX_ELEMENT_NODES)
     has_circle = .false.
     do e = 1, mesh%n_elements
-      if (.not. is_axisymmetric(mesh, e) .or. is_inactive_element(mesh, e)) cycle
+      if (.not. is_axisymmetric(mesh, e) .or. is_absent(e)) cycle
       call element_nodes(mesh, e, n, nodes)
       has_circle = .true.
       call hoop_forces(mesh, e, fields, is_nlgeom, hoop)
@@ -638,7 +642,10 @@ contains
     real(DP) :: slip(3)                            !< [length]
     slip = slave%slip + slave%elastic
     if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%slave_facet == 0 .or. norm2(slave%elastic) > 0.0_DP) return
-    if (model%interactions(model%pairs(slave%pair)%interaction)%friction <= 0.0_DP) slip = 0.0_DP
+    associate (law => model%interactions(model%pairs(slave%pair)%interaction))
+      if (law%friction > 0.0_DP) return            ! a calling program may have set one: then there is shear
+      if (law%is_user_friction .or. law%behavior == BEHAVIOR_USER .or. all(slave%shear == 0.0_DP)) slip = 0.0_DP
+    end associate
   end function printed_slip
 
 
@@ -808,13 +815,14 @@ contains
     type(fields_type), intent(in) :: old
     type(fields_type), intent(inout) :: new        !< out: dissipated, plastic_work
     real(DP) :: change(size(old%history, 1)), work
-    integer :: e, p
+    integer :: e, m, p
     new%plastic_work = old%plastic_work
     if (size(new%dissipated) == 0) return
     new%dissipated = old%dissipated
     do e = 1, model%mesh%n_elements
-      if (model%mesh%material(e) == 0) cycle
-      associate (material => model%materials(model%mesh%material(e)))
+      m = material_in_step(model, new%step, e)
+      if (m == 0) cycle
+      associate (material => model%materials(m))
         if (material%is_user .or. material%is_linear_isotropic) cycle
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           change = new%history(:, p) - old%history(:, p)

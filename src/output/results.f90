@@ -31,7 +31,7 @@ module amontons_results
   use amontons_mesh, only: mesh_type, mesh_extent
   use amontons_steps, only: is_output_due
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
-  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_model, only: job_options_type, job_path, model_type, absent_elements, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type, REPORT_LINE_LENGTH
   use amontons_state, only: history_variable, fields_type, slave_state_type, STATUS_OPEN
   use amontons_hdf5_file, only: append_rows, apply_pages, close_hdf5, create_group, create_hdf5, create_table, &
@@ -481,7 +481,7 @@ contains
     cpress = field_rows('CPRESS')
     cshear = field_rows('CSHEAR')
     cslip = field_rows('CSLIP')
-    call pack_solid(model%mesh, fields, reals)
+    call pack_solid(model%mesh, absent_elements(model, fields%step), fields, reals)
     call pack_contact(slaves, no_projection_gap, reals, integers)
     call fill_midside_values(model, slaves, cpress(1), cshear(2), reals)
     call list_followers(model, slaves, followers)
@@ -495,8 +495,9 @@ contains
 
 
   !> Displacement, reaction, stress, strain, Mises stress, plastic strain and temperature of all nodes.
-  subroutine pack_solid(mesh, fields, reals)
+  subroutine pack_solid(mesh, is_absent, fields, reals)
     type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
     type(fields_type), intent(in) :: fields
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer :: u(2), rf(2), s(2), e(2), mises(2), peeq(2), nt(2), i
@@ -512,18 +513,17 @@ contains
     reals(rf(1):rf(2), :) = fields%reaction_force
     !$omp parallel sections
     !$omp section
-    call average_at_nodes(mesh, fields%stress, reals(s(1):s(2), :))
+    call average_at_nodes(mesh, is_absent, fields%stress, reals(s(1):s(2), :))
     !$omp section
-    call average_at_nodes(mesh, fields%strain, reals(e(1):e(2), :))
+    call average_at_nodes(mesh, is_absent, fields%strain, reals(e(1):e(2), :))
     !$omp end parallel sections
     !$omp parallel do schedule(static)
     do i = 1, mesh%n_nodes
       reals(mises(1), i) = von_mises(reals(s(1):s(2), i))
     end do
     !$omp end parallel do
-    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, reshape(history_variable(fields, HISTORY_PEEQ), [1, &
-      mesh%n_points]), &
-      reals(peeq(1):peeq(2), :))
+    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, is_absent, &
+      reshape(history_variable(fields, HISTORY_PEEQ), [1, mesh%n_points]), reals(peeq(1):peeq(2), :))
     reals(nt(1), :) = fields%temperature
   end subroutine pack_solid
 

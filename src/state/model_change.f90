@@ -1,33 +1,19 @@
-!> Changes: what a step takes out of the model, puts back, or makes of another material.
+!> Model change: activation and deactivation of elements, materials and equations between steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE. The mesh that the element loops see is
-!! that of the present step.
+!! MODEL CHANGE, TYPE=ELEMENT. The model data do not change: the inactive elements of a step, their materials and the valid
+!! equations follow from the step (is_out and material_in_step of amontons_model, last_step of an equation).
 module amontons_model_change
-  use amontons_mesh, only: is_inactive_element
+  use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type
   use amontons_state, only: state_type
   implicit none
   private
-  public :: apply_model_changes, activate_elements, find_unconnected_unknowns
+  public :: activate_elements, find_unconnected_unknowns
 
 contains
 
-  !> The elements, materials and equations of a step. Before the first step (0) those of the first one hold.
-  subroutine apply_model_changes(model, step)
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: step                    !< index into model%steps, 0: none has begun
-    if (size(model%steps) == 0) return
-    associate (now => model%steps(max(1, step)))
-      if (allocated(model%mesh%is_inactive)) deallocate (model%mesh%is_inactive)
-      if (allocated(now%is_inactive)) model%mesh%is_inactive = now%is_inactive
-      if (allocated(now%material)) model%mesh%material = now%material
-      if (allocated(model%equations)) model%equations%is_removed = model%equations%last_step < max(1, step)
-    end associate
-  end subroutine apply_model_changes
-
-
-  !> Elements that a step puts back free of strain start where their nodes are now, with no history.
+  !> Elements that a step reactivates free of strain start from the current positions of their nodes, without history.
   subroutine activate_elements(model, step, state)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< index into model%steps
@@ -48,16 +34,17 @@ contains
   end subroutine activate_elements
 
 
-  !> The unknowns of nodes without elements, or all of whose elements are taken out.
-  pure function find_unconnected_unknowns(model) result(is_unconnected)
-    type(model_type), intent(in) :: model
-    logical :: is_unconnected(3 * model%mesh%n_nodes)
+  !> The unknowns of nodes without elements, or whose elements are all inactive.
+  pure function find_unconnected_unknowns(mesh, is_absent) result(is_unconnected)
+    type(mesh_type), intent(in) :: mesh
+    logical, intent(in) :: is_absent(:)            !< (n_elements) inactive
+    logical :: is_unconnected(3 * mesh%n_nodes)
     integer :: e, i
     is_unconnected = .true.
-    do e = 1, model%mesh%n_elements
-      if (is_inactive_element(model%mesh, e)) cycle
-      do i = model%mesh%first(e), model%mesh%first(e + 1) - 1
-        is_unconnected(3 * model%mesh%nodes(i) - 2:3 * model%mesh%nodes(i)) = .false.
+    do e = 1, mesh%n_elements
+      if (is_absent(e)) cycle
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        is_unconnected(3 * mesh%nodes(i) - 2:3 * mesh%nodes(i)) = .false.
       end do
     end do
   end function find_unconnected_unknowns

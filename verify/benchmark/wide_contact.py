@@ -1,6 +1,6 @@
 """Two thin plates that touch over their whole width: how contact scales with the number of slave nodes.
 
-    python verify/benchmark/wide_contact.py [--sizes 10 20 40] [--law hard linear] [--type node surface] [--thickness 0.1] [--mu 0.3]
+    python -m verify.benchmark.wide_contact [--sizes 10 20 40] [--law hard linear] [--type node surface] [--thickness 0.1] [--mu 0.3]
         [--nlgeom] [--displacement] [--blocks] [--threads 1] [--interface DENSE|SKIN] [--limit SECONDS] [--keep FOLDER] [--deck FILE]
 
 A plate of 1 x 1 with N x N x 3 elements lies on one of 1.3 x 1.3 with 1.3 N x 1.3 N x 3; the meshes do not match. The lower face of
@@ -32,12 +32,12 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "verify"))
+import h5py
+import numpy as np
+from verify.decks.make_decks import STEEL, Mesh, block, join, material_cards, mesh_cards
 
-import h5py  # noqa: E402
-import numpy as np  # noqa: E402
-from decks.make_decks import STEEL, Mesh, block, join, material_cards, mesh_cards  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
+
 
 DOME = 0.002
 PRESSURE = 50.0

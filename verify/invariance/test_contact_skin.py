@@ -5,17 +5,13 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
-
-from proof import Job  # noqa: E402
-from wide_contact import Model, deck_of  # noqa: E402
+from verify.benchmark.wide_contact import Model, deck_of
+from verify.cases.proof import Job
+from verify.conftest import Run
 
 MODELS = {
     "hard": Model(8, increments=4, dome=0.0),

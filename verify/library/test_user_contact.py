@@ -96,6 +96,39 @@ def test_fric_with_exact_contact(run: Run, tmp_path: Path, is_plane: bool) -> No
     compare(run, tmp_path, ours, theirs, 1e-5, work_tolerance=0.01)
 
 
+def test_fric_that_sticks_under_a_law(run: Run, tmp_path: Path) -> None:
+    """LM = 1 under a compliant law: the stick slope gives the shear, as under *FRICTION with a coefficient that is never reached."""
+    never = 1e3
+    ours = rubbed(f"*SURFACE INTERACTION, NAME=I\n{LINEAR}*FRICTION\n{never:g}\n", dialect="abaqus")
+    theirs = rubbed(f"*SURFACE INTERACTION, NAME=I\n{LINEAR}*FRICTION, USER=FRIC, PROPERTIES=1\n{never:g}\n", dialect="abaqus")
+    (tmp_path / "ours.inp").write_text(ours)
+    (tmp_path / "theirs.inp").write_text(theirs)
+    assert run(["ours"], cwd=tmp_path).returncode == 0
+    done = run(["theirs", f"user={ROUTINES}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "ours.vtkhdf") as a, h5py.File(tmp_path / "theirs.vtkhdf") as b:
+        n = int(a["VTKHDF/NumberOfPoints"][0])
+        for name in ("U", "CNORMF", "CSHEARF"):
+            x, y = a["VTKHDF/PointData"][name][-n:], b["VTKHDF/PointData"][name][-n:]
+            assert np.abs(x - y).max() <= 1e-7 * np.abs(x).max(), name
+        for file in (a, b):
+            assert (file["VTKHDF/PointData/CSTATUS"][-n:] == 1).any()
+            assert not (file["VTKHDF/PointData/CSTATUS"][-n:] == 2).any()
+
+
+def test_slip_scenarios_under_fric(run: Run, tmp_path: Path) -> None:
+    """The limit of a node is the shear that FRIC gives: what slides steadily is slip in equilibrium, and no node that sticks is searched for."""
+    (tmp_path / "job.inp").write_text(rubbed(HARD_FRIC, is_plane=True, dialect="abaqus", drag=0.2))
+    done = run(["job", f"user={ROUTINES}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        table = file["AMONTONS/iterations"]
+        status, scenario, balanced = (table[name][:] for name in ("n_status", "n_scenario", "n_balanced"))
+    assert status[-1, 2] > 0
+    assert balanced[-1] == status[-1, 2]
+    assert np.all(scenario.sum(axis=1) + balanced <= status.sum(axis=1))
+
+
 def test_surfaces_are_by_mortar(run: Run, tmp_path: Path) -> None:
     """Surface to surface under calculix is at points, for which there is no STATEV: that another method takes their place is told."""
     deck = rubbed(SOFT_FRIC).replace("*CONTACT PAIR, INTERACTION=I", "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE")

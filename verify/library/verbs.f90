@@ -36,7 +36,8 @@ program verbs
   use, intrinsic :: iso_fortran_env, only: real64, int64
   use amontons_library, only: job_type, job_options_type, error_type, sparse_type, open_job, advance_job, advance_job_to, &
     try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
-    get_names, get_matrix, VERDICT_CONTINUE, classify_slip_scenarios, slip_controls_type
+    get_names, get_matrix, VERDICT_CONTINUE, classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
+    slip_result_type, STATUS_STICK, STATUS_SLIP, NO_FRICTION_LIMIT
   use heard, only: counter_type
   implicit none
   type(job_type), allocatable :: job
@@ -199,7 +200,9 @@ contains
   !> Nodes in scenarios I to IV, and one that opens. The compiler sees to it that there are arrays: the second line is C's.
   subroutine tell_scenarios()
     real(real64) :: Rt(3, 5, 2), N(5, 2), slip(3, 5, 2), d(3, 5), alpha(5)
-    integer :: scenario(5), state(5)
+    type(slip_state_type) :: at(5, 2)
+    type(slip_result_type) :: found(5)
+    integer :: i, k
     Rt = 0
     Rt(1, :, 1) = [5, 5, 1, 1, 1]
     Rt(1, :, 2) = [2, 4, 4, 2, 1]
@@ -210,8 +213,12 @@ contains
     slip(1, 3:4, 2) = [0.1_real64, -0.1_real64]
     d = 0
     d(1, :) = [0.1_real64, 0.1_real64, -0.1_real64, -0.3_real64, 0.1_real64]
-    call classify_slip_scenarios(Rt, N, slip, d, spread(0.3_real64, 1, 5), slip_controls_type(), scenario, state, alpha)
-    write (*, '(a,10(1x,i0),1x,z16.16)') 'scenarios: 0', scenario, state, mixed(transfer(alpha, [0_int64]))
+    at = reshape([((slip_state_type(STATUS_SLIP, N(i, k), Rt(:, i, k), &
+      friction_limit(0.3_real64, max(N(i, k), 0.0_real64), NO_FRICTION_LIMIT), slip(:, i, k)), i=1, 5), k=1, 2)], [5, 2])
+    call classify_slip_scenarios(at(:, 1), at(:, 2), d, slip_controls_type(), found)
+    alpha = found%alpha
+    write (*, '(a,10(1x,i0),1x,z16.16)') 'scenarios: 0', found%scenario, &
+      merge(STATUS_STICK, found%status, found%becomes_stick), mixed(transfer(alpha, [0_int64]))
     write (*, '(a)') 'no nodes: 2'
   end subroutine tell_scenarios
 

@@ -22,6 +22,8 @@ MAX_NESTING = 4
 MAX_FILE_LINES = 900
 MODULES_THAT_STOP = {"main"}
 MODULES_THAT_PRINT = {"main", "journal", "logger"}
+MODULES_THAT_SET_UP = {"model_setup", "user_routine_setup"}
+FOLDERS_THAT_SET_UP = {"model", "input"}
 
 PREFIX = r"(?:(?:pure|impure|elemental|recursive|non_recursive|module|(?:integer|real|logical|character|type|class)\s*\([^)]*\)|integer|real|logical)\s+)*"
 PROCEDURE = re.compile(rf"^{PREFIX}(?P<kind>subroutine|function)\s+(?P<name>\w+)\s*(?:\((?P<arguments>[^)]*)\))?", re.I)
@@ -35,6 +37,8 @@ STOP = re.compile(r"(?:^|\)\s*)(?:error\s+)?stop(?:\s|$|\()", re.I)
 PRINT = re.compile(r"^print\b|\bwrite\s*\(\s*(?:\*|6|output_unit|error_unit)\s*,", re.I)
 USE = re.compile(r"^use\s+amontons_(\w+)", re.I)
 THEORY_HEADING = re.compile(r"^#+ .*\[([^\]]+)\]$")
+MODEL_CHANGED = re.compile(r"^type\s*\(\s*model_type\s*\).*\bintent\s*\(\s*(?:in\s*)?out\s*\)", re.I)
+MODEL_ASSIGNED = re.compile(r"(?:^|\)\s*)(?:\w+%)*model%[\w%():,+*\- ]*=(?![=>])", re.I)
 SEARCH_PATH = re.compile(r"\bsys\.path\b")
 LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")
 TYPE_NAME = re.compile(r"^type\s*(?:,[^:]*)?(?:::)?\s*(\w+)$", re.I)
@@ -139,6 +143,14 @@ def check_statement(module: Module, statement: Statement) -> None:
         module.complain(statement.line, "use without only")
     if re.search(r"(?:^|,\s*)save\b", statement.text, re.I):
         module.complain(statement.line, "save: no procedure keeps a hidden state")
+    if module.folder not in FOLDERS_THAT_SET_UP and module.name not in MODULES_THAT_SET_UP:
+        check_frozen(module, statement)
+
+
+def check_frozen(module: Module, statement: Statement) -> None:
+    """After its set-up nobody changes the model."""
+    if MODEL_CHANGED.search(statement.text) or MODEL_ASSIGNED.search(statement.text):
+        module.complain(statement.line, "this can change the model, which is frozen after its set-up")
 
 
 def check_declaration(module: Module, statement: Statement) -> None:

@@ -86,6 +86,11 @@ def test_clean_module_has_no_trouble(tmp_path: Path) -> None:
         ("", wrap("    print *, 1"), "only the logger"),
         ("", wrap("    write (*, *) 1"), "only the logger"),
         ("", wrap("    write (output_unit, *) 1"), "only the logger"),
+        ("", wrap("    type(model_type), intent(inout) :: model"), "frozen"),
+        ("", wrap("    type(model_type), allocatable, intent(in out) :: other"), "frozen"),
+        ("", wrap("    type(model_type), intent(out) :: model"), "frozen"),
+        ("", wrap("    model%mesh%coordinates(:, 1) = 0"), "frozen"),
+        ("", wrap("    if (is_new(1)) job%analysis%model%steps(2)%period = 1"), "frozen"),
         ("", wrap("", ", ".join("abcdefghij")), "10 arguments"),
         ("", wrap("\n".join(["    continue"] * 119)), "121 lines"),
         ("", wrap(NESTED), "nests 5 deep"),
@@ -97,6 +102,22 @@ def test_trouble_is_found(tmp_path: Path, declarations: str, body: str, trouble:
     troubles = lint.read_module(write_module(tmp_path, declarations, body)).troubles
     assert len(troubles) == 1, troubles
     assert trouble in troubles[0]
+
+
+def test_a_model_may_be_read_and_set_up(tmp_path: Path) -> None:
+    """Reading a model, comparing with it, and copies of it are no trouble; nor is a change before the model is frozen."""
+    body = wrap(
+        "    type(model_type), intent(in) :: model\n    type(model_type) :: linear\n    linear%pairs = model%pairs\n"
+        "    if (model%steps(1)%number == 1) n = size(model%steps)\n    associate (mesh => model%mesh)\n    end associate"
+    )
+    assert lint.read_module(write_module(tmp_path, "", body)).troubles == []
+    change = wrap("    type(model_type), intent(inout) :: model\n    model%is_checked_only = .true.")
+    module = lint.Module("model_setup", change.splitlines(), "driver")
+    lint.read_statements(module)
+    assert module.troubles == []
+    module = lint.Module("deck", change.splitlines(), "input")
+    lint.read_statements(module)
+    assert module.troubles == []
 
 
 def test_wrong_name_and_head_are_found(tmp_path: Path) -> None:

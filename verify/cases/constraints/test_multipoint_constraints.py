@@ -421,3 +421,20 @@ def test_constraint_conflict(run_deck: Run) -> None:
     done = run_deck(job(cards, loads))
     assert done.returncode == 4, done.stdout + done.stderr
     assert re.search(r"RIGID BODY of line \d+ contradicts", done.stdout + done.stderr)
+
+
+def test_constraint_conflict_on_the_way(run_deck: Run, tmp_path: Path) -> None:
+    """Supports that a rigid body allows to first order alone: under NLGEOM the conflict is found on the way, and is told with its line.
+
+    An edge turns about its end by prescribed displacements that would stretch it by sqrt(1.09) - 1.
+    """
+    cards = "*NODE, NSET=ALL\n90, .5, .5, 1.\n*RIGID BODY, NSET=TOP, REF NODE=90\n"
+    loads = "*BOUNDARY\nBOTTOM, 1, 3\n5, 1, 3\n6, 1, 1\n6, 2, 2, .3\n6, 3, 3\n"
+    deck = job(cards, loads, "*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n")
+    done = run_deck(deck)
+    line = 1 + deck.splitlines().index("*RIGID BODY, NSET=TOP, REF NODE=90")
+    told = done.stdout + done.stderr
+    assert done.returncode == 5, told
+    assert f"CONSTRAINTS: The *RIGID BODY of line {line} contradicts the boundary conditions of its nodes" in told
+    assert "Remedy: release a support or an equation" in told
+    assert "CONSTRAINTS: The *RIGID BODY" in (tmp_path / "job.cvg").read_text()

@@ -1,13 +1,13 @@
-!> Tests of slip: trial traction, and the scenario table row by row with its angles, its guards, its cut and its bounds.
+!> Tests of the slip scenarios: trial traction, and the scenario table row by row with its angles, safeguards, cut and bounds.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_slip_scenarios
   use amontons_kinds, only: DP, PI
   use amontons_slip_scenarios, only: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type, &
     split_nodal_imbalance, &
-    evaluate_trial_traction, classify_slip_scenario, classify_slip_scenarios, find_scenario_step_length, &
-    find_bounded_step_length, STATUS_OPEN, STATUS_STICK, &
-    STATUS_SLIP, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NODE_OPEN, NODE_STICK, NODE_SLIP, &
-    NODE_BALANCED, NODE_OPENED, NODE_CLOSED
+    evaluate_trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, find_bounded_step_length, STATUS_OPEN, &
+    STATUS_STICK, &
+    STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, &
+    SCENARIO_IV, NO_FRICTION_LIMIT
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -21,6 +21,8 @@ program test_slip_scenarios
   call check_guards(suite)
   call check_states(suite)
   call check_many(suite)
+  call check_limit(suite)
+  call check_limits_of_nodes(suite)
   call suite%finish()
 
 contains
@@ -130,19 +132,19 @@ contains
       case (0)
         d = size_d * t_u
         call classify(point((3 + a) * t_u, t_g), point((3 - b) * t_d, t_g), d, verdict)
-        expected = find_scenario_step_length(SCENARIO_I, a, b, 0.0_DP, 0.0_DP, 0.0_DP)
+        expected = table_length(SCENARIO_I, a, b, 0.0_DP, 0.0_DP, 0.0_DP)
       case (1)
         d = size_d * t_u
         call classify(point((3 + a) * t_u, t_g), point((3 + b) * t_d, t_g), d, verdict)
-        expected = find_scenario_step_length(SCENARIO_II, a, b, 0.0_DP, dot_product(t_u, t_d), 0.0_DP)
+        expected = table_length(SCENARIO_II, a, b, 0.0_DP, dot_product(t_u, t_d), 0.0_DP)
       case (2)
         d = -size_d * t_g
         call classify(point((3 - a) * t_u, 99 * t_g), point((3 + b) * t_d, 99 * t_g + d), d, verdict)
-        expected = find_scenario_step_length(SCENARIO_III, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
+        expected = table_length(SCENARIO_III, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
       case default
         d = -size_d * t_g
         call classify(point((3 - a) * t_u, 9999 * t_g), point((3 - b) * t_d, 9999 * t_g + d), d, verdict)
-        expected = find_scenario_step_length(SCENARIO_IV, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
+        expected = table_length(SCENARIO_IV, a, b, dot_product(t_u, t_g), 0.0_DP, dot_product(t_g, t_d))
       end select
       if (expected < 0) expected = 1
       if (verdict%becomes_stick) cycle
@@ -155,7 +157,7 @@ contains
   end subroutine check_rows_in_all_directions
 
 
-  !> A node on a spring: Rt = F - k s with N constant. I and II on a straight path land on balance in one step.
+  !> A node on a spring: Rt = F - k s with N constant. I and II on a straight path reach equilibrium in one step.
   subroutine check_linear_node(suite)
     type(suite_type), intent(inout) :: suite
     type(slip_result_type) :: verdict
@@ -168,7 +170,7 @@ contains
       slip = verdict%alpha * norm2(d)
       call suite%that('spring: scenario', verdict%scenario == merge(SCENARIO_II, SCENARIO_I, i == 1))
       if (verdict%scenario == SCENARIO_II) call suite%near('spring: left is mu N', 8 - 20 * slip, 3.0_DP, 1.0e-12_DP)
-      ! In I with Rt turned round the slides' formula sets t_d = t_u: a / (a + b), a = 5, b = 1
+      ! In I with opposite Rt the formula of the slides sets t_d = t_u: a / (a + b), a = 5, b = 1
       if (verdict%scenario == SCENARIO_I) call suite%near('spring: too far', verdict%alpha, 5.0_DP / 6, 1.0e-12_DP)
     end do
     d = 0.3_DP * t
@@ -177,12 +179,13 @@ contains
   end subroutine check_linear_node
 
 
-  !> Backing up never passes zero slip: the cut lands on it for every length of the step, and the node becomes stick.
+  !> Backing up never passes zero slip: the cut ends there for every length of the step, and the node becomes stick.
   subroutine check_cut(suite)
     type(suite_type), intent(inout) :: suite
     real(DP), parameter :: STEPS(6) = [0.5_DP, 1.0_DP, 1.5_DP, 2.0_DP, 2.5_DP, 40.0_DP]
     type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
+    type(slip_state_type) :: at_ud
     real(DP) :: t(3), g(3), d(3), alpha
     integer :: i
     t = along(25.0_DP)
@@ -201,11 +204,11 @@ contains
     call classify(point(1 * t, g), point(4 * t, g + d), d, verdict)
     call suite%that('III: not cut where it stops before', (.not. verdict%becomes_stick))
     call suite%near('III: there its own length', verdict%alpha, 2.0_DP / 3.0_DP, 1.0e-14_DP)
-    d = -1 * g                                       ! a = b, angles zero: alpha = 1/2 by the formula, half way back
+    d = -1 * g                                       ! a = b, angles zero: alpha = 1/2 by the formula, half the distance back
     call classify(point(2 * t, g), point(4 * t, g + d), d, verdict)
     call suite%that('III: half way is not zero', &
       .not. verdict%becomes_stick .and. abs(verdict%alpha - 0.5_DP) < 1.0e-14_DP)
-    ! The full step ends at zero slip exactly, and the guard gives 1.
+    ! The full step ends at zero slip exactly, and the safeguard gives 1.
     call classify(point(1 * t, g), point(1 * t, 0 * g), -1 * g, verdict)
     call suite%that('a full step that ends at zero slip is stick', &
       verdict%becomes_stick .and. abs(verdict%alpha - 1) < 1.0e-14_DP)
@@ -215,14 +218,19 @@ contains
     alpha = verdict%alpha
     call suite%that('a general direction is cut', verdict%becomes_stick)
     call suite%near('where the projection vanishes', dot_product(t, g + alpha * d), 0.0_DP, 1.0e-15_DP)
-    ! Moving on instead of back is never cut; the bounds hold the cut's place free.
+    ! A node that is open after the step has no slip there: nothing is cut.
+    at_ud = point(2.9_DP * t, 0 * g)
+    at_ud%status = STATUS_OPEN
+    call classify(point(1 * t, g), at_ud, -1 * g, verdict)
+    call suite%that('a node that opens does not become stick', verdict%scenario == SCENARIO_IV .and. .not. verdict%becomes_stick)
+    ! Moving on instead of back is never cut; the bounds do not apply to the cut.
     call classify(point(1 * t, g), point(2.9_DP * t, 2 * g), g, verdict)
     call suite%that('moving on is not cut', (.not. verdict%becomes_stick))
     controls%alpha_min = 0.25_DP
     controls%alpha_max = 1.01_DP
-    call classify_slip_scenario(point(1 * t, g), point(2.9_DP * t, -9 * g), -10 * g, MU, controls, verdict)
+    call classify(point(1 * t, g), point(2.9_DP * t, -9 * g), -10 * g, verdict, controls)
     call suite%near('the cut may go below the least length', verdict%alpha, 0.1_DP, 1.0e-14_DP)
-    call classify_slip_scenario(point(1 * t, g), point(2.9_DP * t, 0.9_DP * g), -0.1_DP * g, MU, controls, verdict)
+    call classify(point(1 * t, g), point(2.9_DP * t, 0.9_DP * g), -0.1_DP * g, verdict, controls)
     call suite%near('but never above the largest', verdict%alpha, 1.01_DP, 1.0e-14_DP)
     call suite%that('and then it is not stick', (.not. verdict%becomes_stick))
   end subroutine check_cut
@@ -246,16 +254,16 @@ contains
     call expect(suite, 'I: increment across', verdict, SCENARIO_I, 1.0_DP)
     controls%alpha_max = 1.5_DP
     controls%alpha_min = 0.4_DP
-    call classify_slip_scenario(point(5 * t, zero), point(4.9_DP * t, zero), t, MU, controls, verdict)
+    call classify(point(5 * t, zero), point(4.9_DP * t, zero), t, verdict, controls)
     call expect(suite, 'II: upper bound', verdict, SCENARIO_II, 1.5_DP)
-    call classify_slip_scenario(point(3.1_DP * t, zero), point(1 * t, zero), t, MU, controls, verdict)
+    call classify(point(3.1_DP * t, zero), point(1 * t, zero), t, verdict, controls)
     call expect(suite, 'I: lower bound', verdict, SCENARIO_I, 0.4_DP)
     call suite%near('guarded: plain', find_bounded_step_length(-1.0_DP, 2.0_DP, controls), 0.5_DP, 1.0e-15_DP)
     call suite%near('guarded: no denominator', find_bounded_step_length(1.0_DP, 1.0e-14_DP, controls), 1.0_DP, 0.0_DP)
     call suite%near('guarded: negative', find_bounded_step_length(1.0_DP, 2.0_DP, controls), 1.0_DP, 0.0_DP)
     call suite%near('guarded: nothing at all', find_bounded_step_length(0.0_DP, 0.0_DP, controls), 1.0_DP, 0.0_DP)
     ! N < 0 after the step carries no friction: DR = |Rt|.
-    call classify_slip_scenario(point(5 * t, zero), slip_state_type(N=-4.0_DP, Rt=1 * t), t, MU, slip_controls_type(), verdict)
+    call classify(point(5 * t, zero), slip_state_type(status=STATUS_SLIP, N=-4.0_DP, Rt=1 * t), t, verdict)
     call expect(suite, 'II: N < 0 at ud', verdict, SCENARIO_II, 2.0_DP)
     ! Rt = 0 with some slip: t_u := t_g, so e(u) = -3 t_g.
     call classify(point(zero, 9 * t), point(1 * t, 8.9_DP * t), -0.1_DP * t, verdict)
@@ -264,39 +272,40 @@ contains
     call expect(suite, 'IV: Rt = 0 at ud', verdict, SCENARIO_IV, 1.0_DP)
     call classify(point(5 * t, zero), point(3 * t, zero), t, verdict)
     call expect(suite, 'in balance after the step', verdict, SCENARIO_I, 1.0_DP)
-    call suite%near('no scenario, full step', &
-      find_scenario_step_length(SCENARIO_NONE, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1.0_DP, 0.0_DP)
   end subroutine check_guards
 
 
-  !> The states that are no scenario.
+  !> The states without a scenario.
   subroutine check_states(suite)
     type(suite_type), intent(inout) :: suite
     type(slip_result_type) :: verdict
     type(slip_controls_type) :: controls
+    type(slip_state_type) :: at
     real(DP) :: t(3), zero(3)
     t = along(200.0_DP)
     zero = 0
-    call expect_state(suite, slip_state_type(is_closed=.false., gap=1.0_DP), controls, NODE_OPEN, 'open')
-    call expect_state(suite, slip_state_type(is_closed=.false., gap=-1.0e-9_DP), controls, NODE_CLOSED, 'closed')
-    call expect_state(suite, slip_state_type(N=-1.0e-9_DP, Rt=t), controls, NODE_OPENED, 'opened')
-    call expect_state(suite, point(2 * t, zero), controls, NODE_STICK, 'stick')
-    call expect_state(suite, point(zero, zero), controls, NODE_STICK, 'no force and no slip')
-    call expect_state(suite, point(2 * t, t), controls, NODE_SLIP, 'slip to take back')
-    call expect_state(suite, point(4 * t, zero), controls, NODE_SLIP, 'slip to come')
-    call expect_state(suite, point((3 + 1.0e-13_DP) * t, t), controls, NODE_BALANCED, 'balance above')
-    call expect_state(suite, point((3 - 1.0e-13_DP) * t, t), controls, NODE_BALANCED, 'balance below')
-    call expect_state(suite, point((3 + 1.0e-13_DP) * t, zero), controls, NODE_STICK, 'at the limit without slip')
-    call expect_state(suite, point(3.001_DP * t, t), controls, NODE_SLIP, 'out of balance')
+    call classify(slip_state_type(), slip_state_type(), zero, verdict)
+    call suite%that('state: open', verdict%status == STATUS_OPEN .and. verdict%scenario == SCENARIO_NONE)
+    call expect_state(suite, slip_state_type(Rt=9 * t), controls, STATUS_CLOSES, 'closes')
+    call expect_state(suite, slip_state_type(status=STATUS_SLIP, N=-1.0e-9_DP, Rt=t), controls, STATUS_OPENS, 'opens')
+    call expect_state(suite, point(2 * t, zero), controls, STATUS_STICK, 'stick')
+    call expect_state(suite, point(zero, zero), controls, STATUS_STICK, 'no force and no slip')
+    call expect_state(suite, point(2 * t, t), controls, STATUS_SLIP, 'slip to take back')
+    call expect_state(suite, point(4 * t, zero), controls, STATUS_SLIP, 'slip to come')
+    call expect_state(suite, point((3 + 1.0e-13_DP) * t, t), controls, STATUS_BALANCED, 'balance above')
+    call expect_state(suite, point((3 - 1.0e-13_DP) * t, t), controls, STATUS_BALANCED, 'balance below')
+    call expect_state(suite, point((3 + 1.0e-13_DP) * t, zero), controls, STATUS_STICK, 'at the limit without slip')
+    call expect_state(suite, point(3.001_DP * t, t), controls, STATUS_SLIP, 'out of balance')
     controls%slip_tolerance = 1.0e-3_DP
-    call expect_state(suite, point(3.001_DP * t, t), controls, NODE_BALANCED, 'a wider balance')
+    call expect_state(suite, point(3.001_DP * t, t), controls, STATUS_BALANCED, 'a wider balance')
     controls%slip_tolerance = 0
     controls%force_zero = 0.01_DP
-    call expect_state(suite, point(3.009_DP * t, t), controls, NODE_BALANCED, 'a balance in force')
-    controls%slip_zero = 0.5_DP
-    call expect_state(suite, point(2 * t, 0.4_DP * t), controls, NODE_STICK, 'a slip that counts as none')
+    call expect_state(suite, point(3.009_DP * t, t), controls, STATUS_BALANCED, 'a balance in force')
+    at = point(2 * t, 0.4_DP * t)
+    at%slip_zero = 0.5_DP
+    call expect_state(suite, at, controls, STATUS_STICK, 'a slip that counts as none')
     controls = slip_controls_type()
-    call classify_slip_scenario(point(3 * t, t), point(5 * t, 2 * t), t, MU, controls, verdict)
+    call classify(point(3 * t, t), point(5 * t, 2 * t), t, verdict, controls)
     call suite%near('balance adds to the global denominator', verdict%denominator, 2.0_DP, 1.0e-14_DP)
   end subroutine check_states
 
@@ -311,45 +320,130 @@ contains
     type(slip_result_type) :: verdict
     real(DP) :: t(3)
     t = along(200.0_DP)
-    call classify_slip_scenario(at_u, point(4 * t, 0 * t), 0.1_DP * t, MU, controls, verdict)
-    call suite%that('state: ' // name, verdict%state == expected)
+    call classify(at_u, point(4 * t, 0 * t), 0.1_DP * t, verdict, controls)
+    call suite%that('state: ' // name, verdict%status == expected)
     call suite%that('state: ' // name // ', scenario', &
-      (verdict%scenario == SCENARIO_NONE) .eqv. (expected /= NODE_SLIP))
-    if (expected /= NODE_SLIP) call suite%near('state: ' // name // ', length', verdict%alpha, 1.0_DP, 0.0_DP)
+      (verdict%scenario == SCENARIO_NONE) .eqv. (expected /= STATUS_SLIP))
+    if (expected /= STATUS_SLIP) call suite%near('state: ' // name // ', length', verdict%alpha, 1.0_DP, 0.0_DP)
   end subroutine expect_state
 
 
-  !> The array form gives the same as the single one.
+  !> Many nodes at once, one in each scenario and one that opens.
   subroutine check_many(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: M = 5
-    real(DP) :: Rt(3, M, 2), N(M, 2), slip(3, M, 2), d(3, M), alpha(M), t(3)
-    integer :: scenario(M), state(M)
+    real(DP), parameter :: AT_U(M) = [5.0_DP, 5.0_DP, 1.0_DP, 1.0_DP, 1.0_DP]     ! Rt along t
+    real(DP), parameter :: AT_UD(M) = [2.0_DP, 4.0_DP, 4.0_DP, 2.0_DP, 1.0_DP]
+    real(DP), parameter :: G_U(M) = [0.0_DP, 0.0_DP, 0.2_DP, 0.2_DP, 0.0_DP], G_UD(M) = [0.0_DP, 0.0_DP, 0.1_DP, -0.1_DP, 0.0_DP]
+    type(slip_state_type) :: u(M), ud(M)
+    type(slip_result_type) :: verdicts(M)
+    real(DP) :: d(3, M), t(3)
+    integer :: i
     t = along(33.0_DP)
-    N = 10
-    N(5, 1) = -1
-    slip = 0
-    slip(:, 3:4, 1) = spread(0.2_DP * t, 2, 2)
-    slip(:, 3, 2) = 0.1_DP * t
-    slip(:, 4, 2) = -0.1_DP * t
-    Rt(:, :, 1) = spread(t, 2, M) * spread([5.0_DP, 5.0_DP, 1.0_DP, 1.0_DP, 1.0_DP], 1, 3)
-    Rt(:, :, 2) = spread(t, 2, M) * spread([2.0_DP, 4.0_DP, 4.0_DP, 2.0_DP, 1.0_DP], 1, 3)
+    u = [(point(AT_U(i) * t, G_U(i) * t), i=1, M)]
+    ud = [(point(AT_UD(i) * t, G_UD(i) * t), i=1, M)]
+    u(5)%N = -1
     d = spread(t, 2, M) * spread([0.1_DP, 0.1_DP, -0.1_DP, -0.3_DP, 0.1_DP], 1, 3)
-    call classify_slip_scenarios(Rt, N, slip, d, spread(MU, 1, M), slip_controls_type(), scenario, state, alpha)
+    call classify_slip_scenarios(u, ud, d, slip_controls_type(), verdicts)
     call suite%that('many: scenarios', &
-      all(scenario == [SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, SCENARIO_NONE]))
-    call suite%that('many: states', all(state == [NODE_SLIP, NODE_SLIP, NODE_SLIP, NODE_STICK, NODE_OPENED]))
+      all(verdicts%scenario == [SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, SCENARIO_NONE]))
+    call suite%that('many: states', all(verdicts%status == [STATUS_SLIP, STATUS_SLIP, STATUS_SLIP, STATUS_SLIP, STATUS_OPENS]))
+    call suite%that('many: one is cut at zero slip', all(verdicts%becomes_stick .eqv. [(i == 4, i=1, M)]))
     call suite%near('many: lengths', &
-      norm2(alpha - [2.0_DP / 3, 2.0_DP, 2.0_DP / 3, 2.0_DP / 3, 1.0_DP]), 0.0_DP, 1.0e-14_DP)
+      norm2(verdicts%alpha - [2.0_DP / 3, 2.0_DP, 2.0_DP / 3, 2.0_DP / 3, 1.0_DP]), 0.0_DP, 1.0e-14_DP)
   end subroutine check_many
 
 
-  subroutine classify(at_u, at_ud, d, verdict)
+  !> The friction limit: mu N, capped, homogeneous; a straight line below N = 0. The trial traction slips where it is exceeded.
+  subroutine check_limit(suite)
+    type(suite_type), intent(inout) :: suite
+    type(trial_traction_type) :: trial
+    real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0
+    real(DP), parameter :: PULL(3) = [1.0_DP, 0.0_DP, -10.0_DP]   ! |Rt| = 1, N = 10
+    call suite%near('limit: mu N', friction_limit(MU, 10.0_DP, 5.0_DP), 3.0_DP, 1.0e-15_DP)
+    call suite%near('limit: capped', friction_limit(MU, 20.0_DP, 5.0_DP), 5.0_DP, 0.0_DP)
+    call suite%that('limit: is capped', all(is_friction_capped(MU, [10.0_DP, 20.0_DP], 5.0_DP) .eqv. [.false., .true.]))
+    call suite%near('limit: a straight line below N = 0', friction_limit(MU, -10.0_DP, 5.0_DP), -3.0_DP, 1.0e-15_DP)
+    call suite%near('limit: of stresses', 4 * friction_limit(MU, 20.0_DP / 4, 5.0_DP / 4), 5.0_DP, 1.0e-15_DP)
+    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 1.01_DP, trial)
+    call suite%that('limit: below TAUMAX A it sticks', trial%status == STATUS_STICK)
+    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 0.99_DP, trial)
+    call suite%that('limit: above it slips', trial%status == STATUS_SLIP)
+  end subroutine check_limit
+
+
+  !> Effect of the friction limit on the scenario: TAUMAX, no limit, and zero (frictionless).
+  subroutine check_limits_of_nodes(suite)
+    type(suite_type), intent(inout) :: suite
+    type(slip_result_type) :: verdict
+    type(slip_controls_type) :: controls
+    type(slip_state_type) :: u, ud
+    real(DP) :: t(3), zero(3)
+    t = along(70.0_DP)
+    zero = 0
+    u = point(1.5_DP * t, 0.2_DP * t)               ! slides at TAUMAX A = 1.5 while mu N = 3
+    ud = point(1.5_DP * t, 0.3_DP * t)
+    call classify(u, ud, 0.1_DP * t, verdict)
+    call suite%that('TAUMAX: with mu N it would be backing up', verdict%scenario == SCENARIO_IV)
+    u%limit = friction_limit(MU, u%N, 1.5_DP)
+    ud%limit = u%limit
+    call classify(u, ud, 0.1_DP * t, verdict)
+    call suite%that('TAUMAX: slip in equilibrium', verdict%status == STATUS_BALANCED .and. verdict%scenario == SCENARIO_NONE)
+    u%Rt = 2.5_DP * t
+    ud%Rt = 2 * t
+    call classify(u, ud, 0.1_DP * t, verdict)
+    call expect(suite, 'TAUMAX: not enough slip', verdict, SCENARIO_II, 2.0_DP)
+    u = point(5 * t, 0.2_DP * t)
+    u%limit = NO_FRICTION_LIMIT
+    call classify(u, point(5 * t, zero), -0.2_DP * t, verdict)
+    call suite%that('no limit: stick', verdict%status == STATUS_STICK .and. verdict%scenario == SCENARIO_NONE)
+    call suite%near('no limit: adds nothing to a global length', abs(verdict%numerator) + abs(verdict%denominator), 0.0_DP, 0.0_DP)
+    ud = point(9 * t, zero)
+    ud%limit = NO_FRICTION_LIMIT
+    call classify(point(5 * t, zero), ud, 0.1_DP * t, verdict)
+    call expect(suite, 'no limit after the step', verdict, SCENARIO_I, 1.0_DP)
+    u = without_friction(4 * t, zero)
+    call classify(u, without_friction(1 * t, 0.1_DP * t), 0.1_DP * t, verdict)
+    call expect(suite, 'frictionless: not enough slip', verdict, SCENARIO_II, 4.0_DP / 3.0_DP)
+    call suite%near('frictionless: DR = |Rt|', verdict%DR_u, 4.0_DP, 1.0e-15_DP)
+    call classify(u, without_friction(-1 * t, 0.1_DP * t), 0.1_DP * t, verdict)
+    call expect(suite, 'frictionless: passed, in the vector', verdict, SCENARIO_II, 4.0_DP / 5.0_DP)
+    call classify(u, without_friction(zero, 0.1_DP * t), 0.1_DP * t, verdict)
+    call expect(suite, 'frictionless: Rt is gone', verdict, SCENARIO_I, 1.0_DP)
+    controls%force_zero = 0.01_DP
+    call classify(without_friction(0.009_DP * t, 0.1_DP * t), u, 0.1_DP * t, verdict, controls)
+    call suite%that('frictionless: in equilibrium by a force', verdict%status == STATUS_BALANCED)
+    call classify(without_friction(0.009_DP * t, zero), u, 0.1_DP * t, verdict, controls)
+    call suite%that('frictionless: without slip it stands', verdict%status == STATUS_STICK)
+  end subroutine check_limits_of_nodes
+
+
+  !> One node by the procedure for many.
+  subroutine classify(at_u, at_ud, d, verdict, controls)
     type(slip_state_type), intent(in) :: at_u, at_ud
     real(DP), intent(in) :: d(3)
     type(slip_result_type), intent(out) :: verdict
-    call classify_slip_scenario(at_u, at_ud, d, MU, slip_controls_type(), verdict)
+    type(slip_controls_type), intent(in), optional :: controls
+    type(slip_controls_type) :: bounds
+    type(slip_result_type) :: verdicts(1)
+    if (present(controls)) bounds = controls
+    call classify_slip_scenarios([at_u], [at_ud], reshape(d, [3, 1]), bounds, verdicts)
+    verdict = verdicts(1)
   end subroutine classify
+
+
+  !> The step length of the slides' table, for a search along t_u (I, II) or -t_g (III, IV); unguarded and unbounded.
+  pure function table_length(scenario, a, b, cos_beta, cos_gamma, cos_theta) result(alpha)
+    integer, intent(in) :: scenario                   !< SCENARIO_...
+    real(DP), intent(in) :: a, b                      !< |DR(u)|, |DR(ud)| [force]
+    real(DP), intent(in) :: cos_beta, cos_gamma, cos_theta   !< [-]
+    real(DP) :: alpha
+    alpha = 1
+    if (scenario == SCENARIO_I) alpha = a / (b + a)
+    if (scenario == SCENARIO_II) alpha = a / (a - b * cos_gamma)
+    if (scenario == SCENARIO_III) alpha = a * cos_beta / (b * cos_theta + a * cos_beta)
+    if (scenario == SCENARIO_IV) alpha = a * cos_beta / (a * cos_beta - b * cos_theta)
+  end function table_length
 
 
   subroutine expect(suite, name, verdict, scenario, alpha)
@@ -358,7 +452,7 @@ contains
     type(slip_result_type), intent(in) :: verdict
     integer, intent(in) :: scenario
     real(DP), intent(in) :: alpha
-    call suite%that(name // ': scenario', verdict%scenario == scenario .and. verdict%state == NODE_SLIP)
+    call suite%that(name // ': scenario', verdict%scenario == scenario .and. verdict%status == STATUS_SLIP)
     call suite%near(name // ': length', verdict%alpha, alpha, 1.0e-13_DP * alpha)
   end subroutine expect
 
@@ -367,8 +461,16 @@ contains
   pure function point(Rt, slip) result(at)
     real(DP), intent(in) :: Rt(3), slip(3)
     type(slip_state_type) :: at
-    at = slip_state_type(N=10.0_DP, Rt=Rt, slip=slip)
+    at = slip_state_type(STATUS_SLIP, 10.0_DP, Rt, friction_limit(MU, 10.0_DP, NO_FRICTION_LIMIT), slip)
   end function point
+
+
+  !> The same without friction.
+  pure function without_friction(Rt, slip) result(at)
+    real(DP), intent(in) :: Rt(3), slip(3)
+    type(slip_state_type) :: at
+    at = slip_state_type(status=STATUS_SLIP, N=10.0_DP, Rt=Rt, slip=slip)
+  end function without_friction
 
 
   !> The unit vector in the plane z = 0 at an angle.
@@ -386,7 +488,7 @@ contains
   end function unit
 
 
-  !> A unit vector across a normal.
+  !> A unit vector normal to another.
   pure function in_plane(normal, angle) result(t)
     real(DP), intent(in) :: normal(3), angle
     real(DP) :: t(3), e(3), f(3)

@@ -7,6 +7,7 @@ program test_tunnelling_check
     KIND_C3D10, KIND_C3D20
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: build_facets
+  use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
   use amontons_state, only: slave_state_type
   use amontons_contact_pairs, only: contact_type
   use amontons_tunnelling_check, only: find_tunnelled_slave
@@ -27,9 +28,8 @@ contains
   include 'sample_surfaces.inc'
 
   !> A flat grid over [0, 9] x [0, 7] and slave nodes out of its sight, as contact knows them.
-  subroutine make_pair(kind, n, mesh, contact)
+  subroutine make_pair(kind, mesh, contact)
     integer, intent(in) :: kind
-    integer, intent(in) :: n                       !< slave nodes, the last of the mesh
     type(mesh_type), intent(out) :: mesh
     type(contact_type), intent(out) :: contact
     type(error_type), allocatable :: error
@@ -41,7 +41,6 @@ contains
     contact%has_fixed_geometry = [.false.]
     contact%is_removed = [.false.]
     contact%edge = [maxval(contact%facets(1)%edge_length)]
-    allocate (contact%shared_slaves%is_active_side(n), source=.true.)
   end subroutine make_pair
 
 
@@ -61,7 +60,7 @@ contains
     real(DP) :: from(3), to(3), place(2), part
     integer :: i, n, n_wrong, n_through
     logical :: is_through
-    call make_pair(kind, 1, mesh, contact)
+    call make_pair(kind, mesh, contact)
     n = mesh%n_nodes + 1
     x_old = reshape([mesh%coordinates, 0.0_DP, 0.0_DP, 0.0_DP], [3, n])
     x_new = x_old + spread(motion, 2, n)
@@ -95,7 +94,7 @@ contains
     real(DP), allocatable :: x_old(:, :), x_new(:, :)
     real(DP) :: place(2)
     integer :: i, n, n_through, n_above
-    call make_pair(FACET_TRI3, 1, mesh, contact)
+    call make_pair(FACET_TRI3, mesh, contact)
     call shake(mesh, 0.5_DP, 0.05_DP)
     call fold(mesh, 7.0_DP, 0.5_DP)
     n = mesh%n_nodes + 1
@@ -125,14 +124,14 @@ contains
     type(slave_state_type) :: slaves(4)
     real(DP), allocatable :: x_old(:, :), x_new(:, :)
     integer :: i, n
-    call make_pair(FACET_TRI3, 4, mesh, contact)
+    call make_pair(FACET_TRI3, mesh, contact)
     n = mesh%n_nodes
     slaves = [(slave_state_type(pair=1, node=n + i), i=1, 4)]
     x_old = reshape([mesh%coordinates, (4.3_DP, 3.0_DP + real(i, DP), 1.0_DP, i=1, 4)], [3, n + 4])
     x_new = x_old
     x_new(3, n + 2:n + 3) = -1.0_DP
     call suite%that('the first that passed', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 2)
-    contact%shared_slaves%is_active_side(2) = .false.
+    slaves(2)%overrides%side = NODE_OVERRIDE_GIVES_WAY
     call suite%that('another side watches', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 3)
     contact%is_removed(1) = .true.
     call suite%that('a pair that is out', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 0)

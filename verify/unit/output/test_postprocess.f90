@@ -34,7 +34,7 @@ contains
     values(1, 9:) = 5
     values(2, :8) = -2
     values(2, 9:) = 0
-    call average_at_nodes(mesh, values, averages)
+    call average_at_nodes(mesh, spread(.false., 1, mesh%n_elements), values, averages)
     call suite%near('first brick alone', maxval(abs(averages(1, :4) - 1)), 0.0_DP, 1.0e-14_DP)
     call suite%near('shared face, 1st component', maxval(abs(averages(1, 5:8) - 3)), 0.0_DP, 1.0e-14_DP)
     call suite%near('shared face, 2nd component', maxval(abs(averages(2, 5:8) + 1)), 0.0_DP, 1.0e-14_DP)
@@ -61,7 +61,7 @@ contains
         values(1, p) = linear(x)
       end do
       expected = [(linear(mesh%coordinates(:, p)), p=1, mesh%n_nodes)]
-      call average_at_nodes(mesh, values, averages)
+      call average_at_nodes(mesh, spread(.false., 1, mesh%n_elements), values, averages)
       call suite%near('linear field, kind ' // achar(48 + KINDS(i)), &
         maxval(abs(averages(1, :) - expected)), 0.0_DP, 1.0e-13_DP)
       deallocate (values, averages)

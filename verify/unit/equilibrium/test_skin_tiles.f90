@@ -2,7 +2,7 @@
 !! of
 !! threads; a free body, one that slides, one that is held, and an unsymmetric tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_tiles
+program test_skin_tiles
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose
@@ -169,4 +169,4 @@ contains
       [((j, j=i, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=i, size(full, 2)), i=1, size(full, 1))], matrix, error)
   end function upper_of
 
-end program test_tiles
+end program test_skin_tiles

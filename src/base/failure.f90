@@ -1,0 +1,67 @@
+!> Failure: why an attempt at an increment failed, as a code with nodes and numbers; words are made of it elsewhere.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! What the program decides after a failure, it decides by code and family. `failure_report` finds the code and makes the words.
+module amontons_failure
+  use amontons_kinds, only: DP
+  implicit none
+  private
+  public :: failure_type, family_of
+  public :: FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, &
+    FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, FAILURE_CYCLE, FAILURE_FLIP, &
+    FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, FAILURE_CONTACT_LIMIT, FAILURE_GROWING, &
+    FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, N_FAILURES
+  public :: FAMILY_NONE, FAMILY_MATERIAL, FAMILY_SOLVER, FAMILY_CONSTRAINTS, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, &
+    FAMILY_FLIP, FAMILY_UNSETTLED, FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL
+
+  integer, parameter :: FAILURE_NONE = 0
+  integer, parameter :: FAILURE_MATERIAL = 1       !< labels: the element that is inverted, or whose material has no answer
+  integer, parameter :: FAILURE_SINGULAR = 2       !< the tangent is singular
+  integer, parameter :: FAILURE_NOT_FINITE = 3     !< a force is not finite
+  integer, parameter :: FAILURE_CONSTRAINTS = 4    !< detail: which constraints contradict each other where the nodes are now
+  integer, parameter :: FAILURE_FREE_PUSHED = 5    !< a body that nothing holds wherever it goes; labels: its farthest node
+  integer, parameter :: FAILURE_FREE_FLYING = 6    !< a body moves by many sizes of the model; labels: its farthest node
+  integer, parameter :: FAILURE_FREE_OPEN = 7      !< no slave node is closed, and nothing else holds a body
+  integer, parameter :: FAILURE_FREE_MOTION = 8    !< detail: the rigid motion that supports and closed contact leave free
+  integer, parameter :: FAILURE_LEFT_MASTER = 9    !< labels: slave nodes that ran off their master
+  integer, parameter :: FAILURE_CYCLE = 10         !< length, labels: slave nodes whose statuses or facets return
+  integer, parameter :: FAILURE_FLIP = 11          !< the same where only stick and slip change
+  integer, parameter :: FAILURE_UNSETTLED = 12     !< labels: slave nodes whose status or facet still changes
+  integer, parameter :: FAILURE_PASSED_THROUGH = 13   !< labels: the slave node that passed through its master
+  integer, parameter :: FAILURE_DEEP = 14          !< labels: slave nodes that went deep into their master at once
+  integer, parameter :: FAILURE_LIMIT_POINT = 15   !< the stiffness is not positive
+  integer, parameter :: FAILURE_CONTACT_LIMIT = 16   !< contact finds no balance near by; labels: closed nodes least in balance
+  integer, parameter :: FAILURE_GROWING = 17       !< the imbalance grows from iteration to iteration
+  integer, parameter :: FAILURE_SLOW = 18          !< the imbalance does not fall any more
+  integer, parameter :: FAILURE_USER_ROUTINE = 19  !< number: PNEWDT that a user routine asked for
+  integer, parameter :: FAILURE_SIGNAL = 20        !< a signal stopped the job
+  integer, parameter :: N_FAILURES = 20
+
+  integer, parameter :: FAMILY_NONE = 0, FAMILY_MATERIAL = 1, FAMILY_SOLVER = 2, FAMILY_CONSTRAINTS = 3, FAMILY_FREE_BODY = 4, &
+    FAMILY_LEFT_MASTER = 5, FAMILY_CYCLE = 6, FAMILY_FLIP = 7, FAMILY_UNSETTLED = 8, FAMILY_PENETRATION = 9, &
+    FAMILY_LIMIT_POINT = 10, FAMILY_SLOW = 11, FAMILY_USER_ROUTINE = 12, FAMILY_SIGNAL = 13
+
+  integer, parameter :: FAMILIES(0:N_FAILURES) = [FAMILY_NONE, FAMILY_MATERIAL, FAMILY_SOLVER, FAMILY_SOLVER, FAMILY_CONSTRAINTS, &
+    FAMILY_FREE_BODY, FAMILY_FREE_BODY, FAMILY_FREE_BODY, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, FAMILY_FLIP, &
+    FAMILY_UNSETTLED, FAMILY_PENETRATION, FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_SLOW, &
+    FAMILY_USER_ROUTINE, FAMILY_SIGNAL]            !< of each code
+
+  !> Why an attempt failed.
+  type :: failure_type
+    integer :: code = FAILURE_NONE                 !< FAILURE_...
+    integer, allocatable :: labels(:)              !< of nodes, or of the element of FAILURE_MATERIAL
+    integer :: length = 0                          !< of a cycle [iterations]
+    integer :: n_slipping = 0                      !< closed slave nodes if all of them slip and there is more than one, else 0
+    real(DP) :: number = 0                         !< PNEWDT of FAILURE_USER_ROUTINE [-]
+    character(:), allocatable :: detail            !< what was said where it was found; shown, never searched
+  end type failure_type
+
+contains
+
+  !> The kind of trouble that a failure belongs to.
+  elemental integer function family_of(failure) result(family)
+    type(failure_type), intent(in) :: failure
+    family = FAMILIES(failure%code)
+  end function family_of
+
+end module amontons_failure
