@@ -1,8 +1,8 @@
 !> Damping: viscous forces that carry a step over a loss of stability (STATIC, STABILIZE).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Stabilization by damping". Each node has a share m of the volume of its elements; a node that moves by
-!! du in an increment dt is braked by
+!! Theory: doc/theory/newton.md, "Stabilization by damping". Each node has a share m of the volume of its elements; a node that
+!! moves by du in an increment dt is braked by
 !!
 !!     F = -c m du/dt,
 !!

@@ -1,7 +1,7 @@
 !> Meeting: the force of a compliant law at a slave node, where what the law gives and what the bodies ask for come together.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "The law and the bodies meet". On the way to equilibrium a stiff law makes forces of a gap that is
+!! Theory: doc/theory/contact.md, "Local equilibrium". On the way to equilibrium a stiff law makes forces of a gap that is
 !! only a little wrong that are wrong by far. So the law is not taken at the gap as it is, but where the node would find its balance
 !! if it alone moved, against the stiffness c of its body. In equilibrium both are the same place.
 module amontons_local_equilibrium
