@@ -1,10 +1,10 @@
-!> Assembly: the element loop: internal forces and the stiffness matrix; threaded, and bitwise the same for any threads.
+!> Assembly of internal forces and tangent stiffness: graph, sparsity pattern, partitions and colours for threads, element loop.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! METIS cuts the mesh into parts whose number depends on the mesh alone. Elements all of whose nodes belong to one part
-!! are scattered part by part, in parallel, since no two parts share such a node. The elements in between are coloured
-!! so that no two of a colour share a node, and are scattered colour by colour. The order in which the contributions to
-!! one number are added is therefore fixed, whatever the number of threads.
+!! METIS divides the mesh into parts whose number depends on the mesh alone. Elements whose nodes all belong to one part are
+!! scattered part by part, in parallel, since no two parts share such a node. The elements in between are coloured so that no two of
+!! a colour share a node, and are scattered colour by colour. The summation order of each entry is therefore fixed, and the result
+!! is bitwise the same for any number of threads.
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -24,22 +24,22 @@ module amontons_assembly
   private
   public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, add_node_block, add_row_block, element_material
 
-  integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< elements of which a batch is not worth its empty lanes
+  integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< for fewer elements a batch is not worth its empty lanes
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
 
-  !> The pattern of the stiffness and the order in which elements are added.
+  !> The pattern of the stiffness and the assembly order of the elements.
   type :: assembly_type
     type(sparse_type) :: stiffness                    !< K, upper triangle by rows, all 3 n_nodes unknowns
-    type(skew_part_type) :: skew                           !< what the tangent has beside K
+    type(skew_part_type) :: skew                           !< unsymmetric part of the tangent
     integer, allocatable :: graph_first(:)            !< (n_nodes + 1) neighbours j >= i of each node i, itself first
     integer, allocatable :: graph_node(:)
     integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
-    integer, allocatable :: pair_offset(:)            !< place of the pair's block in the row of its lower node, from 0
+    integer, allocatable :: pair_offset(:)            !< position of the pair's block in the row of its lower node, from 0
     integer, allocatable :: group_first(:)            !< (n_groups + 1) start of each group in element_order
     integer, allocatable :: element_order(:)          !< elements, group by group
-    integer :: n_parts = 0                            !< groups 1 to n_parts run side by side, one thread a group
-    integer :: n_groups = 0                           !< groups after that are colours: their elements run side by side
-    type(batch_rule_type) :: rule                           !< of the batches
+    integer :: n_parts = 0                            !< groups 1 to n_parts run in parallel, one thread a group
+    integer :: n_groups = 0                           !< groups after n_parts are colours: the elements of one run in parallel
+    type(batch_rule_type) :: rule                           !< rule of the batches
   end type assembly_type
 
 contains
@@ -69,7 +69,7 @@ contains
   end subroutine create_assembly
 
 
-  !> Parts by METIS, then colours for the elements between parts.
+  !> Assigns parts by METIS, then colours to the elements between parts.
   subroutine order_elements(assembly, mesh, error)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
@@ -102,31 +102,31 @@ contains
   end subroutine order_elements
 
 
-  !> Gives each element of group 0 the lowest colour that none of its nodes has met: greedy, in the order of the elements.
+  !> Gives each element of group 0 the lowest colour that none of its nodes has yet: greedy, in the order of the elements.
   pure subroutine colour_elements(mesh, n_parts, group, n_groups)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: n_parts
     integer, intent(inout) :: group(:)                !< (n_elements) 0 becomes n_parts + colour
     integer, intent(out) :: n_groups
     integer, parameter :: N_WORDS = 8, N_BITS = 60
-    integer(selected_int_kind(18)), allocatable :: met(:, :)   ! (N_WORDS, n_nodes) colours met, as bits
+    integer(selected_int_kind(18)), allocatable :: used_colours(:, :)   ! (N_WORDS, n_nodes) colours in use, as bits
     integer(selected_int_kind(18)) :: taken(N_WORDS)
     integer :: e, i, colour
-    allocate (met(N_WORDS, mesh%n_nodes))
-    met = 0
+    allocate (used_colours(N_WORDS, mesh%n_nodes))
+    used_colours = 0
     n_groups = n_parts
     do e = 1, mesh%n_elements
       if (group(e) /= 0) cycle
       taken = 0
       do i = mesh%first(e), mesh%first(e + 1) - 1
-        taken = ior(taken, met(:, mesh%nodes(i)))
+        taken = ior(taken, used_colours(:, mesh%nodes(i)))
       end do
       colour = 0
       do while (btest(taken(colour / N_BITS + 1), mod(colour, N_BITS)))
         colour = colour + 1
       end do
       do i = mesh%first(e), mesh%first(e + 1) - 1
-        associate (word => met(colour / N_BITS + 1, mesh%nodes(i)))
+        associate (word => used_colours(colour / N_BITS + 1, mesh%nodes(i)))
           word = ibset(word, mod(colour, N_BITS))
         end associate
       end do
@@ -136,7 +136,7 @@ contains
   end subroutine colour_elements
 
 
-  !> Counting sort of the elements by group; the order within a group stays.
+  !> Counting sort of the elements by group; stable within a group.
   pure subroutine sort_groups(group, n_groups, first, order)
     integer, intent(in) :: group(:)
     integer, intent(in) :: n_groups
@@ -174,7 +174,7 @@ contains
       do i = 1, mesh%n_nodes
         assembly%graph_first(i) = n + 1
         start = n + 1
-        call add_neighbour(i, i)                              ! nodes without elements keep their diagonal
+        call add_neighbour(i, i)                              ! nodes without elements have a diagonal entry
         do k = element_first(i), element_first(i + 1) - 1
           call add_element_neighbours(i, element_list(k))
         end do
@@ -195,7 +195,7 @@ contains
       end do
     end subroutine add_element_neighbours
 
-    !> Notes a neighbour once, if its number is not below.
+    !> Records a neighbour once, if its number is not lower.
     subroutine add_neighbour(node, other)
       integer, intent(in) :: node, other
       if (other < node .or. mark(other) == node) return
@@ -288,7 +288,7 @@ contains
   end subroutine build_pattern
 
 
-  !> For each pair a <= b of an element's nodes the place of its block, so that scattering needs no search.
+  !> The position of the block of each pair a <= b of an element's nodes, so that scattering needs no search.
   subroutine locate_pairs(assembly, mesh)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
@@ -314,8 +314,8 @@ contains
   end subroutine locate_pairs
 
 
-  !> Place of a node among the neighbours of a lower one, from 0: binary search.
-  pure integer function find_block_position(assembly, low, high) result(place)
+  !> Position of a node among the neighbours of a lower one, from 0: binary search.
+  pure integer function find_block_position(assembly, low, high) result(position)
     type(assembly_type), intent(in) :: assembly
     integer, intent(in) :: low, high
     integer :: left, right, middle
@@ -329,7 +329,7 @@ contains
         right = middle
       end if
     end do
-    place = left - assembly%graph_first(low)
+    position = left - assembly%graph_first(low)
   end function find_block_position
 
 
@@ -372,17 +372,17 @@ contains
   end subroutine assemble_forces
 
 
-  !> The elements of a group from one of its places on, as many as a batch takes.
+  !> The elements of a group from a position on, up to the width of a batch.
   pure function list_batch_span(assembly, g, i) result(elements)
     type(assembly_type), intent(in) :: assembly
     integer, intent(in) :: g                       !< group
-    integer, intent(in) :: i                       !< place in the order of the elements
+    integer, intent(in) :: i                       !< position in the order of the elements
     integer, allocatable :: elements(:)
     elements = assembly%element_order(i:min(i + BATCH_WIDTH, assembly%group_first(g + 1)) - 1)
   end function list_batch_span
 
 
-  !> Those of some elements that one batch can hold, of the kind of the first of them; the rest go one by one.
+  !> Marks the elements that one batch can hold, of the kind of the first of them; the others are evaluated one by one.
   pure subroutine choose_batch_elements(model, i_step, elements, is_nlgeom, is_chosen)
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
@@ -404,7 +404,7 @@ contains
   end subroutine choose_batch_elements
 
 
-  !> Puts the chosen elements into the lanes of a batch; lanes past them repeat the last one.
+  !> Puts the chosen elements into the lanes of a batch; unused lanes repeat the last element.
   pure subroutine load_batch(model, list, fields, batch)
     type(model_type), intent(in) :: model
     integer, intent(in) :: list(:)                 !< elements, at least one
@@ -421,7 +421,7 @@ contains
   end subroutine load_batch
 
 
-  !> Forces and point results of some elements: in a batch those that can, one by one the others, and all if one is not sound.
+  !> Forces and point results of some elements: in a batch where possible, else one by one; all one by one if a batch fails.
   subroutine add_group_forces(assembly, model, elements, is_nlgeom, state, failed)
     type(assembly_type), intent(in) :: assembly
     type(model_type), intent(in) :: model
@@ -462,7 +462,7 @@ contains
   end subroutine add_group_forces
 
 
-  !> The stiffness of some elements into the matrix, likewise.
+  !> Adds the stiffness of some elements to the matrix, in a batch where possible.
   subroutine add_group_tangent(assembly, model, elements, is_nlgeom, state, failed)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -491,7 +491,7 @@ contains
   end subroutine add_group_tangent
 
 
-  !> The blocks of one lane into the matrix.
+  !> Adds the blocks of one lane to the matrix.
   pure subroutine scatter_lane(assembly, mesh, e, stiffness, lane)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
@@ -516,14 +516,14 @@ contains
   end subroutine scatter_lane
 
 
-  !> Starting threads for a handful of elements costs more than it saves.
+  !> For few elements the start of threads costs more than it saves.
   pure logical function is_threading_useful(assembly)
     type(assembly_type), intent(in) :: assembly
     is_threading_useful = size(assembly%element_order) > 64
   end function is_threading_useful
 
 
-  !> Forces and point results of one element into the fields.
+  !> Forces and point results of one element to the fields.
   subroutine add_element_forces(model, e, is_nlgeom, state, failed)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
@@ -556,7 +556,7 @@ contains
   end subroutine add_element_forces
 
 
-  !> An element that is taken out has no stress.
+  !> Sets the stress of an inactive element to zero.
   pure subroutine clear_points(mesh, e, fields)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
@@ -570,7 +570,7 @@ contains
   end subroutine clear_points
 
 
-  !> Where an element starts from and how it has moved since: from the mesh, or from where it was put back.
+  !> Reference coordinates and displacements of an element: from the mesh, or since its reactivation.
   pure subroutine set_element_configuration(mesh, e, fields, X, u)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
@@ -588,7 +588,7 @@ contains
   end subroutine set_element_configuration
 
 
-  !> The material of an element. Springs and masses have none: the first stands in, which they do not look at.
+  !> The material of an element. Springs and masses have none and ignore it: the first one is returned.
   pure integer function element_material(model, i_step, e)
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps, or 0
@@ -597,7 +597,7 @@ contains
   end function element_material
 
 
-  !> What an element brings along: its section; if its material is not plain, committed history, temperatures, time.
+  !> Input data of an element: its section; unless its material is plain elastic, committed history, temperatures, time.
   pure subroutine load_points(model, state, e, points)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
@@ -639,7 +639,7 @@ contains
   end subroutine load_spring
 
 
-  !> The point values of an element into the fields.
+  !> Copies the point values of an element to the fields.
   pure subroutine store_points(mesh, e, n_history, points, fields)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
@@ -686,7 +686,7 @@ contains
   end subroutine assemble_tangent
 
 
-  !> The stiffness of one element into the matrix, block by block.
+  !> Adds the stiffness of one element to the matrix, block by block.
   subroutine add_element_tangent(assembly, model, e, is_nlgeom, state, failed)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -725,11 +725,11 @@ contains
   end subroutine add_element_tangent
 
 
-  !> The blocks of an element into the upper triangle of a matrix with the pattern of K.
+  !> Adds the blocks of an element to the upper triangle of a matrix with the pattern of K.
   pure subroutine scatter_element(mesh, e, offset, stiffness, matrix)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
-    integer, intent(in) :: offset(:)               !< places of the blocks of its pairs of nodes
+    integer, intent(in) :: offset(:)               !< positions of the blocks of its pairs of nodes
     real(DP), intent(in) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 * nodes [force/length]
     type(sparse_type), intent(inout) :: matrix
     integer :: n, a, b, k, nodes(MAX_ELEMENT_NODES)
@@ -748,16 +748,16 @@ contains
   end subroutine scatter_element
 
 
-  !> Adds a 3 x 3 block to the three rows of a node; of a diagonal block (place 0) the upper triangle.
-  pure subroutine add_row_block(matrix, node, place, block)
+  !> Adds a 3 x 3 block to the three rows of a node; of a diagonal block (position 0) the upper triangle.
+  pure subroutine add_row_block(matrix, node, position, block)
     type(sparse_type), intent(inout) :: matrix
     integer, intent(in) :: node
-    integer, intent(in) :: place                   !< of the block in the rows, from 0
+    integer, intent(in) :: position                !< of the block in the rows, from 0
     real(DP), intent(in) :: block(3, 3)            !< [force/length]
     integer :: r, s, start
     do r = 1, 3
-      start = matrix%first(3 * node - 3 + r) + 3 * place - r
-      do s = merge(r, 1, place == 0), 3
+      start = matrix%first(3 * node - 3 + r) + 3 * position - r
+      do s = merge(r, 1, position == 0), 3
         matrix%value(start + s) = matrix%value(start + s) + block(r, s)
       end do
     end do

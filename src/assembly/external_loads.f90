@@ -1,8 +1,8 @@
-!> Applied: the loads: external forces at a configuration, of spinning bodies too, and what they give to the tangent under NLGEOM.
+!> External loads: concentrated, pressure, traction, body, gravity and centrifugal forces, and their load stiffness.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Forces on nodes, pressures on faces (which follow them), tractions (which do not), body forces, gravity, and rotation about an
-!! axis. The symmetric part of a load's stiffness goes into K, what a pressure has beside it into assembly%skew.
+!! Pressures follow their faces under NLGEOM, tractions keep their direction. The symmetric part of a load's stiffness is added to
+!! K, the skew-symmetric part of a pressure's to assembly%skew.
 module amontons_external_loads
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
@@ -32,7 +32,7 @@ contains
   !> The applied forces F_ext at a time, and under NLGEOM their stiffness subtracted from K.
   !!
   !! A pressure follows its face. Its load stiffness is unsymmetric in general: the symmetric part goes into K, the rest into
-  !! assembly%skew, which is to be finished by finish_skew.
+  !! assembly%skew, which finish_skew completes.
   subroutine assemble_external_loads(assembly, model, step, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -71,7 +71,7 @@ contains
   end subroutine assemble_external_loads
 
 
-  !> Nodal forces of a pressure on a face, in its current place under NLGEOM.
+  !> Nodal forces of a pressure on a face, in the current configuration under NLGEOM.
   subroutine add_pressure(assembly, model, load, pressure, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -131,7 +131,7 @@ contains
   end subroutine add_traction
 
 
-  !> K = K - (k + k')/2 for a face stiffness k, through the element's own table of places.
+  !> K = K - (k + k')/2 for a face stiffness k, through the element's own table of positions.
   subroutine subtract_symmetric_part(assembly, e, local, nodes, stiffness)
     type(assembly_type), intent(inout) :: assembly
     integer, intent(in) :: e
@@ -154,7 +154,7 @@ contains
   end subroutine subtract_symmetric_part
 
 
-  !> Centrifugal forces of an element, at its present place under NLGEOM; their stiffness is exact.
+  !> Centrifugal forces of an element, in the current configuration under NLGEOM, with their exact stiffness.
   subroutine add_centrifugal_forces(assembly, model, load, omega2, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -179,10 +179,10 @@ contains
   end subroutine add_centrifugal_forces
 
 
-  !> The density of an element; the section of a mass is its mass.
+  !> The density of an element; the section of a point mass is its mass.
   !!
-  !! A density that depends on the temperature is that of the mean temperature of the nodes: in CalculiX now, else, as in Abaqus,
-  !! that at the start, since mass is conserved.
+  !! A temperature-dependent density is evaluated at the mean temperature of the nodes: in CalculiX at the current one, else, as in
+  !! Abaqus, at the initial one, since mass is conserved.
   pure real(DP) function evaluate_density(model, e, fields) result(density)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
@@ -204,11 +204,11 @@ contains
   end function evaluate_density
 
 
-  !> Body force of an acceleration: the mass stays, so it is integrated over the reference volume.
+  !> Body force of an acceleration: mass is conserved, so it is integrated over the reference volume.
   subroutine add_body_force(model, e, is_by_volume, acceleration, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
-    logical, intent(in) :: is_by_volume            !< .true.: it is a force per volume; a mass has none
+    logical, intent(in) :: is_by_volume            !< .true.: a force per volume; a point mass has none
     real(DP), intent(in) :: acceleration(3)        !< [length/time^2] or [force/length^3]
     type(fields_type), intent(inout) :: fields
     real(DP) :: force(3, MAX_ELEMENT_NODES)
@@ -230,7 +230,7 @@ contains
   pure subroutine evaluate_centrifugal_forces(kind, X, x_now, section, spin, force, stiffness)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
-    real(DP), intent(in) :: x_now(:, :)            !< (3, nodes) where the nodes are [length]
+    real(DP), intent(in) :: x_now(:, :)            !< (3, nodes) current coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length], cross-section [length^2] or mass [mass]
     real(DP), intent(in) :: spin(3, 3)             !< columns: p, unit vector a, [rho omega^2, 0, 0]
     real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
@@ -241,7 +241,7 @@ contains
     force = 0
     call integrate_unit_mass(kind, X, section, mass)
     P = IDENTITY - spread(spin(:, 2), 2, 3) * spread(spin(:, 2), 1, 3)
-    if (kind >= KIND_CPS3 .and. kind <= KIND_CAX8R) P(3, :) = 0   ! nothing moves out of the plane
+    if (kind >= KIND_CPS3 .and. kind <= KIND_CAX8R) P(3, :) = 0   ! no component out of the plane
     P = spin(1, 3) * P
     do b = 1, n
       do a = 1, n
@@ -252,7 +252,7 @@ contains
   end subroutine evaluate_centrifugal_forces
 
 
-  !> The consistent mass matrix of density 1, by the points that see the whole element; a mass has its own.
+  !> The consistent mass matrix of density 1, by full integration of the element; a point mass has its own.
   pure subroutine integrate_unit_mass(kind, X, section, mass)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :), section
@@ -265,7 +265,7 @@ contains
     if (kind >= KIND_SPRINGA) return
     rule = merge(KIND_C3D8_FULL, kind, kind == KIND_C3D8R)
     call evaluate_point_volumes(rule, X, section, n_rule, volumes, status)
-    if (status /= ELEMENT_OK) return               ! told when its forces are asked for
+    if (status /= ELEMENT_OK) return               ! the evaluation of the internal forces reports it
     call quadrature(rule, n_rule, xi, w)
     do p = 1, n_rule
       call shape_functions(rule, xi(:, p), N, dN)

@@ -1,13 +1,13 @@
-!> Damping: viscous forces that carry a step over a loss of stability (STATIC, STABILIZE).
+!> Automatic stabilization by viscous forces (STATIC, STABILIZE): factor, forces, stiffness, dissipated work.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Stabilization by damping". Each node has a share m of the volume of its elements; a node that
-!! moves by du in an increment dt is braked by
+!! Theory: doc/theory/newton.md (the section of amontons_stabilization). Each node has a share m of the volume of its elements; a
+!! nodal displacement du in an increment dt causes the viscous force
 !!
 !!     F = -c m du/dt,
 !!
-!! with one factor c for the whole model. The first increment of a step has none: from what it does c is found such that, if
-!! the step went on in the same way, a given fraction of the strain energy would be dissipated.
+!! with one factor c for the whole model. The first increment of a step is not damped: its displacements define c such that a given
+!! fraction of the strain energy is dissipated if the step continues at the same rate.
 module amontons_stabilization
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type
@@ -20,14 +20,14 @@ module amontons_stabilization
 
 contains
 
-  !> Whether a step asks for damping.
+  !> Whether a step has stabilization.
   pure logical function is_damped(step)
     type(step_type), intent(in) :: step
     is_damped = step%dissipated_fraction > 0.0_DP .or. step%damping_factor > 0.0_DP
   end function is_damped
 
 
-  !> The factor of the increment that begins.
+  !> The factor of the current increment.
   pure subroutine set_damping_factor(step, is_step_start, state)
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
@@ -41,10 +41,10 @@ contains
   end subroutine set_damping_factor
 
 
-  !> The share of each node in the volume of its elements, whose nodes have equal parts of it.
+  !> The nodal shares of the element volumes; the nodes of an element have equal shares.
   pure subroutine find_nodal_volumes(mesh, is_absent, fields, nodal_volume)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
+    logical, intent(in) :: is_absent(:)            !< (n_elements) inactive
     type(fields_type), intent(in) :: fields
     real(DP), allocatable, intent(out) :: nodal_volume(:) !< (n_nodes) [length^3]
     real(DP) :: volume
@@ -60,7 +60,7 @@ contains
   end subroutine find_nodal_volumes
 
 
-  !> Adds the damping of the trial displacements to the applied forces.
+  !> Adds the viscous forces of the trial displacements to the applied forces.
   pure subroutine add_damping_force(nodal_volume, state)
     real(DP), intent(in) :: nodal_volume(:)               !< (n_nodes) [length^3]
     type(state_type), intent(inout) :: state
@@ -75,7 +75,7 @@ contains
   end subroutine add_damping_force
 
 
-  !> Adds its stiffness, c m/dt on the diagonal.
+  !> Adds the viscous stiffness, c m/dt on the diagonal.
   pure subroutine add_damping_stiffness(nodal_volume, state, K)
     real(DP), intent(in) :: nodal_volume(:)               !< (n_nodes) [length^3]
     type(state_type), intent(in) :: state
@@ -89,15 +89,15 @@ contains
   end subroutine add_damping_stiffness
 
 
-  !> An increment has converged: what was dissipated, and the factor of the next one if it is not known yet.
+  !> After a converged increment: the dissipated work, and the factor of the next increment if it is not known yet.
   !!
-  !! If all nodes went on with their velocity v = du/dt over the period T, c sum m v^2 T would be dissipated, and the strain
-  !! energy would grow by du'dF_int/2 (T/dt)^2: c = fraction du'dF_int/2 T / sum m du^2.
+  !! If all nodes kept their velocity v = du/dt over the period T, c sum m v^2 T would be dissipated, and the strain energy would
+  !! grow by du'dF_int/2 (T/dt)^2: c = fraction du'dF_int/2 T / sum m du^2.
   pure subroutine update_damping(nodal_volume, step, state, work)
-    real(DP), allocatable, intent(in) :: nodal_volume(:)  !< (n_nodes) not there: no step has had damping yet [length^3]
+    real(DP), allocatable, intent(in) :: nodal_volume(:)  !< (n_nodes) not allocated: no step was stabilized yet [length^3]
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(out) :: work                  !< of the damping forces by the trapezoidal rule, which is negative [energy]
+    real(DP), intent(out) :: work                  !< work of the viscous forces by the trapezoidal rule, negative [energy]
     real(DP) :: moved, stored, du_dot_force
     integer :: i
     work = 0.0_DP

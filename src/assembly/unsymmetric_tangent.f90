@@ -1,17 +1,17 @@
-!> Skew: what the tangent has beside the symmetric matrix K: of pressures that follow their faces, and of unsymmetric laws.
+!> Skew-symmetric part of the tangent from follower pressures and unsymmetric material tangents.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The load stiffness k = dF_ext/du of a face is not symmetric. Its symmetric part goes into K; W = (k - k')/2, summed over
-!! the faces, stays here, a sparse matrix that only the operator of GMRES sees. Inside a pressurised surface the faces
-!! cancel each other, so W lives on its rim; where the rim is held nothing is left of it. A material whose tangent is not
-!! symmetric gives its elements such a part too, with the other sign, since it belongs to F_int; it has the pattern of K.
-!! Reference: J. Bonet, R. D. Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (2008), section 8.5.
+!! The load stiffness k = dF_ext/du of a face is not symmetric. Its symmetric part goes into K; W = (k - k')/2, summed over the
+!! faces, is stored here as a sparse matrix that only the operator of GMRES includes. Inside a pressurised surface the contributions
+!! of adjacent faces cancel, so W is nonzero at its border only; it vanishes where the border is fixed. An unsymmetric material
+!! tangent contributes to W too, with the other sign, since it belongs to F_int; that part has the pattern of K. Reference: J.
+!! Bonet, R. D. Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (2008), section 8.5.
 !!
-!! Materials: the kernels of the elements take the symmetric part of the tangent c of a point. The rest, w = (c - c')/2, is linear
-!! in the stiffness: W = sum of V B' w B over the points, B the strains of the displacements, with the mean dilatation and the mean
-!! gradients of the kinds that have them; c is that of the Kirchhoff stress, so V are the volumes at rest and B has the current
-!! gradients. W' = -W. C3D8I condenses its modes with W itself (room enhanced); of trusses w is zero.
-!! Theory: doc/theory/elements.md for B, doc/theory/solver.md for what is done with W.
+!! Materials: the element routines take the symmetric part of the tangent c of a point. The rest, w = (c - c')/2, is linear in the
+!! stiffness: W = sum of V B' w B over the points, with the strain-displacement matrix B, including the mean dilatation and the mean
+!! gradients of the kinds that have them; c is that of the Kirchhoff stress, so V are the reference volumes and B has the current
+!! gradients. W' = -W. C3D8I condenses its modes with W itself (amontons_incompatible_modes); of trusses w is zero. Theory:
+!! doc/theory/elements.md for B, doc/theory/solver.md for the solution with W.
 module amontons_unsymmetric_tangent
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
@@ -27,29 +27,29 @@ module amontons_unsymmetric_tangent
     combine_with_skew
   public :: evaluate_element_skew
 
-  real(DP), parameter :: TOL_CANCELLED = 1.0e-12_DP    !< of the largest entry of a face: rounding of what cancels [-]
+  real(DP), parameter :: TOL_CANCELLED = 1.0e-12_DP  !< of the largest entry of a face: entries below it cancel within rounding [-]
 
-  !> W, and its entries while the faces are visited.
+  !> W, and its entries during the loop over the faces.
   type :: skew_part_type
     integer :: n = 0                               !< entries collected
     integer, allocatable :: row(:), column(:)      !< (>= n)
     real(DP), allocatable :: value(:)              !< (>= n) [force/length]
-    type(sparse_type) :: elements                  !< U: elements add U - U' [force/length]; not made if not wanted
-    type(sparse_type) :: matrix                    !< W over all unknowns, elements included [force/length]; not made if it is zero
+    type(sparse_type) :: elements                  !< U: elements add U - U' [force/length]; not built if not wanted
+    type(sparse_type) :: matrix                    !< W over all unknowns, elements included [force/length]; not built if it is zero
   end type skew_part_type
 
-  !> The points of an element at rest.
+  !> The points of an element in the reference configuration.
   type :: reference_geometry_type
     integer :: n = 0                               !< nodes
     integer :: m = 0                               !< points
     real(DP) :: gradient(3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS) = 0   !< dN_a/dX [1/length]
-    real(DP) :: hoop(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS) = 0    !< N_a/X; 0 but around an axis [1/length]
+    real(DP) :: hoop(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS) = 0    !< N_a/X; 0 unless axisymmetric [1/length]
     real(DP) :: volume(MAX_ELEMENT_POINTS) = 0             !< [length^3]
   end type reference_geometry_type
 
 contains
 
-  !> Nothing is collected from faces yet, and W is zero.
+  !> Starts the collection from faces with W = 0.
   pure subroutine reset_load_skew(skew)
     type(skew_part_type), intent(inout) :: skew
     skew%n = 0
@@ -82,7 +82,7 @@ contains
   end subroutine add_face_skew
 
 
-  !> The elements are about to be assembled: the upper triangle of what they bring, with the pattern of K, is zero.
+  !> Before the element loop: sets the upper triangle of the elements' part, with the pattern of K, to zero.
   pure subroutine reset_element_skew(skew, K, is_wanted)
     type(skew_part_type), intent(inout) :: skew
     type(sparse_type), intent(in) :: K             !< upper triangle
@@ -93,7 +93,7 @@ contains
   end subroutine reset_element_skew
 
 
-  !> Sums up what was collected. Errors: out of memory.
+  !> Sums the collected entries. Errors: out of memory.
   subroutine assemble_skew(skew, n_unknowns, error)
     type(skew_part_type), intent(inout) :: skew
     integer, intent(in) :: n_unknowns
@@ -110,7 +110,7 @@ contains
   end subroutine assemble_skew
 
 
-  !> W of the faces; what they cancel is left out. Errors: out of memory.
+  !> W of the faces; cancelled entries are dropped. Errors: out of memory.
   subroutine assemble_load_skew(skew, n_unknowns, error)
     type(skew_part_type), intent(inout) :: skew
     integer, intent(in) :: n_unknowns
@@ -189,7 +189,7 @@ contains
   end subroutine evaluate_element_skew
 
 
-  !> Gradients and volumes at rest; kinds of one point take their mean over the element.
+  !> Gradients and volumes in the reference configuration; kinds with one point take their mean over the element.
   pure subroutine set_reference_geometry(kind, entry, X, section, reference)
     integer, intent(in) :: kind
     type(element_kind_type), intent(in) :: entry
@@ -224,7 +224,7 @@ contains
   end subroutine set_reference_geometry
 
 
-  !> Puts the mean over all points into the first and only one.
+  !> Stores the mean over all points in the only point.
   pure subroutine average_gradients(reference)
     type(reference_geometry_type), intent(inout) :: reference
     real(DP) :: share(reference%m), gradient(3, MAX_ELEMENT_NODES), hoop(MAX_ELEMENT_NODES)
@@ -243,7 +243,7 @@ contains
   end subroutine average_gradients
 
 
-  !> B of a point, rows xx yy zz xy yz xz with engineering shears, by the current gradients under NLGEOM; its current volume.
+  !> B of a point, rows xx yy zz xy yz xz with engineering shears, with the current gradients under NLGEOM; its current volume.
   pure subroutine set_strain_matrix(entry, reference, p, u, is_nlgeom, B, current)
     type(element_kind_type), intent(in) :: entry
     type(reference_geometry_type), intent(in) :: reference
@@ -274,7 +274,7 @@ contains
   end subroutine set_strain_matrix
 
 
-  !> Replaces the change of volume of each point by its mean over the current volume.
+  !> Replaces the volume change of each point by its mean over the current volume.
   pure subroutine apply_mean_dilatation(reference, current, B)
     type(reference_geometry_type), intent(in) :: reference
     real(DP), intent(in) :: current(:)             !< (points) [length^3]

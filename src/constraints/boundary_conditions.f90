@@ -1,4 +1,4 @@
-!> Supports: the base constraints of a step: boundary conditions, equations, bonds, and what nothing else holds.
+!> Base constraints of a step: prescribed displacements, equations, nonlinear MPCs, mid-side constraints, unconnected unknowns.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_boundary_conditions
   use amontons_kinds, only: DP
@@ -15,13 +15,12 @@ module amontons_boundary_conditions
   private
   public :: build_base_constraints
 
-  real(DP), parameter :: TOL_ROW_CONFLICT = 1.0e-9_DP      !< of displacements, by which rows may miss each other [-]
-  real(DP), parameter :: MIN_DISPLACEMENT_SCALE = 0.1_DP            !< displacements are taken for no less than this part of the
-                                                                    !! model [-]
+  real(DP), parameter :: TOL_ROW_CONFLICT = 1.0e-9_DP      !< tolerance of contradicting rows, over the displacements [-]
+  real(DP), parameter :: MIN_DISPLACEMENT_SCALE = 0.1_DP  !< lower bound of the displacement scale, over the size of the model [-]
 
 contains
 
-  !> The base constraints for what is still missing to the prescribed displacements at the time of `fields`.
+  !> The base constraints for the missing part of the prescribed displacements at the time of `fields`.
   subroutine build_base_constraints(base, model, step, fields, u_start, midside_nodes, is_unconnected, violation, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -30,7 +29,7 @@ contains
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     integer, intent(in) :: midside_nodes(:, :)          !< (3, n) mid-side slave nodes and their corners
     logical, intent(in) :: is_unconnected(:)              !< (3 n_nodes) of a node without elements
-    real(DP), intent(out) :: violation             !< largest of the bonds, over their size [-]
+    real(DP), intent(out) :: violation             !< largest of the nonlinear MPCs, over their size [-]
     type(error_type), allocatable, intent(out) :: error
     violation = 0.0_DP
     call reset_constraints(base, 3 * model%mesh%n_nodes)
@@ -47,7 +46,7 @@ contains
   end subroutine build_base_constraints
 
 
-  !> The prescribed displacements; those of a transformed node are rows in its own directions.
+  !> The prescribed displacements; those of a transformed node are rows in its local directions.
   subroutine add_prescribed_displacements(base, model, step, fields, u_start, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -59,7 +58,7 @@ contains
     real(DP) :: direction(3), residual
     integer :: i, pass, row_status
     logical :: is_global
-    do pass = 1, 2                                 ! what is fixed comes before all rows
+    do pass = 1, 2                                 ! fixed unknowns come before all rows
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
           direction = dof_direction(model, load%node, load%dof)
@@ -85,7 +84,7 @@ contains
   end subroutine add_prescribed_displacements
 
 
-  !> What rows may miss each other by without a contradiction.
+  !> Tolerance within which rows do not contradict each other.
   pure real(DP) function find_conflict_tolerance(model, u) result(length)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -93,7 +92,7 @@ contains
   end function find_conflict_tolerance
 
 
-  !> Displacements that no element resists (the third of plane models) stay at zero, unless a support moves them.
+  !> Displacements without stiffness (the third of plane models) remain zero, unless a support prescribes them.
   subroutine fix_unresisted_unknowns(base, model, u)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -109,7 +108,7 @@ contains
   end subroutine fix_unresisted_unknowns
 
 
-  !> The displacement of a support now. One new in this step runs straight from where it was at the start of the step.
+  !> The current displacement of a support. One that is new in this step is linear from its value at the start of the step.
   pure real(DP) function prescribed_value(model, step, i, fields, u_start) result(value)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -129,7 +128,7 @@ contains
   end function prescribed_value
 
 
-  !> The rows of *EQUATION that hold in a step, corrected by what is violated at u.
+  !> The rows of *EQUATION that hold in a step, with the violation at u as right-hand side.
   subroutine add_equations(base, model, step, u, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -158,7 +157,7 @@ contains
   end subroutine add_equations
 
 
-  !> A mid-side node of a slave face stays in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
+  !> A mid-side node of a slave face remains in the middle of its corners: u_m = (u_a + u_b)/2 (doc/theory/contact.md).
   subroutine add_midside_constraints(base, midside_nodes, u)
     type(constraints_type), intent(inout) :: base
     integer, intent(in) :: midside_nodes(:, :)          !< (3, n) the node and its two corners

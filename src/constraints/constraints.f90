@@ -1,10 +1,9 @@
-!> Constraints: one elimination for boundary conditions, equations, followers and contact rows: du = C dv + c.
+!> Elimination of linear constraints (master-slave elimination): du = C dv + c, condensed forces, multipliers.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-!!
-!! Each row says sum a_j du_j = b. Rows come in the order of their strength. A row loses the unknowns that stronger rows
-!! have made dependent already; of what is left one unknown, the pivot, becomes dependent on the others. So an
-!! expression refers only to unknowns that were free when it was made, there can be no cycle, and expanding the
-!! expressions from the last to the first gives C and c. See doc/theory/solver.md, "One elimination".
+!! Each row is an equation sum a_j du_j = b. Rows are added in the order of their priority. A row is reduced by the unknowns that
+!! rows of higher priority have made dependent; of the remaining unknowns one, the pivot, becomes dependent on the others. So an
+!! expression refers only to unknowns that were free at that time, cycles cannot occur, and the expansion of the expressions from
+!! the last to the first gives C and c. See doc/theory/solver.md (the section of amontons_constraints).
 module amontons_constraints
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -17,12 +16,12 @@ module amontons_constraints
   public :: find_multipliers, is_in_constraint_row
 
   integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
-  integer, parameter :: ROW_REDUNDANT = 1      !< stronger rows say the same already
-  integer, parameter :: ROW_CONFLICT = 2       !< stronger rows say something else: the row was dropped
+  integer, parameter :: ROW_REDUNDANT = 1      !< linearly dependent on rows of higher priority, without contradiction
+  integer, parameter :: ROW_CONFLICT = 2       !< contradicts rows of higher priority: the row was dropped
 
   real(DP), parameter :: TOL_COEFFICIENT = 1.0e-10_DP   !< relative to the row's largest: taken as zero [-]
 
-  !> Other rows that went into a row.
+  !> Combination of other rows in a row.
   type :: row_combination_type
     integer, allocatable :: row(:)
     real(DP), allocatable :: factor(:)
@@ -34,16 +33,16 @@ module amontons_constraints
     real(DP), allocatable :: coefficient(:)
     real(DP) :: rhs = 0
     integer :: pivot = 0
-    integer :: tag = 0                         !< what the row is, for the one who added it; kept
-    ! Once accepted: the row as it was added, and how it was made of others, for the multipliers.
+    integer :: tag = 0                         !< kind of the row, set by the caller
+    ! Once accepted: the row as it was added, and its combination of other rows, for the multipliers.
     integer, allocatable :: original_unknown(:)
     real(DP), allocatable :: original_coefficient(:)
-    real(DP) :: scale = 1                      !< row as added = scale * this one + sum amount * stronger ones
+    real(DP) :: scale = 1                      !< row as added = scale * this one + sum amount * rows of higher priority
     type(row_combination_type) :: earlier_rows
-    type(row_combination_type) :: later_rows                   !< this one expanded = this one + sum amount * weaker ones expanded
+    type(row_combination_type) :: later_rows  !< this one expanded = this one + sum amount * expanded rows of lower priority
   end type constraint_row_type
 
-  !> The elimination. Unknowns are numbered 1 to n_unknowns; fixed and dependent ones leave, the rest are free.
+  !> The elimination. Unknowns are numbered 1 to n_unknowns; fixed and dependent ones are eliminated, the rest are free.
   type :: constraints_type
     integer :: n_unknowns = 0
     integer :: n_free = 0
@@ -60,7 +59,7 @@ contains
 
   !> All unknowns free, no rows.
   subroutine reset_constraints(self, n_unknowns)
-    type(constraints_type), intent(inout) :: self   !< emptied; memory of the same size is kept
+    type(constraints_type), intent(inout) :: self   !< emptied; allocations of the same size are reused
     integer, intent(in) :: n_unknowns
     if (self%n_unknowns /= n_unknowns) then
       if (allocated(self%owner)) deallocate (self%owner, self%free_of, self%offset, self%work)
@@ -74,7 +73,7 @@ contains
   end subroutine reset_constraints
 
 
-  !> Prescribes one unknown: du = amount. The strongest constraint; call before any add_constraint_row.
+  !> Prescribes one unknown: du = amount. The constraint of highest priority; call before any add_constraint_row.
   subroutine prescribe_unknown(self, unknown, amount)
     type(constraints_type), intent(inout) :: self
     integer, intent(in) :: unknown
@@ -84,11 +83,11 @@ contains
   end subroutine prescribe_unknown
 
 
-  !> Adds a row. The pivot is the largest of the candidates that are still free, else the largest of all that are left.
+  !> Adds a row. The pivot is the unknown with the largest coefficient among the free candidates, else among all that remain.
   subroutine add_constraint_row(self, row, n_candidates, tolerance, row_status)
     type(constraints_type), intent(inout) :: self
     type(constraint_row_type), intent(in) :: row           !< sum coefficient * du(unknown) = rhs
-    integer, intent(in) :: n_candidates         !< the first so many unknowns of the row are wanted as the pivot
+    integer, intent(in) :: n_candidates         !< the first so many unknowns of the row are preferred as the pivot
     real(DP), intent(in) :: tolerance           !< a row without unknowns left and |rhs| above this is a conflict [length]
     integer, intent(out) :: row_status             !< ROW_...
     type(constraint_row_type) :: reduced
@@ -114,7 +113,7 @@ contains
   end subroutine add_constraint_row
 
 
-  !> Position in the reduced row of the pivot: largest coefficient among the candidates, else among all.
+  !> Position of the pivot in the reduced row: largest coefficient among the candidates, else among all.
   pure integer function find_pivot(reduced, candidates) result(position)
     type(constraint_row_type), intent(in) :: reduced
     integer, intent(in) :: candidates(:)        !< unknowns
@@ -133,13 +132,13 @@ contains
   end function find_pivot
 
 
-  !> The row without fixed and dependent unknowns: they are replaced until only free ones are left.
+  !> The row without fixed and dependent unknowns: they are substituted until only free ones remain.
   subroutine eliminate_dependent(self, row, reduced, combination)
     type(constraints_type), intent(inout) :: self
     type(constraint_row_type), intent(in) :: row
     type(constraint_row_type), intent(inout) :: reduced    !< unknown, coefficient and rhs are set
-    type(row_combination_type), intent(out) :: combination         !< the rows that were put in
-    integer, allocatable :: list(:)             ! unknowns met; grows while it is walked
+    type(row_combination_type), intent(out) :: combination         !< the substituted rows
+    integer, allocatable :: list(:)             ! unknowns found; grows during the loop over it
     integer :: i, n
     real(DP) :: a, largest
     allocate (list(max(16, 4 * size(row%unknown))), combination%row(0), combination%factor(0))
@@ -161,7 +160,7 @@ contains
 
   contains
 
-    !> Adds to the coefficient of an unknown and puts it on the list.
+    !> Adds to the coefficient of an unknown and appends it to the list.
     subroutine add_coefficient(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
@@ -189,7 +188,7 @@ contains
       end do
     end subroutine replace_unknown
 
-    !> The unknowns left with a coefficient; clears the work array.
+    !> The unknowns with a remaining coefficient; clears the work array.
     subroutine collect_remaining()
       integer :: j, m
       m = 0
@@ -229,7 +228,7 @@ contains
   end subroutine append_row
 
 
-  !> All prescribed amounts, those of the rows too, times a factor.
+  !> Scales all prescribed amounts, those of the rows included.
   pure subroutine scale_offsets(self, factor)
     type(constraints_type), intent(inout) :: self
     real(DP), intent(in) :: factor              !< [-]
@@ -241,7 +240,7 @@ contains
   end subroutine scale_offsets
 
 
-  !> Numbers the free unknowns and makes C and c. Cost: linear in the entries of C.
+  !> Numbers the free unknowns and builds C and c. Cost: linear in the entries of C.
   subroutine eliminate_constraints(self)
     type(constraints_type), intent(inout) :: self
     integer :: i
@@ -259,7 +258,7 @@ contains
   end subroutine eliminate_constraints
 
 
-  !> Replaces in row k the unknowns made dependent by later rows, which are expanded already.
+  !> Substitutes in row k the unknowns made dependent by later rows, which are expanded already.
   subroutine expand_row(self, k)
     type(constraints_type), intent(inout) :: self
     integer, intent(in) :: k
@@ -338,7 +337,7 @@ contains
   end subroutine fill_map
 
 
-  !> Whether rows speak of an unknown that is free so far. Before: not finished.
+  !> Whether rows contain an unknown that is free so far. Before: not finished.
   pure function is_in_constraint_row(self) result(is_in_row)
     type(constraints_type), intent(in) :: self
     logical :: is_in_row(self%n_unknowns)
@@ -353,8 +352,8 @@ contains
 
   !> The multipliers of the rows as they were added: sum multiplier * row balances the force on every dependent unknown.
   !!
-  !! On the expanded rows a multiplier is minus the force on the row's pivot, which stands in no other of them. The two
-  !! steps of the elimination are then undone: the expansion from the first row on, the reduction from the last.
+  !! On the expanded rows a multiplier is minus the force on the row's pivot, which occurs in no other row. The two steps of the
+  !! elimination are then reversed: the expansion from the first row on, the reduction from the last.
   subroutine find_multipliers(self, force, multiplier)
     type(constraints_type), intent(in) :: self      !< finished
     real(DP), intent(in) :: force(:, :)             !< (3, n_unknowns / 3) without the constraints [force]
@@ -410,8 +409,8 @@ contains
     subroutine add(unknown, amount)
       integer, intent(in) :: unknown
       real(DP), intent(in) :: amount
-      associate (place => condensed(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))
-        place = place + amount
+      associate (component => condensed(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))
+        component = component + amount
       end associate
     end subroutine add
 

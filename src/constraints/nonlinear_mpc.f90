@@ -1,16 +1,16 @@
-!> Bonds: the rows of constraints that are not linear, what they lack, and how their forces change with displacement.
+!> Nonlinear multi-point constraints (rigid body, plane, straight, distance, rotation): rows, forces and second derivatives.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Every bond is one or several functions g(u) = 0. Its row is dg/du du = -g at the present displacement, so what is
-!! violated is corrected. In a step without NLGEOM g is linearised at u = 0, once for all.
+!! Each constraint consists of one or several functions g(u) = 0. Its row is dg/du du = -g at the current displacement, so that
+!! violations are corrected. In a step without NLGEOM g is linearized at u = 0.
 !!
-!! | bond | g |
+!! | constraint | g |
 !! |---|---|
-!! | BODY | a (u_i - u_r - (R(w) - 1) (X_i - X_r)), a direction that is bound; w displacement of the rotation node |
+!! | BODY | a (u_i - u_r - (R(w) - 1) (X_i - X_r)), a a constrained direction; w displacement of the rotation node |
 !! | PLANE | det(x - x_3, x_1 - x_3, x_2 - x_3) / d^2 |
 !! | STRAIGHT | two components of (x - x_2) x (x_1 - x_2) / d |
 !! | DISTANCE | (|x_1 - x_2|^2 - |X_1 - X_2|^2) / 2 d |
-!! | TURN | mean angle of the nodes about the axis through their centre - u_1 of the pilot, times the radius |
+!! | TURN | mean rotation of the nodes about the axis through their centre - u_1 of the pilot, times the radius |
 !!
 !! R(w) is the exponential map (Rodrigues). The multiplier of a row is the force of the constraint; the tangent of the
 !! equilibrium gets sum multiplier * d2g/du2 (Belytschko, Liu, Moran, Nonlinear Finite Elements, sec. 6.3), taken from
@@ -33,18 +33,18 @@ module amontons_nonlinear_mpc
   public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, rotation_matrix, find_rotation_lengths, TAG_PRESCRIBED
 
   integer, parameter :: TAG_PRESCRIBED = 1            !< rows of prescribed displacements of transformed nodes
-  integer, parameter :: TAG_MPC = 1000000000      !< rows of bonds have this tag and more
+  integer, parameter :: TAG_MPC = 1000000000      !< rows of nonlinear MPCs have this tag and higher ones
   integer, parameter :: N_RIGID_BODY_TERMS = 9             !< a row of a BODY: node, reference node, rotation node
 
 contains
 
-  !> Adds the rows of all bonds at u. Errors: rows that contradict stronger ones (EXIT_SETUP).
+  !> Adds the rows of all nonlinear MPCs at u. Errors: rows that contradict rows of higher priority (EXIT_SETUP).
   subroutine add_nonlinear_mpcs(base, model, u, is_nlgeom, violation, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: violation             !< largest |g| over the size of its bond [-]
+    real(DP), intent(out) :: violation             !< largest |g| over the size of its constraint [-]
     type(error_type), allocatable, intent(out) :: error
     type(constraint_row_type), allocatable :: rows(:)
     character(12) :: line
@@ -73,8 +73,8 @@ contains
   end subroutine add_nonlinear_mpcs
 
 
-  !> What makes a displacement of what is an angle, and a force of a moment: half the size of the model at nodes that bear
-  !! rotations, 1 at all others. Without rotations it is empty.
+  !> Converts rotations to displacements and moments to forces: half the size of the model at nodes with rotations, 1 at all others.
+  !! Without rotations it is empty.
   function find_rotation_lengths(model) result(rotation_length)
     type(model_type), intent(in) :: model
     real(DP), allocatable :: rotation_length(:)              !< (n_nodes) or (0) [length] or [-]
@@ -94,7 +94,7 @@ contains
   end function find_rotation_lengths
 
 
-  !> Displacements of nodes without elements that no row speaks of stay as they are: nothing else holds them.
+  !> Fixes displacements of nodes without elements that no row contains.
   subroutine fix_unconnected_unknowns(base, is_unconnected, u, u_start)
     type(constraints_type), intent(inout) :: base
     logical, intent(in) :: is_unconnected(:)              !< (3 n_nodes) of a node without elements
@@ -111,7 +111,7 @@ contains
   end subroutine fix_unconnected_unknowns
 
 
-  !> Takes the forces of equations and bonds from what elements, loads and contact leave: the rest is of supports.
+  !> Subtracts the forces of equations and nonlinear MPCs from the residual forces: the rest are support reactions.
   subroutine extract_support_reactions(base, reaction)
     type(constraints_type), intent(in) :: base
     real(DP), intent(inout) :: reaction(:, :)      !< (3, n_nodes) [force]
@@ -131,7 +131,7 @@ contains
   end subroutine extract_support_reactions
 
 
-  !> K = K - sum multiplier * d2g/du2: the forces of bonds change as their directions turn.
+  !> K = K - sum multiplier * d2g/du2: the constraint forces change as their directions rotate.
   subroutine add_mpc_stiffness(base, assembly, model, fields)
     type(constraints_type), intent(in) :: base     !< finished
     type(assembly_type), intent(inout) :: assembly
@@ -161,7 +161,7 @@ contains
   end subroutine add_mpc_stiffness
 
 
-  !> The bonds linearised at u = 0, as equations.
+  !> The nonlinear MPCs linearized at u = 0, as equations.
   subroutine linearize_mpcs(model, equations)
     type(model_type), intent(in) :: model
     type(equation_type), allocatable, intent(out) :: equations(:)
@@ -187,7 +187,7 @@ contains
   end subroutine linearize_mpcs
 
 
-  !> The number of rows of a bond.
+  !> The number of rows of a constraint.
   pure integer function count_rows(bond) result(n)
     type(nonlinear_mpc_type), intent(in) :: bond
     n = 1
@@ -196,12 +196,12 @@ contains
   end function count_rows
 
 
-  !> The rows of one bond: dg/du, and -g as right-hand side.
+  !> The rows of one constraint: dg/du, and -g as right-hand side.
   subroutine evaluate_mpc_rows(bond, coordinates, u, is_nlgeom, rows)
     type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :)      !< (3, n_nodes) X [length]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    logical, intent(in) :: is_nlgeom               !< .false.: linearised at u = 0
+    logical, intent(in) :: is_nlgeom               !< .false.: linearized at u = 0
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
     if (bond%kind == MPC_RIGID_BODY) then
       call evaluate_rigid_body_rows(bond, coordinates, u, is_nlgeom, rows)
@@ -244,7 +244,7 @@ contains
   end subroutine evaluate_rigid_body_rows
 
 
-  !> The rows of the other kinds, which depend on the present places of their nodes (and the pilot).
+  !> The rows of the other kinds, which depend on the current positions of their nodes (and the pilot).
   subroutine evaluate_geometric_rows(bond, coordinates, u, is_nlgeom, rows)
     type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :), u(:, :)
@@ -272,12 +272,12 @@ contains
   end subroutine evaluate_geometric_rows
 
 
-  !> g (for TURN without the pilot) and its derivative by the places of the nodes.
+  !> g (for TURN without the pilot) and its derivative with respect to the positions of the nodes.
   subroutine evaluate_constraint(bond, k, X, position, g, dg)
     type(nonlinear_mpc_type), intent(in) :: bond
-    integer, intent(in) :: k                       !< which row of the bond
+    integer, intent(in) :: k                       !< index of the row in the constraint
     real(DP), intent(in) :: X(:, :)                !< (3, n) reference [length]
-    real(DP), intent(in) :: position(:, :)            !< (3, n) present [length]
+    real(DP), intent(in) :: position(:, :)            !< (3, n) current [length]
     real(DP), intent(out) :: g                     !< [length]
     real(DP), intent(out) :: dg(:, :)              !< (3, n) [-]
     real(DP) :: a(3), b(3), c(3), t(3), d
@@ -313,7 +313,7 @@ contains
   end subroutine evaluate_constraint
 
 
-  !> The global axis k (counted without the one that b is nearest to): the rows of STRAIGHT are components of a x b.
+  !> The global axis k (counted without the one nearest to b): the rows of STRAIGHT are components of a x b.
   pure function global_axis(b, k) result(t)
     real(DP), intent(in) :: b(3)
     integer, intent(in) :: k                       !< 1 or 2
@@ -323,9 +323,9 @@ contains
   end function global_axis
 
 
-  !> The mean angle by which the nodes have turned about an axis through their centre, times the mean radius.
+  !> The mean rotation of the nodes about an axis through their centre, times the mean radius.
   !!
-  !! The angle of a node is that between its arms, as seen along the axis; nodes on the axis do not count.
+  !! The rotation of a node is the angle between its arms in the plane normal to the axis; nodes on the axis do not count.
   subroutine evaluate_mean_rotation(axis, X, position, g, dg)
     real(DP), intent(in) :: axis(3)
     real(DP), intent(in) :: X(:, :), position(:, :)   !< (3, n) [length]
@@ -372,7 +372,7 @@ contains
   end function find_mean_radius
 
 
-  !> The nodes whose displacements the curvature of a bond couples.
+  !> The nodes whose displacements the second derivatives of a constraint couple.
   pure function list_hessian_nodes(bond) result(nodes)
     type(nonlinear_mpc_type), intent(in) :: bond
     integer, allocatable :: nodes(:)
@@ -384,11 +384,11 @@ contains
   end function list_hessian_nodes
 
 
-  !> sum multiplier * d2g/du2 of one bond, at u, between its curved nodes.
+  !> sum multiplier * d2g/du2 of one constraint, at u, between its nonlinear nodes.
   subroutine evaluate_mpc_hessian(bond, coordinates, u, multiplier, H)
     type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :), u(:, :)   !< (3, n_nodes) [length]
-    real(DP), intent(in) :: multiplier(:)          !< of the rows of the bond, in their order [force]
+    real(DP), intent(in) :: multiplier(:)          !< of the rows of the constraint, in their order [force]
     real(DP), allocatable, intent(out) :: H(:, :)  !< (3 n, 3 n) symmetric [force/length]
     real(DP), allocatable :: plus(:), minus(:), moved(:, :)
     integer, allocatable :: nodes(:)
@@ -413,7 +413,7 @@ contains
   end subroutine evaluate_mpc_hessian
 
 
-  !> sum multiplier * dg/du by the displacements of the curved nodes.
+  !> sum multiplier * dg/du with respect to the displacements of the nonlinear nodes.
   function sum_weighted_gradients(bond, coordinates, u_curved, multiplier) result(slope)
     type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :)
@@ -512,7 +512,7 @@ contains
   end function unknowns_of
 
 
-  !> The size of a bond: the largest distance of a node from the first one, or from the reference node.
+  !> The size of a constraint: the largest distance of a node from the first one, or from the reference node.
   pure real(DP) function find_mpc_size(bond, coordinates)
     type(nonlinear_mpc_type), intent(in) :: bond
     real(DP), intent(in) :: coordinates(:, :)
@@ -524,7 +524,7 @@ contains
   end function find_mpc_size
 
 
-  !> Leaves out the terms without a coefficient; the three of the node that is bound stay in front.
+  !> Removes the terms without a coefficient; the three of the constrained node stay in front.
   pure subroutine drop_zeros(row)
     type(constraint_row_type), intent(inout) :: row
     logical :: is_kept(size(row%unknown))

@@ -1,4 +1,4 @@
-!> Tie generation: equations for tied surfaces, cyclic symmetry and distributing couplings, once before the start.
+!> Converts tie constraints, cyclic symmetry and distributing couplings into linear equations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_tie_generation
   use amontons_kinds, only: DP
@@ -19,18 +19,18 @@ module amontons_tie_generation
   private
   public :: generate_ties
 
-  real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< nodes nearer than this times the mean edge of a facet are tied [-]
-  real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< the same of a sector: of the extent of its dependent side [-]
+  real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< position tolerance over the mean edge of a facet [-]
+  real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< matching tolerance of a sector, over the extent of its dependent side [-]
 
 contains
 
-  !> The equations of all ties and distributing couplings, and the coordinates of tied nodes on their masters.
+  !> The equations of all ties and distributing couplings, and the coordinates of tied nodes moved to their masters.
   subroutine generate_ties(model, equations, coordinates, error)
     type(model_type), intent(in) :: model
     type(equation_type), allocatable, intent(out) :: equations(:)
     real(DP), allocatable, intent(out) :: coordinates(:, :)   !< (3, n_nodes) of all nodes [length]
     type(error_type), allocatable, intent(out) :: error
-    type(mesh_type) :: mesh                        ! with tied nodes on their masters
+    type(mesh_type) :: mesh                        ! with tied nodes moved to their masters
     integer :: i
     mesh = model%mesh
     allocate (equations(0))
@@ -54,16 +54,16 @@ contains
   end subroutine generate_ties
 
 
-  !> The nodes of the slave stay where they are on the facets of the master: u = sum N_i u_i.
+  !> Ties the slave nodes to the facets of the master: u = sum N_i u_i.
   subroutine convert_tie(model, tie, mesh, equations, error)
     type(model_type), intent(in) :: model
     type(tie_type), intent(in) :: tie
-    type(mesh_type), intent(inout) :: mesh         !< out: slave nodes on their masters
+    type(mesh_type), intent(inout) :: mesh         !< out: slave nodes moved to their masters
     type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
-    type(projection_type) :: place
+    type(projection_type) :: projection
     real(DP), allocatable :: x(:, :)
     integer, allocatable :: slaves(:)
     real(DP) :: tolerance_length
@@ -79,12 +79,12 @@ contains
     slaves = model%surfaces(tie%slave)%nodes
     n_tied = 0
     do i = 1, size(slaves)
-      if (any(facets%nodes == slaves(i))) cycle    ! a node of both is one with itself
-      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, place)
-      if (place%status /= PROJECTION_INSIDE .or. place%facet == 0) cycle
+      if (any(facets%nodes == slaves(i))) cycle    ! a common node of both surfaces needs no tie
+      call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, projection)
+      if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) cycle
       n_tied = n_tied + 1
-      if (tie%is_adjusted) call evaluate_facet_point(facets, x, place%facet, place%xi, mesh%coordinates(:, slaves(i)))
-      call add_tie_equations(facets, place, slaves(i), tie%line, equations)
+      if (tie%is_adjusted) call evaluate_facet_point(facets, x, projection%facet, projection%xi, mesh%coordinates(:, slaves(i)))
+      call add_tie_equations(facets, projection, slaves(i), tie%line, equations)
     end do
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
@@ -92,27 +92,27 @@ contains
 
 
   !> The three equations of one tied node.
-  subroutine add_tie_equations(facets, place, slave, line, equations)
+  subroutine add_tie_equations(facets, projection, slave, line, equations)
     type(facets_type), intent(in) :: facets
-    type(projection_type), intent(in) :: place
+    type(projection_type), intent(in) :: projection
     integer, intent(in) :: slave, line
     type(equation_type), allocatable, intent(inout) :: equations(:)
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: nodes(MAX_FACE_NODES), n, k
-    call facet_nodes(facets, place%facet, n, nodes)
-    call facet_shapes(facets%kind(place%facet), place%xi, N_i, dN, ddN)
+    call facet_nodes(facets, projection%facet, n, nodes)
+    call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
     do k = 1, 3
       equations = [equations, new_equation([slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)]
     end do
   end subroutine add_tie_equations
 
 
-  !> Appends u_s = R sum N_i u_i for every node s of the dependent side, R the turn that brings the independent side onto it.
+  !> Appends u_s = R sum N_i u_i for every node s of the dependent side, with the rotation R of the independent side onto it.
   !!
-  !! Of the two senses the one counts in which more nodes find a partner. Errors: nodes without a partner (EXIT_SETUP).
+  !! Of the two senses of rotation the one with more matching nodes applies. Errors: nodes without a partner (EXIT_SETUP).
   subroutine convert_cyclic_symmetry(model, mesh, tie, equations, error)
     type(model_type), intent(in) :: model
-    type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes moved to their masters
     type(tie_type), intent(in) :: tie
     type(equation_type), allocatable, intent(inout) :: equations(:)
     type(error_type), allocatable, intent(out) :: error
@@ -153,19 +153,19 @@ contains
   end subroutine convert_cyclic_symmetry
 
 
-  !> For each node of the dependent side the nodes and weights of its place on the independent side; none if there is none.
+  !> For each node of the dependent side the nodes and weights of its matching point on the independent side, if any.
   subroutine find_cyclic_partners(model, mesh, tie, rotation_map, first, nodes, weight, error)
     type(model_type), intent(in) :: model
-    type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
+    type(mesh_type), intent(in) :: mesh            !< with tied nodes moved to their masters
     type(tie_type), intent(in) :: tie
-    real(DP), intent(in) :: rotation_map(3, 3)             !< brings the independent side onto the dependent one
+    real(DP), intent(in) :: rotation_map(3, 3)             !< rotates the independent side onto the dependent one
     integer, allocatable, intent(out) :: first(:)  !< (n + 1)
     integer, allocatable, intent(out) :: nodes(:)
     real(DP), allocatable, intent(out) :: weight(:)
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
-    real(DP) :: place(3), reach
+    real(DP) :: position(3), reach
     integer :: s, i
     logical :: has_faces
     associate (slaves => model%surfaces(tie%slave)%nodes, master => model%surfaces(tie%master), X => mesh%coordinates)
@@ -178,13 +178,13 @@ contains
       if (allocated(error)) return
       if (has_faces) call build_facet_search(facets, X, reach, search)
       do s = 1, size(slaves)
-        place = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
-        i = minloc(sum((X(:, master%nodes) - spread(place, 2, size(master%nodes)))**2, dim=1), dim=1)
-        if (norm2(X(:, master%nodes(i)) - place) <= reach) then
+        position = tie%centre + matmul(transpose(rotation_map), X(:, slaves(s)) - tie%centre)
+        i = minloc(sum((X(:, master%nodes) - spread(position, 2, size(master%nodes)))**2, dim=1), dim=1)
+        if (norm2(X(:, master%nodes(i)) - position) <= reach) then
           nodes = [nodes, master%nodes(i)]
           weight = [weight, 1.0_DP]
         else if (has_faces) then
-          call append_facet_weights(facets, search, X, place, reach, nodes, weight)
+          call append_facet_weights(facets, search, X, position, reach, nodes, weight)
         end if
         first(s + 1) = size(nodes) + 1
       end do
@@ -192,17 +192,17 @@ contains
   end subroutine find_cyclic_partners
 
 
-  !> Appends the nodes of the facet at a place, if there is one within reach.
-  subroutine append_facet_weights(facets, search, X, place, reach, nodes, weight)
+  !> Appends the nodes of the facet at a point, if one is within the tolerance.
+  subroutine append_facet_weights(facets, search, X, position, reach, nodes, weight)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search
-    real(DP), intent(in) :: X(:, :), place(3), reach   !< [length]
+    real(DP), intent(in) :: X(:, :), position(3), reach   !< [length]
     integer, allocatable, intent(inout) :: nodes(:)
     real(DP), allocatable, intent(inout) :: weight(:)
     type(projection_type) :: projection
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: corners(MAX_FACE_NODES), n
-    call find_projection(facets, search, X, place, reach, projection)
+    call find_projection(facets, search, X, position, reach, projection)
     if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) return
     call facet_nodes(facets, projection%facet, n, corners)
     call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
@@ -211,7 +211,7 @@ contains
   end subroutine append_facet_weights
 
 
-  !> u_s(k) - sum_j R(k, j) sum_i N_i u_i(j) = 0; terms of a node on the axis, which is its own partner, are added up.
+  !> u_s(k) - sum_j R(k, j) sum_i N_i u_i(j) = 0; the terms of a node on the axis, which is its own partner, are summed.
   subroutine add_rotated_equation(slave, k, partners, weight, rotation_map, line, equations)
     integer, intent(in) :: slave, k
     integer, intent(in) :: partners(:)
@@ -234,7 +234,7 @@ contains
       end do
     end do
     associate (is_kept => abs(equation%coefficient) > 1.0e-14_DP)
-      if (.not. any(is_kept)) return               ! along the axis a node on it is free
+      if (.not. any(is_kept)) return               ! a node on the axis is free along it
       equation%node = pack(equation%node, is_kept)
       equation%dof = pack(equation%dof, is_kept)
       equation%coefficient = pack(equation%coefficient, is_kept)
@@ -246,11 +246,11 @@ contains
   end subroutine add_rotated_equation
 
 
-  !> The reference node moves with the mean rigid motion of the surface, weighted by area.
+  !> Couples the reference node to the mean rigid motion of the surface, weighted by area.
   !!
-  !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the
-  !! reference node has u = u_c + t x (X - c) and the rotation t. Its forces and moments so spread over the nodes as
-  !! w (f + inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
+  !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the reference node
+  !! has u = u_c + t x (X - c) and the rotation t. Its forces and moments are thereby distributed over the nodes as w (f +
+  !! inverse(J) m x r). The arms are those of the undeformed body, under NLGEOM too (as in CalculiX).
   subroutine convert_distributing_coupling(model, mesh, coupling, equations, error)
     type(model_type), intent(in) :: model
     type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
@@ -330,7 +330,7 @@ contains
   end subroutine find_nodal_weights
 
 
-  !> The matrix of u -> (turn u) x arm.
+  !> The matrix of u -> (rotation of u) x arm.
   pure function rotation_moment_matrix(arm, rotation_map) result(M)
     real(DP), intent(in) :: arm(3), rotation_map(3, 3)
     real(DP) :: M(3, 3)
@@ -341,7 +341,8 @@ contains
   end function rotation_moment_matrix
 
 
-  !> The centre of weighted nodes, and the matrices with mean rotation t = sum turn_i u_i. In the plane nodes turn about z alone.
+  !> The centre of weighted nodes, and the matrices of the mean rotation t = sum turn_i u_i. In the plane nodes rotate about z
+  !! alone.
   pure subroutine find_mean_rotation(x, weight, is_plane, centre, rotation_map, is_ok)
     real(DP), intent(in) :: x(:, :)              !< (3, n) [length]
     real(DP), intent(in) :: weight(:)            !< (n) sum 1

@@ -1,9 +1,7 @@
-!> Contact forces: the node loop: whether each slave node touches, sticks or slips, and the force on it.
+!> Contact evaluation: trial traction, status (open, stick, slip) and contact force of every slave node at a configuration.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-!!
-!! Theory: doc/theory/contact.md. Where contact is exact the force on a slave node is its own imbalance with the sign turned, as far
-!! as contact can give it (`evaluate_hard_node`); under a compliant law it is the law's (`evaluate_compliant_node`). The masters
-!! get the opposite
+!! Theory: doc/theory/contact.md. Under exact contact the force on a slave node is minus its imbalance, as far as the contact laws
+!! admit it (`evaluate_hard_node`); under a compliant law it is the law's (`evaluate_compliant_node`). The masters get the opposite
 !! force with the weights of the row.
 module amontons_contact_evaluation
   use amontons_kinds, only: DP
@@ -28,26 +26,26 @@ module amontons_contact_evaluation
   private
   public :: evaluate_contact, elastic_trial_slip, has_other_constraints
 
-  real(DP), parameter :: TOL_CLOSING = 1.0e-10_DP       !< an open node closes when it is deeper than this times the facet's edge
-                                                        !! [-]
-  real(DP), parameter :: TOL_OPENING = 1.0e-12_DP       !< a closed node opens when it is pulled off by more than this times the
-                                                        !! edge [-]
-  real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is rounding [-]
+  real(DP), parameter :: TOL_CLOSING = 1.0e-10_DP  !< an open node closes at a penetration larger than this times the facet's edge
+                                                   !! [-]
+  real(DP), parameter :: TOL_OPENING = 1.0e-12_DP  !< a closed node opens at a tension displacement larger than this times the edge
+                                                   !! [-]
+  real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is at rounding level [-]
   real(DP), parameter :: SLIP_ZERO = 1.0e-12_DP    !< for the slip scenarios a slip up to this times the edge is zero [-]
-  real(DP), parameter :: MIN_FREE_NORMAL = 1.0e-6_DP    !< a normal with a smaller free part than this is held by supports [-]
-  real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP          !< a node that supports lead farther than this times the edge
-                                                                  !! slides [-]
+  real(DP), parameter :: MIN_FREE_NORMAL = 1.0e-6_DP    !< a normal with a smaller free part than this is fixed by supports [-]
+  real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP  !< a larger displacement imposed by supports, over the edge, is sliding
+                                                          !! [-]
 
 contains
 
   !> Positions, statuses and contact forces of all slave nodes at a configuration.
   !!
-  !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 where a support holds).
-  !! After: slaves, contact_force, and in `contact` the view for the slip procedure and the counts of changes.
+  !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 at supports). After: slaves, contact_force,
+  !! and in `contact` the data of the slip scenarios and the counts of changes.
   subroutine evaluate_contact(contact, model, old, imbalance, is_frozen, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: old           !< committed: where the increment started
+    type(fields_type), intent(in) :: old           !< committed: start of the increment
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) [force]
     logical, intent(in) :: is_frozen               !< .true.: keep every status
     type(fields_type), intent(inout) :: fields
@@ -86,7 +84,7 @@ contains
   end subroutine evaluate_contact
 
 
-  !> The imbalance that the contact force of a slave node has to answer: by the row by which it sticks, where it sticks.
+  !> The imbalance that the contact force of a slave node balances: for a sticking node that of its origin's row.
   pure function row_imbalance(contact, slave, imbalance) result(own)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -102,7 +100,7 @@ contains
   end function row_imbalance
 
 
-  !> The imbalance with the contact forces that are known by now, condensed onto the free unknowns.
+  !> The imbalance with the contact forces known so far, condensed onto the free unknowns.
   subroutine add_known_reactions(contact, contact_force, imbalance, total)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: contact_force(:, :)    !< (3, n_nodes) [force]
@@ -114,7 +112,7 @@ contains
   end subroutine add_known_reactions
 
 
-  !> One slave node: where it is, and what its law makes of that.
+  !> Evaluates one slave node: its projection, then its contact law.
   subroutine evaluate_slave(contact, model, old, u_old, x, is_frozen, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -140,8 +138,8 @@ contains
   end subroutine evaluate_slave
 
 
-  !> A slave node of exact contact: its status by the trial traction along what supports and other pairs leave free, its force
-  !! from its imbalance. Theory: doc/theory/contact.md, section 3.
+  !> A slave node of exact contact: its status by the trial traction in the directions that supports and other pairs leave free, its
+  !! force from its imbalance. Theory: doc/theory/contact.md, section 3.
   subroutine evaluate_hard_node(contact, model, old, u_old, is_frozen, status_before, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -180,7 +178,7 @@ contains
       call evaluate_status()
       if (slave%status /= STATUS_OPEN .and. slave%origin_facet == 0) then
         call set_first_touch_origin(contact, model, u_old, fields%u, slave)
-        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! since first touch: stick or slip is asked again
+        d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! slip from first touch decides on stick or slip
         call evaluate_status()
       end if
       if (status_before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (is_rough(law) .or. has_other_constraints(contact, &
@@ -197,8 +195,8 @@ contains
 
   contains
 
-    !> Trial traction and status. An open node that grazes its master stays open: it would only chatter. One that touches without
-    !! any force stays closed: rounding would choose.
+    !> Trial traction and status. Hysteresis prevents open/close oscillation of a node at zero gap; a closed node without force
+    !! stays closed, since otherwise rounding would decide.
     subroutine evaluate_status()
       real(DP) :: gap
       associate (slave => fields%slaves(s))
@@ -212,9 +210,9 @@ contains
       end associate
     end subroutine evaluate_status
 
-    !> Normal force and friction by the status; of a routine of the user where the pair has one.
+    !> Normal force and friction by the status; by the user routine if the pair has one.
     subroutine set_forces(N)
-      real(DP), intent(in) :: N                    !< normal force that the imbalance asks for [force]
+      real(DP), intent(in) :: N                    !< normal force required by the imbalance [force]
       integer :: status
       associate (slave => fields%slaves(s))
         status = slave%status
@@ -237,7 +235,7 @@ contains
   end subroutine evaluate_hard_node
 
 
-  !> A slave node that is not over its master, or whose normal supports hold, is open.
+  !> A slave node without a facet, or whose normal is fixed by supports, is open.
   subroutine release_slave(contact, old, status_before, s, slave)
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: old
@@ -252,11 +250,11 @@ contains
   end subroutine release_slave
 
 
-  !> The friction limit of a closed node as the slip scenarios take it: by its coefficient, TAUMAX or the user's routine.
+  !> The friction limit of a closed node for the slip scenarios: from its coefficient, TAUMAX or the user routine.
   !!
-  !! Exact contact: the coefficient of the node, 0 where its friction is suppressed, with the normal force that acts along the
-  !! normal itself. Compliant law: that of the law. FRIC: the shear that it gave. A node that FRIC holds, a ROUGH one and a TIED
-  !! one have no limit.
+  !! Exact contact: the coefficient of the node, 0 if its friction is suppressed, with the force along its full normal. Compliant
+  !! law: that of the law. FRIC: the shear force that it returned. Nodes that FRIC holds and nodes of ROUGH and TIED laws have no
+  !! limit.
   pure real(DP) function limit_of(contact, slave, s, N) result(limit)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave          !< evaluated
@@ -280,8 +278,8 @@ contains
   end function limit_of
 
 
-  !> Whether supports alone move a slave along its master: none of its directions along the master is free. What friction is
-  !! there the supports carry, and the node is not to be held where it first touched.
+  !> Whether supports alone move a slave along its master: none of its tangential directions is free. The supports carry the
+  !! friction there, and the node must not stick to its first-touch point.
   pure logical function is_prescribed_tangentially(free, d, edge)
     real(DP), intent(in) :: free(3, 3)             !< its free directions
     real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) along the master [length]
@@ -290,12 +288,12 @@ contains
   end function is_prescribed_tangentially
 
 
-  !> FRIC at a slave node of exact contact: LM = 1 sticks, all else slips by the shear that it gives.
+  !> FRIC at a slave node of exact contact: LM = 1 sticks, otherwise the node slips with the shear that FRIC returns.
   subroutine apply_fric_hard(contact, model, status_before, required_traction, d, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     integer, intent(in) :: status_before                  !< status before
-    real(DP), intent(in) :: required_traction(3)                !< imbalance over the area: what the contact has to answer [stress]
+    real(DP), intent(in) :: required_traction(3)  !< imbalance over the area: the traction required from contact [stress]
     real(DP), intent(in) :: d(3)                   !< slip in this increment [length]
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
@@ -310,7 +308,7 @@ contains
   end subroutine apply_fric_hard
 
 
-  !> Whether supports hold a slave in a direction along which its master slides: its gap is not that from its origin then.
+  !> Whether supports fix a slave in a direction in which its master slides: its gap is then not measured from its origin.
   pure logical function has_sliding_support(free, d, edge)
     real(DP), intent(in) :: free(3, 3)             !< its free directions
     real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) [length]
@@ -319,8 +317,7 @@ contains
   end function has_sliding_support
 
 
-  !> Whether a slave is held in directions along the master beside contact: by other pairs, or by supports along which the master
-  !! slides.
+  !> Whether other constraints fix a slave in tangential directions: other pairs, or supports along which the master slides.
   pure logical function has_other_constraints(contact, s)
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: s
@@ -329,7 +326,7 @@ contains
   end function has_other_constraints
 
 
-  !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open beyond the law's reach.
+  !> A slave node under a compliant law: its force is the law's, whatever the imbalance; open outside the activation range.
   subroutine evaluate_compliant_node(contact, model, old, u_old, imbalance, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -381,7 +378,7 @@ contains
   end subroutine evaluate_compliant_node
 
 
-  !> What a slave node under a compliant law is asked for, but for its slip.
+  !> Sets up the local problem of a slave node under a compliant law, without its slip.
   pure type(local_problem_type) function build_local_problem(contact, slave, imbalance, s) result(local_problem)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -398,7 +395,7 @@ contains
   end function build_local_problem
 
 
-  !> Whether no other row gives a force to the nodes whose imbalance is that of a slave's row.
+  !> Whether no other row gives a force to the nodes whose imbalances form that of a slave's row.
   pure logical function is_row_uncoupled(contact, slave, s)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -408,26 +405,26 @@ contains
   end function is_row_uncoupled
 
 
-  !> Status, force and energy of a slave node as its law and the bodies meet.
-  pure subroutine apply_local_equilibrium(met, slave)
-    type(local_solution_type), intent(in) :: met
+  !> Status, force and energy of a slave node from the solution of its local problem.
+  pure subroutine apply_local_equilibrium(solution, slave)
+    type(local_solution_type), intent(in) :: solution
     type(slave_state_type), intent(inout) :: slave
-    slave%status = merge(STATUS_SLIP, STATUS_STICK, met%is_slipping)
-    if (met%is_open) slave%status = STATUS_OPEN
-    slave%force = met%pressure * slave%area * slave%normal
-    slave%shear = met%shear
-    slave%elastic = met%elastic
-    slave%slip_increment = met%slip
-    slave%energy = met%energy
+    slave%status = merge(STATUS_SLIP, STATUS_STICK, solution%is_slipping)
+    if (solution%is_open) slave%status = STATUS_OPEN
+    slave%force = solution%pressure * slave%area * slave%normal
+    slave%shear = solution%shear
+    slave%elastic = solution%elastic
+    slave%slip_increment = solution%slip
+    slave%energy = solution%energy
   end subroutine apply_local_equilibrium
 
 
-  !> FRIC at a slave node of a compliant law: LM = 1 sticks by the stick slope, as the law has it without a friction limit.
+  !> FRIC at a slave node of a compliant law: LM = 1 sticks with the stick slope, as the law without a friction limit.
   subroutine apply_fric_compliant(contact, model, status_before, required_traction, d, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     integer, intent(in) :: status_before                  !< status before
-    real(DP), intent(in) :: required_traction(3)                !< what the contact has to answer [stress]
+    real(DP), intent(in) :: required_traction(3)                !< traction required from contact [stress]
     real(DP), intent(in) :: d(3)                   !< tangential slip in this increment [length]
     integer, intent(in) :: s                       !< index of the slave
     type(fields_type), intent(inout) :: fields
@@ -436,7 +433,7 @@ contains
     call apply_fric_hard(contact, model, status_before, required_traction, d, s, fields)
     if (contact%user_responses(s)%is_stuck) then
       fields%slaves(s) = stuck
-    else                                           ! no elastic slip, nor its energy
+    else                                           ! neither elastic slip nor its energy
       fields%slaves(s)%elastic = 0.0_DP
       fields%slaves(s)%energy = stuck%energy + 0.5_DP * dot_product(stuck%shear, stuck%elastic)
       contact%local_equilibrium(s)%law_linearization_force = 0.0_DP
@@ -444,7 +441,7 @@ contains
   end subroutine apply_fric_compliant
 
 
-  !> Tangential displacement of a slave node under a compliant law, counted as if all since the last commit were elastic.
+  !> Tangential displacement of a slave node under a compliant law, taken as elastic since the last commit.
   pure function elastic_trial_slip(contact, model, old, u, slave) result(d)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -454,18 +451,17 @@ contains
     real(DP) :: d(3)
     d = old%elastic + contact_slip_vector(contact, model, u, slave)
     d = d - dot_product(slave%normal, d) * slave%normal
-    if (norm2(d) <= TOL_SLIP_ROUNDING * contact%edge(slave%pair)) d = 0.0_DP   ! one that only touches has no shear to resist
-                                                                               ! rounding
+    if (norm2(d) <= TOL_SLIP_ROUNDING * contact%edge(slave%pair)) d = 0.0_DP   ! no shear from rounding at first touch
   end function elastic_trial_slip
 
 
-  !> Counts changes of status and keeps the worst violation of a closed node.
+  !> Counts changes of status and records the largest gap error of a closed node.
   subroutine count_changes(contact, status_before, s, slave, from_origin)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: status_before                  !< status before
     integer, intent(in) :: s
     type(slave_state_type), intent(in) :: slave
-    real(DP), intent(in) :: from_origin            !< exact contact: distance from where it sticks [length]
+    real(DP), intent(in) :: from_origin            !< exact contact: distance from the stick origin [length]
     real(DP) :: distance
     if (slave%status /= status_before) contact%n_changed = contact%n_changed + 1
     if (slave%status == STATUS_OPEN .and. status_before /= STATUS_OPEN) contact%n_newly_opened = contact%n_newly_opened + 1
@@ -481,7 +477,7 @@ contains
   end subroutine count_changes
 
 
-  !> The force on the slave and its reaction on the nodes of the facet, and what a law gives more where the slave is.
+  !> Adds the force on the slave, its reaction on the nodes of the facet, and the linearization force of a compliant law.
   subroutine add_contact_force(contact, s, slave, contact_force)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: s                       !< index of the slave

@@ -1,4 +1,4 @@
-!> Contact start: where the slaves stand before the first iteration of an increment and of the job, and what overlap they may have.
+!> Contact initialization at the start of a job, step or increment: projections, initial status, interference, areas, ADJUST.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_contact_initialization
   use amontons_kinds, only: DP, PI
@@ -23,12 +23,12 @@ module amontons_contact_initialization
   public :: initialize_contact
   public :: find_adjustment
 
-  real(DP), parameter :: TOL_INITIAL_CONTACT = 1.0e-6_DP        !< at the start a node nearer than this times the facet's edge
-                                                                !! touches [-]
+  real(DP), parameter :: TOL_INITIAL_CONTACT = 1.0e-6_DP  !< at the start a node nearer than this times the facet's edge is closed
+                                                          !! [-]
 
 contains
 
-  !> Before the first iteration: find facets for nodes that have none, and set the origins of the closed ones.
+  !> Before the first iteration: searches facets for nodes without one, and sets the origins of the closed nodes.
   subroutine initialize_contact(contact, model, is_nlgeom, is_step_start, u_start, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -84,7 +84,7 @@ contains
         if (is_new .and. slave%facet > 0 .and. slave%gap <= TOL_INITIAL_CONTACT * contact%edge(p)) slave%status = STATUS_STICK
         slave%scenario = 0
         slave%is_in_law_range = .false.
-        if (is_rough(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! where it slid to
+        if (is_rough(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! at its current position
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0
         if (slave%status /= STATUS_OPEN) call set_stick_origin(contact, model, fields%u, slave%facet, slave%xi, slave)
@@ -92,7 +92,7 @@ contains
     end do
     if (contact%shared_slaves%has_reaction_chains) call list_reachable_nodes(contact, model, fields%slaves, nodes_in_reach)
     call order_slave_levels(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%shared_slaves)
-    where (contact%is_pretension_duplicate) fields%slaves%overrides%edge = NODE_OVERRIDE_GIVES_WAY
+    where (contact%is_pretension_duplicate) fields%slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do s = 1, size(fields%slaves)
       if (.not. gives_way(fields%slaves(s)%overrides)) cycle
       call detach_slave(fields%slaves(s))
@@ -103,7 +103,8 @@ contains
   end subroutine initialize_contact
 
 
-  !> Pairs that are an earlier one with its sides changed, both surface to surface: in the mean of the one the other holds too.
+  !> Pairs that are an earlier one with exchanged sides, both surface-to-surface: the constraint of one enforces the other in the
+  !! mean.
   function mirrored_pairs(contact, model) result(is_mirrored)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -118,8 +119,9 @@ contains
   end function mirrored_pairs
 
 
-  !> The nodes to which slaves may give a force within the increment: those of the facet and around it, and of a mortar row all its
-  !! master nodes; under a law also their own. A force on a mid-side node of a mortar pair is felt at the corners beside it too.
+  !> The nodes to which slaves may give a force within the increment: those of the facet and around it, for a mortar row all its
+  !! master nodes; under a compliant law also their own. A force on a mid-side node of a mortar pair acts on the adjacent corners
+  !! too.
   subroutine list_reachable_nodes(contact, model, slaves, reach)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -152,7 +154,7 @@ contains
 
   contains
 
-    !> The nodes of one slave, some of them twice.
+    !> The nodes of one slave, with repetitions.
     subroutine add_reachable_nodes(s)
       integer, intent(in) :: s
       integer :: own
@@ -171,7 +173,7 @@ contains
   end subroutine list_reachable_nodes
 
 
-  !> Whether a slave node that touches its meshed master is beyond an edge of it.
+  !> Whether a closed slave node is beyond an edge of its meshed master.
   pure logical function is_beyond_edge(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -180,7 +182,7 @@ contains
   end function is_beyond_edge
 
 
-  !> Whether a pair keeps weights and normals throughout a step. Under the calculix dialect springs at slave nodes and MORTAR follow
+  !> Whether a pair has fixed weights and normals in a step. Under the calculix dialect node-to-surface and MORTAR pairs follow
   !! their master in any step, as in CalculiX.
   pure logical function uses_fixed_geometry(contact, model, is_nlgeom, p) result(is_kept)
     type(contact_type), intent(in) :: contact
@@ -196,7 +198,7 @@ contains
   end function uses_fixed_geometry
 
 
-  !> The start of the job: the gap of a pair with CLEARANCE is that, the gap of a tied one nothing.
+  !> Start of the job: CLEARANCE prescribes the gap of a pair; the gap of a tied node is zero.
   subroutine initialize_slave(contact, model, slave)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -209,11 +211,12 @@ contains
   end subroutine initialize_slave
 
 
-  !> The overclosure that is allowed: all of it at the start of the step, nothing at its end.
-  !! Under the calculix dialect, as CalculiX has it: what a slave node overlaps at the start of the job goes over the first
-  !! increment, as if that were the step, and is then felt whole. Of points: in the first step what a point overlaps at the start of
-  !! an increment goes over the rest of the step, again in each increment; in later steps only what an open one overlaps at the
-  !! start, and that over the first increment. CLEARANCE grows with the time of each step there.
+  !> The allowed overclosure: full at the start of the step, zero at its end.
+  !!
+  !! Under the calculix dialect, as in CalculiX: the initial overclosure of a slave node at the start of the job is ramped down over
+  !! the first increment, as if that were the step, and acts fully afterwards. Integration points: in the first step the overclosure
+  !! of a point at the start of an increment is ramped down over the rest of the step, again in each increment; in later steps only
+  !! that of an open point, over the first increment. CLEARANCE grows with the time of each step there.
   subroutine ramp_interference(contact, is_step_start, fields, slave)
     type(contact_type), intent(in) :: contact
     logical, intent(in) :: is_step_start
@@ -235,7 +238,7 @@ contains
       is_new = fields%step <= 1 .and. (is_step_start .or. slave%slave_facet > 0)
       is_new = is_new .or. (slave%slave_facet > 0 .and. is_step_start .and. slave%status == STATUS_OPEN)
       remaining_share = 1.0_DP - (fields%step_time - fields%time_increment) / contact%period
-      is_new = is_new .and. fields%time_increment > 0.0_DP .and. remaining_share > 0.0_DP   ! not in the audit before the first step
+      is_new = is_new .and. fields%time_increment > 0.0_DP .and. remaining_share > 0.0_DP   ! not in the model check
       slave%allowed = 0.0_DP
       if (slave%facet > 0 .and. is_new) slave%allowed = max(0.0_DP, -(gap_without_offset + clearance_now)) / remaining_share
     end if
@@ -245,8 +248,8 @@ contains
   end subroutine ramp_interference
 
 
-  !> The areas of the slave nodes of compliant pairs as the bodies are deformed now: the laws speak of true pressures. A
-  !! slave node without faces of its own takes the area of its facet.
+  !> The areas of the slave nodes of compliant pairs in the current configuration: the laws define true pressures. A slave node
+  !! without faces of its own has the area of its facet.
   subroutine update_areas(contact, model, x, slaves)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -266,7 +269,7 @@ contains
         else if (slaves(s)%facet > 0 .and. .not. allocated(contact%facets(p)%profile)) then
           call evaluate_facet_weights(contact%facets(p), slaves(s)%facet, slaves(s)%xi, n, nodes, weights, dN)
           depth = out_of_plane_depth(model%mesh, contact%facets(p)%element(slaves(s)%facet))
-          if (depth < 0.0_DP) depth = 2 * PI * x(1, slaves(s)%node)   ! of the circle on which the node is
+          if (depth < 0.0_DP) depth = 2 * PI * x(1, slaves(s)%node)   ! length of the node's circle
           call integrate_face_area(x(:, nodes(:n)), contact%facets(p)%kind(slaves(s)%facet), depth, vector, slaves(s)%area)
         end if
       end do
@@ -275,17 +278,17 @@ contains
   end subroutine update_areas
 
 
-  !> ADJUST: the ways of the slave nodes that penetrate or are nearer than the distance, along the master's normal; those of
-  !! the given set wherever they are. A mid-side node that follows its corners moves by half of what they move.
+  !> ADJUST: the adjustments of slave nodes that penetrate or are nearer than the distance, along the master's normal; nodes of the
+  !! given set at any distance. A constrained mid-side node moves by the mean of its corners.
   !!
-  !! As in Abaqus and CalculiX the job is solved on the moved mesh: `model_setup` adds the ways to the coordinates.
-  !! Cost: one search.
+  !! As in Abaqus and CalculiX the job is solved on the adjusted mesh: the caller adds the adjustments to the coordinates. Cost: one
+  !! search.
   subroutine find_adjustment(model, adjustment, error)
     type(model_type), intent(in) :: model
-    real(DP), intent(out) :: adjustment(:, :)             !< (3, n_nodes) from where the nodes are [length]
+    real(DP), intent(out) :: adjustment(:, :)             !< (3, n_nodes) from the current positions [length]
     type(error_type), allocatable, intent(out) :: error
     type(contact_type) :: contact
-    type(model_type) :: by_nodes                   ! the same with node-to-surface contact: nodes are moved, not faces
+    type(model_type) :: by_nodes                   ! the same with node-to-surface contact: nodes are adjusted, not faces
     type(state_type) :: state
     type(slave_state_type), allocatable :: slaves(:)
     integer :: s, i
@@ -311,7 +314,7 @@ contains
   end subroutine find_adjustment
 
 
-  !> Whether a slave node is to be moved.
+  !> Whether a slave node is to be adjusted.
   pure logical function is_adjusted(model, slave)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slave

@@ -1,9 +1,9 @@
-!> Contact points: surface-to-surface pairs whose springs stand at points of the slave faces: made anew for each increment.
+!> Surface-to-surface penalty contact at integration points of the slave faces; points are regenerated at each increment.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Springs at points". A point is a slave like a node: its row has the shape functions of its slave
-!! face as weights, and those of the master face with the sign turned. Where the points are and what they face is decided at the
-!! start of an increment; what a new point remembers is that of the nearest old one of its face.
+!! Theory: doc/theory/contact.md, section 8. An integration point is a slave like a node: the weights of its row are the shape
+!! functions of its slave face and minus those of the master face. Positions of the points and their master points are determined at
+!! the start of an increment; a new point takes the state of the nearest old one of its face.
 module amontons_contact_integration_points
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
@@ -20,16 +20,16 @@ module amontons_contact_integration_points
   private
   public :: update_points, nearest_point
 
-  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< two distances in natural coordinates are one within this [-]
+  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< two distances in natural coordinates are equal within this [-]
 
 contains
 
-  !> The points of all pairs that have them, with the bodies as they are committed. After: both states have the same slaves, those
-  !! of other pairs first.
+  !> Generates the points of all pairs that have them, in the committed configuration. After: both states have the same slaves,
+  !! those of other pairs first.
   subroutine update_points(contact, model, state)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
-    type(state_type), intent(inout) :: state       !< trial and committed slaves are the same but for what an iteration made of them
+    type(state_type), intent(inout) :: state       !< trial and committed slaves are equal except for changes by an iteration
     type(slave_state_type), allocatable :: old(:), new(:), points(:)
     real(DP), allocatable :: x(:, :)
     integer :: p
@@ -49,12 +49,12 @@ contains
   end subroutine update_points
 
 
-  !> The points of one pair with their rows and places, and what they remember.
+  !> The points of one pair with their rows, positions and states.
   subroutine create_points(contact, pair, x, before, points)
     type(contact_type), intent(inout) :: contact
     integer, intent(in) :: pair
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    type(slave_state_type), intent(in) :: before(:)      !< the points of the pair as committed
+    type(slave_state_type), intent(in) :: before(:)      !< the committed points of the pair
     type(slave_state_type), allocatable, intent(out) :: points(:)
     type(facing_point_type), allocatable :: face_points(:)
     integer :: first(contact%mortar(pair)%slave%n + 1)
@@ -88,7 +88,7 @@ contains
   end subroutine create_points
 
 
-  !> Rows, places and origins for n points.
+  !> Allocates rows, positions and origins for n points.
   subroutine allocate_rows(mortar, n)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: n
@@ -98,7 +98,7 @@ contains
   end subroutine allocate_rows
 
 
-  !> Where the points of each slave facet begin: points stand facet by facet.
+  !> Start of each slave facet's points: points are ordered by facet.
   pure subroutine index_by_facet(points, first)
     type(slave_state_type), intent(in) :: points(:)
     integer, intent(out) :: first(:)               !< (facets + 1)
@@ -114,11 +114,11 @@ contains
   end subroutine index_by_facet
 
 
-  !> What a point takes over from the nearest old one of its facet. A facet that had none takes over nothing, but is not at the
-  !! start of the job if the pair had points.
+  !> The state of a point from the nearest old one of its facet. A facet without old points has none, but is not at the start of the
+  !! job if the pair had points.
   pure subroutine inherit_state(before, first, point, slave)
     type(slave_state_type), intent(in) :: before(:)
-    integer, intent(in) :: first(:)                !< (facets + 1) where those of a facet begin
+    integer, intent(in) :: first(:)                !< (facets + 1) start of each facet's points
     type(facing_point_type), intent(in) :: point
     type(slave_state_type), intent(out) :: slave
     real(DP) :: places(2, first(point%slave + 1) - first(point%slave))
@@ -132,7 +132,7 @@ contains
   end subroutine inherit_state
 
 
-  !> The place nearest to a point; of equally near ones (symmetry makes them, rounding parts them) the first. 0: there is none.
+  !> The old point nearest to a point; of equally near ones (by symmetry, separated by rounding) the first. 0: none.
   pure integer function nearest_point(places, at) result(nearest)
     real(DP), intent(in) :: places(:, :)           !< (2, n) natural coordinates [-]
     real(DP), intent(in) :: at(2)                  !< [-]
@@ -149,7 +149,7 @@ contains
   end function nearest_point
 
 
-  !> The row of a point: each node once, also where slave and master share it or a facet is collapsed.
+  !> The row of a point: each node once, also if slave and master share it or a facet is collapsed.
   pure subroutine build_point_row(slave, master, point, row)
     type(facets_type), intent(in) :: slave, master
     type(facing_point_type), intent(in) :: point
@@ -163,7 +163,7 @@ contains
     call add_nodes(nodes(:n), -weights(:n), m, own, of_row)
     row%nodes = own(:m)
     row%weights = of_row(:m)
-    allocate (row%imbalance_nodes(0), row%imbalance_weights(0))           ! no imbalance of a node is the point's
+    allocate (row%imbalance_nodes(0), row%imbalance_weights(0))           ! the point has no nodal imbalance
   end subroutine build_point_row
 
 
@@ -188,7 +188,7 @@ contains
   end subroutine add_nodes
 
 
-  !> The node of the slave facet that takes most of a point, for messages.
+  !> The node of the slave facet with the largest weight of a point, for messages.
   pure integer function nearest_node(slave, point) result(node)
     type(facets_type), intent(in) :: slave
     type(facing_point_type), intent(in) :: point

@@ -1,9 +1,9 @@
-!> Contact tangent: how the contact forces of the closed nodes change, and the rows that hold them on the master.
+!> Consistent linearization of the contact forces and the constraint rows of closed nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Linearisation". A closed slave node carries the force lambda, a function of the imbalance
-!! Rhat of its row and of the positions around it; node k of the row gets w_k lambda (w = 1 at the slave, -N_i at the
-!! master nodes). So
+!! Theory: doc/theory/contact.md, "Linearisation". The force lambda on a closed slave node is a function of the imbalance Rhat of
+!! its row and of the nodal positions around it; node k of the row gets w_k lambda (w = 1 at the slave, -N_i at the master nodes).
+!! So
 !!     d F_k = w_k d lambda + lambda (dw_k/dxi . d xi),
 !!     d lambda = lambda_R sum b_k d Rhat_k + sum_j lambda_j d u_j.
 module amontons_contact_linearization
@@ -24,34 +24,34 @@ module amontons_contact_linearization
   private
   public :: contact_tangent_type, linearize_contact, drop_unsymmetric_terms, add_contact_rows
 
-  !> The linearised contact force of one closed slave node.
+  !> The linearized contact force of one closed slave node.
   type :: contact_tangent_type
     integer :: slave = 0                           !< index of the slave
     integer :: node = 0                            !< its node
-    integer :: level = 1                           !< it carries what slaves of lower levels bring
-    integer :: n_weights = 0                       !< nodes of the row: the first of nodes(:), the slave before all others
+    integer :: level = 1                           !< above those of the slaves whose reactions act on it
+    integer :: n_weights = 0                       !< nodes of the row: the first of nodes(:), the slave first
     integer, allocatable :: nodes(:)               !< nodes on which lambda and xi depend
     real(DP), allocatable :: weights(:)            !< (n_weights) w_k [-]
     real(DP), allocatable :: d_weights(:, :)       !< (2, n_weights) dw_k/dxi [-]; none if xi are the weights themselves
-    integer, allocatable :: imbalance_nodes(:)                 !< slave nodes whose imbalance is the row's
+    integer, allocatable :: imbalance_nodes(:)                 !< slave nodes whose imbalances form the row's
     real(DP), allocatable :: imbalance_weights(:)             !< b_k [-]
     real(DP) :: force(3) = 0                       !< lambda [force]
     real(DP) :: force_imbalance(3, 3) = 0          !< d lambda / d Rhat [-]
     real(DP), allocatable :: force_nodes(:, :, :)  !< (3, 3, :) d lambda / d u_j [force/length]
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2 or n_weights, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
-    logical :: is_compliant_node = .false.                 !< a compliant law: the node keeps its unknowns and has no row
-    real(DP) :: spring(3, 3) = 0                 !< its stiffness without the turning of normals: symmetric, positive [force/length]
+    logical :: is_compliant_node = .false.                 !< a compliant law: the node keeps its unknowns and has no constraint row
+    real(DP) :: spring(3, 3) = 0  !< its stiffness without the rotation of normals: symmetric, positive [force/length]
   end type contact_tangent_type
 
-  !> What the facets of a mortar pair's slave have been asked for.
+  !> Derivatives evaluated so far for the slave facets of a mortar pair.
   type :: pair_derivatives_type
     type(facet_derivatives_type), allocatable :: facets(:)
   end type pair_derivatives_type
 
 contains
 
-  !> The links of all closed nodes at the configuration of the last evaluation.
+  !> The tangents of all closed nodes at the configuration of the last evaluation.
   subroutine linearize_contact(contact, model, old, fields, tangents)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -83,7 +83,7 @@ contains
   end subroutine linearize_contact
 
 
-  !> Stick: lambda = -Rhat_s, the weights are those of the origin and do not change.
+  !> Stick: lambda = -Rhat_s; the weights are those of the origin and constant.
   subroutine linearize_stick(contact, slave, s, tangent)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -97,14 +97,14 @@ contains
     allocate (tangent%gap_nodes(3, tangent%n_weights), source=0.0_DP)
     tangent%force_imbalance = -contact%free(:, :, s)
     if (.not. has_other_constraints(contact, s)) return
-    n_f = matmul(contact%free(:, :, s), slave%normal)   ! lambda = N n/|n_f| and what is left in the free directions
+    n_f = matmul(contact%free(:, :, s), slave%normal)   ! lambda = N n/|n_f| and the remainder in the free directions
     share = norm2(n_f)
     n_f = n_f / share
     tangent%force_imbalance = tangent%force_imbalance + outer_product(n_f - slave%normal / share, n_f)
   end subroutine linearize_stick
 
 
-  !> Nodes and weights of a row that does not change.
+  !> Nodes and weights of a constant row.
   subroutine copy_row(row, tangent)
     type(contact_row_type), intent(in) :: row
     type(contact_tangent_type), intent(inout) :: tangent
@@ -133,7 +133,7 @@ contains
   end subroutine linearize_slip
 
 
-  !> Nodes, weights, gap and normal of a link, as they are kept or move.
+  !> Nodes, weights, gap and normal of a tangent, fixed or moving.
   subroutine linearize_weights(contact, x, slave, force_normal, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -159,8 +159,8 @@ contains
   end subroutine linearize_weights
 
 
-  !> Finite sliding of a mortar pair: the weights and the area change with the cuts. (Of nodes that two pairs share this is left
-  !! out.)
+  !> Finite sliding of a mortar pair: the weights and the area change with the intersections. (Omitted for nodes shared by two
+  !! pairs.)
   subroutine linearize_mortar_weights(contact, x, slave, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -191,7 +191,7 @@ contains
   end subroutine linearize_mortar_weights
 
 
-  !> Finite sliding of a mortar pair: the normal turns with the facets around the slave's vertex.
+  !> Finite sliding of a mortar pair: the normal rotates with the facets around the slave's vertex.
   subroutine linearize_vertex_normal(contact, x, slave, force_normal, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -207,7 +207,7 @@ contains
       d = evaluate_relative_position(mortar%rows(slave%row), x)
     end associate
     call append_nodes(pack(nodes, [(all(tangent%nodes /= nodes(j)), j=1, size(nodes))]), tangent)
-    do j = 1, size(nodes)                          ! the normal is that of the vertex turned round
+    do j = 1, size(nodes)                          ! the normal is opposite to that of the vertex
       at = findloc(tangent%nodes, nodes(j), dim=1)
       tangent%force_nodes(:, :, at) = tangent%force_nodes(:, :, at) - matmul(force_normal, d_n(:, :, j))
       if (at > tangent%n_weights .or. tangent%is_compliant_node) tangent%gap_nodes(:, at) = tangent%gap_nodes(:, at) - matmul(d, &
@@ -216,7 +216,7 @@ contains
   end subroutine linearize_vertex_normal
 
 
-  !> More nodes on which lambda depends, with derivatives that are zero yet.
+  !> Appends nodes on which lambda depends, with zero derivatives.
   pure subroutine append_nodes(nodes, tangent)
     integer, intent(in) :: nodes(:)
     type(contact_tangent_type), intent(inout) :: tangent
@@ -230,7 +230,7 @@ contains
   end subroutine append_nodes
 
 
-  !> The slip vector also depends on the nodes of the origin's row: they are appended to the nodes of the link.
+  !> The slip vector also depends on the nodes of the origin's row: they are appended to the nodes of the tangent.
   subroutine add_origin_terms(contact, slave, force_slip, tangent)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -249,7 +249,7 @@ contains
 
   !> A compliant law: lambda = A p n + S, a function of gap, normal and slip alone.
   !!
-  !! S = -k e where it sticks, L e/|e| times -1 where it slips, with e = P (e_old + d), L = min(mu A p, A taumax).
+  !! Stick: S = -k e; slip: S = -L e/|e|; with e = P (e_old + d), L = min(mu A p, A taumax).
   subroutine linearize_compliant(contact, model, x, old, fields, rates, tangent)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -290,7 +290,7 @@ contains
   end subroutine linearize_compliant
 
 
-  !> A law by UINTER: lambda = A (s_1 n - s_2 t_1 - s_3 t_2), and S its part along the surface, which turns with n.
+  !> A law by UINTER: lambda = A (s_1 n - s_2 t_1 - s_3 t_2), with the tangential part S, which rotates with n.
   subroutine linearize_user_law(contact, x, old, model, fields, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -317,7 +317,7 @@ contains
   end subroutine linearize_user_law
 
 
-  !> Small sliding: normal and weights are constants.
+  !> Small sliding: normal and weights are constant.
   subroutine set_fixed_weights(slave, tangent)
     type(slave_state_type), intent(in) :: slave
     type(contact_tangent_type), intent(inout) :: tangent
@@ -357,7 +357,7 @@ contains
   end subroutine set_moving_weights
 
 
-  !> Drops what makes the tangent unsymmetric: friction follows the pressure, weights and normals move. Rows and springs stay.
+  !> Drops the unsymmetric terms: friction by pressure, moving weights and normals. Constraint rows and springs remain.
   pure subroutine drop_unsymmetric_terms(tangents)
     type(contact_tangent_type), intent(inout) :: tangents(:)
     integer :: i, k
@@ -418,7 +418,7 @@ contains
       force_normal = -outer_product(a, matmul(imbalance, h)) + N / share * (unit - outer_product(a, matmul(n_f, m))) &
         - limit * matmul(direction_derivative, dot_product(n_f, w) * h + outer_product(n_f, matmul(w, h)))
     end associate
-    if (contact%laws(fields%slaves(tangent%slave)%pair)%is_user_friction) then   ! the shear is FRIC's, of pressure and slip
+    if (contact%laws(fields%slaves(tangent%slave)%pair)%is_user_friction) then   ! the shear is FRIC's
       associate (response => contact%user_responses(tangent%slave), slave => fields%slaves(tangent%slave))
         tangent%force_imbalance = tangent%force_imbalance - outer_product(response%by_pressure, n_f) / slave%area
         force_slip = matmul(response%d_force_d_slip, m)
@@ -431,15 +431,15 @@ contains
 
   !> Adds the rows of the closed nodes: stick ties the node to its origin, slip keeps it on the facet.
   !!
-  !! The gap's dependence on the turning of the normals is left out of the rows: it is multiplied by the gap, which the
-  !! row brings to zero.
+  !! The rows omit the dependence of the gap on the rotation of the normals: that term is proportional to the gap, which the row
+  !! makes zero.
   subroutine add_contact_rows(contact, model, fields, tangents, constraints, n_conflicts)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(contact_tangent_type), intent(in) :: tangents(:)
     type(constraints_type), intent(inout) :: constraints
-    integer, intent(out) :: n_conflicts            !< rows dropped for stronger constraints
+    integer, intent(out) :: n_conflicts            !< rows dropped because of rows of higher priority
     type(constraint_row_type) :: row
     real(DP) :: d(3), tolerance, direction(3, 3)
     integer :: i, k, n, verdict
@@ -458,7 +458,7 @@ contains
         call stick_directions(contact, slave, tangent%slave, n, direction)
         do k = 1, n
           call tie_row(tangent, direction(:, k), d, row)
-          if (k == 1 .and. has_other_constraints(contact, tangent%slave)) row%rhs = -slave%gap   ! it goes along its master
+          if (k == 1 .and. has_other_constraints(contact, tangent%slave)) row%rhs = -slave%gap   ! it slides with its master
           call add_constraint_row(constraints, row, count(abs(direction(:, k)) > 0.0_DP), tolerance, verdict)
           if (verdict == ROW_CONFLICT) n_conflicts = n_conflicts + 1
         end do
@@ -467,8 +467,8 @@ contains
   end subroutine add_contact_rows
 
 
-  !> In which directions a sticking node is tied: the axes (of its own frame) that supports leave free; where other pairs hold it
-  !! too, or its master slides along supports, the normal and what is left beside it.
+  !> The directions in which a sticking node is tied: its local axes that supports leave free; if other pairs constrain it too, or
+  !! its master slides along supports, the normal and the remaining direction.
   pure subroutine stick_directions(contact, slave, s, n, direction)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -491,7 +491,7 @@ contains
     direction(:, 1) = slave%normal
     n_f = matmul(contact%free(:, :, s), slave%normal)
     rest = contact%free(:, :, s) - outer_product(n_f, n_f) / dot_product(n_f, n_f)
-    k = maxloc(norm2(rest, dim=1), dim=1)          ! one direction at most: the other pair takes one, the normal another
+    k = maxloc(norm2(rest, dim=1), dim=1)          ! one direction at most: the other pair and the normal take one each
     if (norm2(rest(:, k)) < 0.1_DP) return
     n = 2
     direction(:, 2) = rest(:, k) / norm2(rest(:, k))

@@ -1,8 +1,8 @@
-!> Contact matrices: the linearised contact forces as a product with a displacement, as sparse matrices, and as springs.
+!> The linearized contact forces as an operator, as sparse matrices, and as low-rank spring factors.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `contact_tangent` says how the force of each closed slave node changes; here it comes to the nodes of its row. Links of higher
-!! levels carry what those of lower levels bring (pairs that share nodes).
+!! The tangents of amontons_contact_linearization are distributed here to the nodes of their rows. Tangents of higher levels include
+!! the reactions of those of lower levels (pairs that share nodes).
 module amontons_contact_operators
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -14,7 +14,7 @@ module amontons_contact_operators
   private
   public :: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
 
-  !> Entries of a matrix as they come.
+  !> Matrix entries in order of arrival.
   type :: triplets_type
     integer :: n = 0
     integer, allocatable :: row(:), column(:)
@@ -23,10 +23,10 @@ module amontons_contact_operators
 
 contains
 
-  !> Change of the contact forces for a change of displacement and of the imbalance that comes with it.
+  !> Change of the contact forces for a change of displacement and the corresponding change of the imbalance.
   subroutine apply_contact_tangent(tangents, force_condensation, du, d_imbalance, d_force)
     type(contact_tangent_type), intent(in) :: tangents(:)
-    type(sparse_type), intent(in) :: force_condensation       !< E of `contact`; looked at only if there are levels
+    type(sparse_type), intent(in) :: force_condensation       !< E of contact_type; used only with several levels
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     real(DP), intent(in) :: d_imbalance(:, :)      !< (3, n_nodes) change of Rhat, condensed [force]
     real(DP), intent(out) :: d_force(:, :)         !< (3, n_nodes) [force]
@@ -47,7 +47,7 @@ contains
   end subroutine apply_contact_tangent
 
 
-  !> The change of one link's force, added at the nodes of its row.
+  !> Adds the change of one nodal force at the nodes of its row.
   pure subroutine add_node_tangent(tangent, du, d_imbalance, d_force)
     type(contact_tangent_type), intent(in) :: tangent
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
@@ -73,12 +73,12 @@ contains
   end subroutine add_node_tangent
 
 
-  !> The same change as two matrices over all unknowns: dF_c = D_R dRhat + D_u du. For solvers that need the tangent whole.
+  !> The same change as two matrices over all unknowns: dF_c = D_R dRhat + D_u du. For solvers that need the whole tangent.
   !!
   !! Each level adds A (dRhat + E dF_c) + B du, with dF_c of the levels below it.
   subroutine assemble_contact_tangents(tangents, force_condensation, n_unknowns, imbalance_tangent, displacement_tangent)
     type(contact_tangent_type), intent(in) :: tangents(:)
-    type(sparse_type), intent(in) :: force_condensation       !< E of `contact`; looked at only if there are levels
+    type(sparse_type), intent(in) :: force_condensation       !< E of contact_type; used only with several levels
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: imbalance_tangent       !< D_R [-]
     type(sparse_type), intent(out) :: displacement_tangent    !< D_u [force/length]
@@ -95,7 +95,7 @@ contains
   end subroutine assemble_contact_tangents
 
 
-  !> The matrices of the links of one level, which carry nothing of each other.
+  !> The matrices of the tangents of one level, which do not depend on each other.
   subroutine level_matrices(tangents, level, n_unknowns, imbalance_tangent, displacement_tangent)
     type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: level, n_unknowns
@@ -107,7 +107,7 @@ contains
   end subroutine level_matrices
 
 
-  !> The links of a level that give a force to each node, in their order.
+  !> The tangents of a level that give a force to each node, in their order.
   pure subroutine group_by_node(tangents, level, n_nodes, first, members)
     type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: level, n_nodes
@@ -138,12 +138,11 @@ contains
   end subroutine group_by_node
 
 
-  !> D_R or D_u: for each node the blocks of its links are summed in the links' order. (Integration points of
-  !! surface-to-surface contact
-  !! are many, and most of their blocks fall together: sorting triplets took ten times as long, and as much memory.)
+  !> D_R or D_u: for each node the blocks of its tangents are summed in their order. (Integration points of surface-to-surface
+  !! contact are many, and most of their blocks coincide: sorted triplets take ten times the time and memory.)
   subroutine sum_blocks(tangents, first, members, is_imbalance, matrix)
     type(contact_tangent_type), intent(in) :: tangents(:)
-    integer, intent(in) :: first(:), members(:)    !< links of each node
+    integer, intent(in) :: first(:), members(:)    !< tangents of each node
     logical, intent(in) :: is_imbalance            !< D_R; else D_u
     type(sparse_type), intent(out) :: matrix
     integer :: seen(size(first) - 1), column_index(size(first) - 1), r, m, q, j, n_nodes, next
@@ -171,16 +170,16 @@ contains
       end do
       do q = first(r), first(r + 1) - 1
         if (q > first(r)) then
-          if (members(q) == members(q - 1)) cycle  ! add_node_blocks takes all weights of a link at the node
+          if (members(q) == members(q - 1)) cycle  ! add_node_blocks takes all weights of a tangent at the node
         end if
         call add_node_blocks(tangents(members(q)), r, is_imbalance, column_index, matrix)
       end do
     end do
-    matrix = sparse_transpose(sparse_transpose(matrix))    ! columns in their order
+    matrix = sparse_transpose(sparse_transpose(matrix))    ! sorts the columns
 
   contains
 
-    !> The nodes on which the force at a node depends, and their places.
+    !> The nodes on which the force at a node depends, and their positions.
     subroutine gather_columns(row)
       integer, intent(in) :: row
       integer :: p
@@ -191,7 +190,7 @@ contains
       end do
     end subroutine gather_columns
 
-    !> Those of them that are new.
+    !> Appends those that are new.
     subroutine append(nodes, row)
       integer, intent(in) :: nodes(:), row
       integer :: k
@@ -208,14 +207,14 @@ contains
   end subroutine sum_blocks
 
 
-  !> What a link gives to the three rows of a node.
+  !> Contribution of a tangent to the three rows of a node.
   pure subroutine add_node_blocks(tangent, row, is_imbalance, column_index, matrix)
     type(contact_tangent_type), intent(in) :: tangent
     integer, intent(in) :: row                     !< node
     logical, intent(in) :: is_imbalance
     integer, intent(in) :: column_index(:)                !< (n_nodes) of the columns
     type(sparse_type), intent(inout) :: matrix
-    real(DP) :: weight_term(3)                            ! lambda (dw/dxi . dxi/du_j), but for lambda
+    real(DP) :: weight_term(3)                            ! lambda (dw/dxi . dxi/du_j), without lambda
     integer :: i, j, p, a, at
     do i = 1, tangent%n_weights
       if (tangent%nodes(i) /= row) cycle
@@ -242,8 +241,8 @@ contains
   end subroutine add_node_blocks
 
 
-  !> The change of the forces of springs as products, dF_c = (B A + M X) du: B spreads a change of lambda over the nodes of its row,
-  !! A du is that change; M is how lambda moves over them with xi, X du the change of xi.
+  !> The change of spring forces as products, dF_c = (B A + M X) du: B distributes a change of lambda over the nodes of its row, A
+  !! du is that change; M is the change of the distribution with xi, X du the change of xi.
   subroutine factorise_spring_tangents(tangents, n_unknowns, springs, error)
     type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: n_unknowns
@@ -259,7 +258,7 @@ contains
     call allocate_triplets(m, 3 * sum([(tangents(i)%n_weights * merge(2, 1, allocated(tangents(i)%d_weights)), i=1, &
       size(tangents))]))
     call allocate_triplets(x, sum([(size(tangents(i)%xi_nodes), i=1, size(tangents))]))
-    moving = 0                                     ! columns of M before those of a link
+    moving = 0                                     ! columns of M before those of a tangent
     do i = 1, size(tangents)
       associate (tangent => tangents(i), n_xi => size(tangents(i)%xi_nodes, 1))
         is_moving = .not. allocated(tangent%d_weights)
@@ -288,7 +287,7 @@ contains
   end subroutine factorise_spring_tangents
 
 
-  !> Triplets as a matrix.
+  !> Converts triplets to a matrix.
   subroutine build_matrix(triplets, n_rows, n_columns, matrix, error)
     type(triplets_type), intent(in) :: triplets
     integer, intent(in) :: n_rows, n_columns
@@ -330,7 +329,7 @@ contains
   end subroutine assemble_spring_matrix
 
 
-  !> A block as triplets.
+  !> Appends a block as triplets.
   pure subroutine put_block(row, column, block, triplets)
     integer, intent(in) :: row, column             !< before its first
     real(DP), intent(in) :: block(:, :)
@@ -347,7 +346,7 @@ contains
   end subroutine put_block
 
 
-  !> Room for so many entries.
+  !> Allocates a number of entries.
   pure subroutine allocate_triplets(triplets, n)
     type(triplets_type), intent(inout) :: triplets
     integer, intent(in) :: n

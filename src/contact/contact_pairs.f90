@@ -1,4 +1,4 @@
-!> Contact: the pairs made ready, and where each slave node is on its master: its facet and row, and those where it first touched.
+!> The contact pairs: facets, search, projections, mortar rows and the first-touch (stick) origin of each slave node.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/contact.md, section 1.
@@ -37,54 +37,51 @@ module amontons_contact_pairs
     update_projection, &
     update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, SEARCH_RADIUS_RATIO
 
-  real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters that stand off from each other by more of an edge are
-                                                                 !! two [-]
-  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< facets farther than this times the longest edge are not looked at [-]
+  real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
+  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
 
-  !> The pairs made ready: facets, search, and the free directions of the slave nodes.
+  !> The contact pairs: facets, search, free directions, and the results of the last evaluation.
   type :: contact_type
     type(facets_type), allocatable :: facets(:)   !< (n_pairs) the master's facets
     type(facet_search_type), allocatable :: search(:)   !< (n_pairs)
-    logical, allocatable :: has_fixed_geometry(:)           !< (n_pairs) weights and normals kept in this step
-    type(interaction_type), allocatable :: laws(:)   !< (n_pairs) as they are in this step
-    logical, allocatable :: is_removed(:)         !< (n_pairs) taken out in this step
-    logical, allocatable :: is_pretension_duplicate(:)           !< (n_slaves) a section binds it to a slave of its pair, pushed
-                                                                 !! for both
+    logical, allocatable :: has_fixed_geometry(:)           !< (n_pairs) weights and normals are fixed in this step
+    type(interaction_type), allocatable :: laws(:)   !< (n_pairs) in this step
+    logical, allocatable :: is_removed(:)         !< (n_pairs) removed in this step
+    logical, allocatable :: is_pretension_duplicate(:)  !< (n_slaves) a pre-tension section binds it to a slave of its pair that has
+                                                        !! the contact of both
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
-    logical, allocatable :: is_shrink_fit(:)          !< (n_pairs) what each node has of it at the start is allowed
-    logical, allocatable :: is_ramped(:)          !< (n_pairs) overlaps at the start go as in CalculiX
+    logical, allocatable :: is_shrink_fit(:)          !< (n_pairs) the initial overclosure of each node is allowed
+    logical, allocatable :: is_ramped(:)          !< (n_pairs) initial overclosures are ramped as in CalculiX
     real(DP) :: period = 1                        !< of the step [time]
-    type(element_faces_type), allocatable :: slave_area_faces(:)     !< (n_pairs) faces that give the slave nodes of compliant laws
-                                                                     !! their areas
-    integer, allocatable :: midside_followers(:, :)        !< (3, n) mid-side slave node and the two corners that it follows
-    real(DP), allocatable :: slave_normal(:, :)   !< (3, n_slaves) outward from the slave in the reference; 0 if node based
-    real(DP), allocatable :: axes(:, :, :)        !< (3, 3, n_slaves) in columns: the global axes, or those of the node's own frame
-    real(DP), allocatable :: free_mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 held by a support or an equation
-    logical, allocatable :: is_coplanar(:)           !< (n_slaves) goes into the row of an earlier slave of its node that faces its
-                                                     !! way
+    type(element_faces_type), allocatable :: slave_area_faces(:)  !< (n_pairs) faces for the areas of slave nodes of compliant laws
+    integer, allocatable :: midside_followers(:, :)        !< (3, n) mid-side slave node and the two corners that constrain it
+    real(DP), allocatable :: slave_normal(:, :)  !< (3, n_slaves) outward from the slave in the reference configuration; 0 if node
+                                                 !! based
+    real(DP), allocatable :: axes(:, :, :)  !< (3, 3, n_slaves) in columns: the global axes, or those of the node's local coordinate
+                                            !! system
+    real(DP), allocatable :: free_mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 fixed by a support or an equation
+    logical, allocatable :: is_coplanar(:)  !< (n_slaves) merged into the row of an earlier slave of its node with the same normal
     type(shared_slaves_type) :: shared_slaves               !< pairs that share nodes
-    type(sparse_type) :: force_condensation                 !< E: forces on all nodes to those on free ones; only where reactions
-                                                            !! are passed on
-    real(DP), allocatable :: free(:, :, :)        !< (3, 3, n_slaves) projector on what supports and other pairs leave free
-    logical, allocatable :: has_sliding_support(:)         !< (n_slaves) its master slides along directions in which supports hold
-                                                           !! it
+    type(sparse_type) :: force_condensation  !< E: condenses forces on all nodes to free unknowns; only with several levels of
+                                             !! slaves
+    real(DP), allocatable :: free(:, :, :)  !< (3, 3, n_slaves) projector on the directions that supports and other pairs leave free
+    logical, allocatable :: has_sliding_support(:)         !< (n_slaves) its master slides in directions in which supports fix it
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
-    real(DP), allocatable :: Rhat(:, :)           !< (3, n_slaves) imbalance of the row, what other slaves bring included [force]
+    real(DP), allocatable :: Rhat(:, :)  !< (3, n_slaves) imbalance of the row, including the reactions of other slaves [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     type(slip_state_type), allocatable :: slip_data(:) !< (n_slaves) the decision on each slave node at the last evaluation
     type(user_response_type), allocatable :: user_responses(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
     type(local_solution_type), allocatable :: local_equilibrium(:)     !< (n_slaves) under compliant laws, at the last evaluation
-    real(DP), allocatable :: law_linearization_force(:, :)          !< (3, n_nodes) what laws give more where their slaves are
-                                                                    !! [force]
-    logical, allocatable :: is_uncoupled(:)            !< (n_slaves) under a compliant law, and no other slave gives its node a
-                                                       !! force
+    real(DP), allocatable :: law_linearization_force(:, :)  !< (3, n_nodes) forces of linearized laws at the actual positions minus
+                                                            !! those in local equilibrium [force]
+    logical, allocatable :: is_uncoupled(:)            !< (n_slaves) compliant law, and no other slave gives its node a force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
-    integer :: n_newly_opened = 0                       !< changes found by the last evaluation
+    integer :: n_newly_opened = 0                       !< changes in the last evaluation
     integer :: n_closed = 0
-    integer :: n_changed = 0                      !< all changes of status, opened and closed included
-    integer :: n_lost_master = 0                         !< nodes that left their master
+    integer :: n_changed = 0                      !< all changes of status, including opened and closed
+    integer :: n_lost_master = 0                         !< nodes that lost their master
     integer :: n_imposed = 0                      !< nodes that the line search set to stick against their trial traction
     real(DP) :: max_gap_error = 0                     !< of the closed nodes, over the edge of the master's facet [-]
     integer :: worst_slave = 0
@@ -92,7 +89,7 @@ module amontons_contact_pairs
 
 contains
 
-  !> Facets, slave nodes (corners of the slave faces, all nodes of a node-based surface) and their areas.
+  !> Sets up facets, slave nodes (corners of the slave faces, all nodes of a node-based surface) and their areas.
   subroutine create_contact(contact, model, slaves, error)
     type(contact_type), intent(out) :: contact
     type(model_type), intent(in) :: model
@@ -152,13 +149,13 @@ contains
   end subroutine create_contact
 
 
-  !> The slaves of compliant laws whose imbalance is what the law has to answer: no other slave gives a force to the nodes of its
-  !! row, no other node depends on them, and none of them has a support that the slave has not.
+  !> Marks the slaves of compliant laws whose law alone balances their imbalance: no other slave gives a force to the nodes of the
+  !! row, no other node depends on them, and none of them has a support that the slave lacks.
   pure function find_uncoupled_slaves(contact, model, slaves, base) result(is_uncoupled)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
-    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
+    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, mid-side constraints
     logical :: is_uncoupled(size(slaves)), is_shared(model%mesh%n_nodes), is_held(3)
     integer :: n_slaves(model%mesh%n_nodes), p, s
     n_slaves = 0
@@ -188,21 +185,21 @@ contains
   end function find_uncoupled_slaves
 
 
-  !> Slave nodes across pre-tension sections: of two that stand at one place only the first has unknowns of its own.
+  !> Slave nodes across pre-tension sections: of two at one position only the first has unknowns of its own.
   subroutine mark_pretension_duplicates(contact, model, slaves)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
-    logical :: is_pushed(model%mesh%n_nodes)
+    logical :: is_pair_slave(model%mesh%n_nodes)
     integer :: p, i
     do p = 1, size(model%pairs)
       if (is_compliant(contact%laws(p))) cycle
       if (model%pairs(p)%is_mortar) call add_pretension_rows(contact%mortar(p), model%twins)
-      is_pushed = .false.
-      is_pushed(pack(slaves%node, slaves%pair == p)) = .true.
+      is_pair_slave = .false.
+      is_pair_slave(pack(slaves%node, slaves%pair == p)) = .true.
       associate (twins => model%twins)
         do i = 1, size(twins, 2)
-          if (is_pushed(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, &
+          if (is_pair_slave(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, &
             i)) contact%is_pretension_duplicate = .true.
         end do
       end associate
@@ -210,7 +207,7 @@ contains
   end subroutine mark_pretension_duplicates
 
 
-  !> The transformed bases of exact mortar pairs that share slave nodes are made one.
+  !> Unifies the transformed bases of exact mortar pairs that share slave nodes.
   subroutine unite_hard_mortar_pairs(contact, model)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -225,7 +222,7 @@ contains
   end subroutine unite_hard_mortar_pairs
 
 
-  !> Room for slaves whose number has changed: those of pairs with points are the last.
+  !> Adapts the arrays to a new number of slaves: those of pairs with integration points are the last.
   subroutine resize_contact(contact, slaves)
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
@@ -258,7 +255,7 @@ contains
   end subroutine resize_contact
 
 
-  !> Whether the normals of a master are those of its faces, as in CalculiX, or continuous over them.
+  !> Whether the normals of a master are those of its faces, as in CalculiX, or continuous over the faces.
   pure logical function is_faceted(model, law, pair)
     type(model_type), intent(in) :: model
     type(interaction_type), intent(in) :: law
@@ -267,7 +264,7 @@ contains
   end function is_faceted
 
 
-  !> Both surfaces of a pair are of solids, or both of plane elements.
+  !> Checks that both surfaces of a pair are of solids, or both of plane elements.
   subroutine check_dimensions(model, pair, error)
     type(model_type), intent(in) :: model
     integer, intent(in) :: pair
@@ -285,8 +282,8 @@ contains
   end subroutine check_dimensions
 
 
-  !> The slave nodes of one pair with area and outward normal, and the mid-side nodes that follow their corners. Under a
-  !! compliant law no node follows, and nodes without area are none; of a mortar pair all nodes are slaves.
+  !> The slave nodes of one pair with area and outward normal, and the mid-side nodes constrained to their corners. Under a
+  !! compliant law no node is constrained, and nodes without area are no slaves; in a mortar pair all nodes are slaves.
   subroutine append_slaves(contact, model, pair, slaves)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -294,7 +291,7 @@ contains
     type(slave_state_type), allocatable, intent(inout) :: slaves(:)
     real(DP), allocatable :: area_vector(:, :), area(:)
     integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
-    logical, allocatable :: follows(:)             ! (n_nodes) it is a follower of another pair
+    logical, allocatable :: follows(:)             ! (n_nodes) constrained as a mid-side node of another pair
     integer, allocatable :: followers(:)           ! of this pair
     type(slave_state_type), allocatable :: added(:)
     integer :: i, f, n, node, memory
@@ -335,18 +332,18 @@ contains
   end subroutine append_slaves
 
 
-  !> Which directions of the slave nodes are free: contact gives no force in a direction that a support holds.
+  !> The free directions of the slave nodes: contact gives no force in a direction fixed by a support.
   subroutine set_free_directions(contact, model, slaves, base, is_held, error)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
-    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers
-    logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, along the axes of the node's own frame
+    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, mid-side constraints
+    logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, along the axes of the node's local coordinate system
     type(error_type), allocatable, intent(out) :: error
     logical :: is_component_held(3)
     integer :: s, k
     do s = 1, size(slaves)
-      if (slaves(s)%slave_facet > 0) cycle                ! a point of a face is no node; points come and go, and are the last
+      if (slaves(s)%slave_facet > 0) cycle  ! integration points are no nodes; their number changes, and they are the last
       associate (node => slaves(s)%node)
         is_component_held = base%owner(3 * node - 2:3 * node) /= 0
         contact%axes(:, :, s:s) = global_axes(1)
@@ -362,7 +359,7 @@ contains
   end subroutine set_free_directions
 
 
-  !> A step begins: the laws in force, and the pairs taken out or put back.
+  !> Start of a step: the laws in force, and the pairs removed or added.
   subroutine begin_contact_step(contact, model, step)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -380,13 +377,13 @@ contains
   end subroutine begin_contact_step
 
 
-  !> The rows of mortar pairs with the bodies as they are at x. A node that is slave in several of them with the same normal gets
-  !! one row of all, in the pair that comes first, if their masters are flush where an increment begins.
+  !> Updates the rows of mortar pairs at x. A node that is slave in several of them with the same normal gets one merged row, in the
+  !! first of the pairs, if the masters are coplanar there at the start of the increment.
   subroutine update_mortar_rows(contact, slaves, is_wanted, is_start, x)
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_wanted(:)            !< (n_pairs)
-    logical, intent(in) :: is_start                !< an increment begins
+    logical, intent(in) :: is_start                !< start of an increment
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer :: p, n, i, j, s
     do s = 1, size(slaves)
@@ -414,7 +411,7 @@ contains
 
   contains
 
-    !> Whether the masters of two slaves at a node are one even surface there: its gaps are the same.
+    !> Whether the masters of two slaves at a node are coplanar there: their gaps are equal.
     pure logical function are_coplanar(s, t)
       type(slave_state_type), intent(in) :: s, t
       associate (a => contact%mortar(s%pair), b => contact%mortar(t%pair))
@@ -426,7 +423,7 @@ contains
       end associate
     end function are_coplanar
 
-    !> One row in place of those of two slaves at a node.
+    !> Merges the rows of two slaves at a node.
     subroutine merge_slaves(s, t)
       type(slave_state_type), intent(in) :: s, t
       if (any(contact%is_removed([s%pair, t%pair]))) return
@@ -440,8 +437,8 @@ contains
   end subroutine update_mortar_rows
 
 
-  !> A node that has no facet, because an earlier iterate took it off its master or because it was far away, is looked for
-  !! again: else it could sink into the master unseen.
+  !> Searches a facet for a node without one, because an earlier iterate left the master or the node was far away: otherwise it
+  !! could penetrate the master undetected.
   subroutine search_lost_slave(contact, x, s, slave)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -453,7 +450,7 @@ contains
   end subroutine search_lost_slave
 
 
-  !> Looks for the facet of a node: an open node may be nearer to another one now; a closed one keeps walking from its own.
+  !> Searches the facet of a node. An open node may be nearer to another facet now; a closed one is tracked from its own.
   subroutine update_projection(contact, x, s, reach, slave)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates that define weights and normals
@@ -485,22 +482,22 @@ contains
   end subroutine update_projection
 
 
-  !> Facet, normal and area of a slave node of a mortar pair as its row was integrated.
+  !> Copies facet, normal and area of a slave node of a mortar pair from its integrated row.
   subroutine copy_mortar_state(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(inout) :: slave
-    associate (place => contact%mortar(slave%pair)%places(slave%row))
-      slave%facet = merge(0, place%facet, place%is_barely_covered)
-      slave%xi = place%xi
+    associate (mortar_node => contact%mortar(slave%pair)%places(slave%row))
+      slave%facet = merge(0, mortar_node%facet, mortar_node%is_barely_covered)
+      slave%xi = mortar_node%xi
       if (slave%facet == 0) return
-      slave%normal = place%normal
-      slave%area = place%area
-      slave%force_arm = place%force_arm
+      slave%normal = mortar_node%normal
+      slave%area = mortar_node%area
+      slave%force_arm = mortar_node%force_arm
     end associate
   end subroutine copy_mortar_state
 
 
-  !> The node touches the master at this point of a facet from now on.
+  !> Sets the stick origin of a node to a point of a facet.
   subroutine set_stick_origin(contact, model, u, facet, xi, slave)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -524,8 +521,8 @@ contains
   end subroutine set_stick_origin
 
 
-  !> What d was at the origin and is to stay. Under finite sliding it turns with the normal: of nodes on facets it is the gap that
-  !! interference and clearance leave, along the normal where the node is now, as the gap itself is measured.
+  !> The part of d at the origin that remains constant. Under finite sliding it rotates with the normal. For nodes on facets it is
+  !! the gap from interference and clearance along the current normal, as in the gap itself.
   pure function rotated_origin_offset(contact, slave) result(offset)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -540,7 +537,7 @@ contains
   end function rotated_origin_offset
 
 
-  !> How that changes with the normal.
+  !> Its derivative with respect to the normal.
   pure function origin_offset_derivative(contact, slave) result(rate)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -555,7 +552,7 @@ contains
   end function origin_offset_derivative
 
 
-  !> d = x_s - x_m(origin) - offset: how far the node is from where it touched, normal part included [length].
+  !> d = x_s - x_m(origin) - offset: displacement of the node from its stick origin, normal part included [length].
   pure function contact_slip_vector(contact, model, u, slave) result(d)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -572,7 +569,7 @@ contains
   end function contact_slip_vector
 
 
-  !> The row of a slave node as it touches its master now.
+  !> The current row of a slave node.
   pure subroutine current_row(contact, slave, row)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave          !< with a facet
@@ -585,7 +582,7 @@ contains
   end subroutine current_row
 
 
-  !> The row of a slave node against the origin, by which its slip is measured and to which it sticks.
+  !> The row of a slave node with respect to its origin, which defines slip and stick.
   pure subroutine origin_row(contact, slave, row)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave          !< with an origin
@@ -598,7 +595,7 @@ contains
   end subroutine origin_row
 
 
-  !> Finite sliding of a mortar pair: place and row as they are now; a node that sticks keeps the row that it sticks by.
+  !> Finite sliding of a mortar pair: current position and row; a sticking node keeps the row of its origin.
   subroutine update_mortar_slave(contact, slave)
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(inout) :: slave
@@ -609,8 +606,8 @@ contains
   end subroutine update_mortar_slave
 
 
-  !> Whether a slave node of a mortar pair with finite sliding is held on its origin: its gap is then measured from there too, where
-  !! the tie brings it to zero.
+  !> Whether a slave node of a mortar pair with finite sliding sticks to its origin: its gap is then measured from there too, where
+  !! the stick constraint makes it zero.
   pure logical function is_stuck_to_mortar_row(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -620,7 +617,7 @@ contains
   end function is_stuck_to_mortar_row
 
 
-  !> Facet, natural coordinates, gap and normal of a slave node now.
+  !> Current facet, natural coordinates, gap and normal of a slave node.
   subroutine update_gap(contact, x, slave)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -642,15 +639,15 @@ contains
   end subroutine update_gap
 
 
-  !> An open node closes: its origin is where its straight path from the committed state first touches.
+  !> Sets the origin of an open node that closes: the first touch on its straight path from the committed state.
   !!
-  !! All points move straight, so the gap falls evenly but for turning normals; a node that touched already stays where it
-  !! was. The master is asked again at both places, because the node may by now be over another facet.
+  !! All points move along straight lines, so the gap decreases linearly but for rotating normals; a node already in contact keeps its
+  !! old position as origin. The projection is repeated at both positions, because the node may be over another facet by now.
   subroutine set_first_touch_origin(contact, model, u_old, u, slave)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) displacements now [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) current displacements [length]
     type(slave_state_type), intent(inout) :: slave
     type(slave_state_type) :: touch
     real(DP), allocatable :: u_touch(:, :)

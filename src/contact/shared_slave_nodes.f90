@@ -1,10 +1,10 @@
-!> Overlaps: pairs that share nodes: the order in which slaves are looked at, the side that is kept, and corners.
+!> Slave nodes shared by several contact pairs: evaluation order, the active side of symmetric pairs, remaining free directions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Pairs that share nodes". A slave's force is found from the balance of its own node, so
-!! whatever other contact brings to that node has to be known before: a slave stands on a *level* above all slaves whose
-!! reaction it may carry. Where reactions would come back to the slave that they started from, as in symmetric pairs, one
-!! side gives way. A node that touches in several pairs is, for each of them, held by the others as by supports.
+!! Theory: doc/theory/contact.md, section 5. The force of a slave follows from the balance of its own node, so all other contact
+!! forces on that node are needed first: a slave has a *level* above all slaves whose reactions can act on it. Where reactions would
+!! return to the slave they started from, as in symmetric pairs, one side is open (override GIVES_WAY). For each pair at a node in
+!! several pairs, the other closed pairs act as supports.
 module amontons_shared_slave_nodes
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
@@ -16,22 +16,24 @@ module amontons_shared_slave_nodes
     free_projector, support_free_projector, global_axes, &
     is_friction_in_other_pair, MIN_PARALLEL_COSINE
 
-  real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this hold the same direction [-]
-  real(DP), parameter :: MIN_FORCE_RATIO = 1.001_DP       !< a pair presses more than an earlier one if it does by this factor [-]
-  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP      !< a normal whose free part is smaller than this holds nothing more [-]
+  real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
+  real(DP), parameter :: MIN_FORCE_RATIO = 1.001_DP  !< a pair presses more than an earlier one if its force is larger by this
+                                                     !! factor [-]
+  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP  !< a normal whose free part is smaller than this constrains no further direction
+                                                    !! [-]
 
-  !> Which slaves stand at which node, and in which order they are looked at.
+  !> The slaves at each node, and their evaluation order.
   type :: shared_slaves_type
-    logical :: has_reaction_chains = .false.            !< reactions of a pair may come to slaves of another
+    logical :: has_reaction_chains = .false.            !< reactions of a pair may act on slaves of another
     logical :: has_multi_pair_nodes = .false.           !< nodes are slaves in several exact pairs
     integer :: n_levels = 1
     integer, allocatable :: level(:)           !< (n_slaves) from 1
-    logical, allocatable :: is_hard_pair(:)        !< (n_slaves) of a HARD pair: found from the balance of its node
+    logical, allocatable :: is_hard_pair(:)        !< (n_slaves) of a HARD pair: force from the balance of its node
     integer, allocatable :: first(:)           !< (n_nodes + 1) start of a node's slaves in member(:)
     integer, allocatable :: member(:)          !< slaves of all nodes, ascending
   end type shared_slaves_type
 
-  !> The nodes to which each slave may give a force within an increment, but for its own under exact contact.
+  !> The nodes to which each slave may give a force within an increment, except its own under exact contact.
   type :: reachable_nodes_type
     integer, allocatable :: first(:)           !< (n_slaves + 1) start of a slave's nodes in nodes(:)
     integer, allocatable :: nodes(:)
@@ -39,7 +41,7 @@ module amontons_shared_slave_nodes
 
 contains
 
-  !> Which exact slaves stand at which node; whether pairs share nodes at all. Cost: linear.
+  !> Lists the exact slaves at each node, and whether pairs share nodes. Cost: linear.
   subroutine find_shared_slaves(n_nodes, slaves, facets, is_exact, shared)
     integer, intent(in) :: n_nodes
     type(slave_state_type), intent(in) :: slaves(:)
@@ -70,14 +72,14 @@ contains
       shared%has_reaction_chains = shared%has_reaction_chains .or. any(shared%first(facets(p)%nodes &
         + 1) > shared%first(facets(p)%nodes))
     end do
-    do s = 1, size(slaves)                         ! the force of a law at a node that is also an exact slave
+    do s = 1, size(slaves)                         ! the force of a compliant law at a node that is also an exact slave
       if (.not. shared%is_hard_pair(s)) shared%has_reaction_chains = shared%has_reaction_chains .or. &
         shared%first(slaves(s)%node + 1) > shared%first(slaves(s)%node)
     end do
   end subroutine find_shared_slaves
 
 
-  !> Room for slaves whose number has changed; those that come are of compliant pairs and stand at no node.
+  !> Adapts the arrays to a new number of slaves; the new ones are of compliant pairs and are not listed at nodes.
   subroutine resize_shared_slaves(shared, n)
     type(shared_slaves_type), intent(inout) :: shared
     integer, intent(in) :: n                       !< slaves
@@ -88,12 +90,12 @@ contains
   end subroutine resize_shared_slaves
 
 
-  !> The levels of an increment, and which slaves give way: pair by pair in the order of the deck, a slave is kept unless
-  !! its reaction would come back to it through slaves that are kept already.
+  !> The levels of an increment, and the secondary slaves: pair by pair in the order of the deck, a slave is active unless its
+  !! reaction would return to it through slaves that are active already.
   subroutine order_slave_levels(slaves, is_secondary, reach, shared)
     type(slave_state_type), intent(inout) :: slaves(:)   !< out: the override GIVES_WAY
-    logical, intent(in) :: is_secondary(:)         !< (n_pairs) all slaves of the pair give way
-    type(reachable_nodes_type), intent(in) :: reach          !< of the slaves where they are at the start of the increment
+    logical, intent(in) :: is_secondary(:)         !< (n_pairs) all slaves of the pair are secondary
+    type(reachable_nodes_type), intent(in) :: reach          !< of the slaves at the start of the increment
     type(shared_slaves_type), intent(inout) :: shared
     integer, allocatable :: list(:), mark(:), stack(:)
     integer :: s, t, i, n, pass
@@ -101,7 +103,7 @@ contains
     logical :: is_changed
     shared%level = 1
     shared%n_levels = 1
-    slaves%overrides%edge = NODE_OVERRIDE_NONE
+    slaves%overrides%side = NODE_OVERRIDE_NONE
     if (.not. shared%has_reaction_chains) return
     is_kept = .not. shared%is_hard_pair
     allocate (mark(size(slaves)), source=0)
@@ -111,7 +113,7 @@ contains
       is_kept(s) = .true.
       is_kept(s) = .not. is_reaction_circular(s)
     end do
-    where (.not. is_kept) slaves%overrides%edge = NODE_OVERRIDE_GIVES_WAY
+    where (.not. is_kept) slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do pass = 1, size(slaves)
       is_changed = .false.
       do s = 1, size(slaves)
@@ -130,7 +132,7 @@ contains
 
   contains
 
-    !> Whether a path over slaves that are kept leads from slave s back to it.
+    !> Whether a path over active slaves leads from slave s back to it.
     logical function is_reaction_circular(s)
       integer, intent(in) :: s
       integer :: n_stack, k, next
@@ -156,13 +158,13 @@ contains
   end subroutine order_slave_levels
 
 
-  !> The exact slaves that may carry the reaction of a slave within an increment.
+  !> The exact slaves on which the reaction of a slave may act within an increment.
   subroutine find_receiving_slaves(shared, reach, s, list, n)
     type(shared_slaves_type), intent(in) :: shared
     type(reachable_nodes_type), intent(in) :: reach
     integer, intent(in) :: s
     integer, allocatable, intent(inout) :: list(:) !< grows when too short
-    integer, intent(out) :: n                      !< carriers found
+    integer, intent(out) :: n                      !< slaves found
     integer :: i, k
     if (.not. allocated(list)) allocate (list(2 * size(shared%level)))
     n = 0
@@ -188,10 +190,10 @@ contains
   end function global_axes
 
 
-  !> The directions that supports leave to a slave, as a projector.
+  !> The directions that supports leave free for a slave, as a projector.
   pure function support_free_projector(axes, mask) result(free)
     real(DP), intent(in) :: axes(3, 3)             !< in columns
-    real(DP), intent(in) :: mask(3)                !< along them: 1 free, 0 held by a support
+    real(DP), intent(in) :: mask(3)                !< along them: 1 free, 0 fixed by a support
     real(DP) :: free(3, 3)
     integer :: k
     free = 0.0_DP
@@ -201,13 +203,13 @@ contains
   end function support_free_projector
 
 
-  !> The directions that supports and the other pairs leave to a slave, as a projector: for each pair the others in which
-  !! the node touches are supports. Of two pairs that push the same way only the one that comes first does.
+  !> The directions that supports and the other pairs leave free for a slave, as a projector: for each pair the other closed pairs
+  !! of the node are supports. Of two pairs with the same normal only the first is.
   pure function free_projector(shared, slaves, s, support_free) result(free)
     type(shared_slaves_type), intent(in) :: shared
     type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: s
-    real(DP), intent(in) :: support_free(3, 3)             !< projector on what supports leave
+    real(DP), intent(in) :: support_free(3, 3)             !< projector on the directions that supports leave free
     real(DP) :: free(3, 3), v(3), along
     integer :: k, t
     free = support_free
@@ -227,10 +229,9 @@ contains
   end function free_projector
 
 
-  !> Whether a slave that other pairs hold too has no friction of its own: no direction is left beside its normal, or the
-  !! friction along the edge that is left is given by the pair that presses more, of two that press alike by the first. (By the
-  !! first pair, whatever it presses, friction would come and go with a pair that hardly touches, and where it does there may be no
-  !! balance.)
+  !> Whether the friction of a slave in several pairs acts in another pair: no direction is left beside its normal, or friction
+  !! along the remaining edge acts in the pair with the larger normal force, for equal forces in the first. (If it always acted in
+  !! the first pair, friction would vary with a pair of almost no force, and equilibrium might not exist.)
   pure logical function is_friction_in_other_pair(shared, slaves, s, free, friction, Rhat) result(has)
     type(shared_slaves_type), intent(in) :: shared
     type(slave_state_type), intent(in) :: slaves(:)

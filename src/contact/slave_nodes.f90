@@ -1,4 +1,4 @@
-!> Slaves: what is done to the memory of slave nodes alone: let go, loaded by their status, looked at, committed.
+!> Operations on the state of single slave nodes: detach from the master, set forces by status, rounding force, commit of slip.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_slave_nodes
   use amontons_kinds, only: DP
@@ -11,7 +11,7 @@ module amontons_slave_nodes
 
 contains
 
-  !> The node has left its master: open, without force.
+  !> The node has lost contact with its master: open, without force.
   subroutine detach_slave(slave)
     type(slave_state_type), intent(inout) :: slave
     slave%facet = 0
@@ -23,7 +23,7 @@ contains
   end subroutine detach_slave
 
 
-  !> Whether the surfaces of a law never slip.
+  !> Whether a law never slips.
   elemental logical function is_rough(law)
     type(interaction_type), intent(in) :: law
     is_rough = law%friction >= ROUGH_FRICTION .and. .not. law%is_user_friction
@@ -50,11 +50,11 @@ contains
   end subroutine set_force
 
 
-  !> The largest force that the rounding of coordinates makes at a closed node, of a gap of one unit in their last place: by
-  !! the law of its pair, or, where contact is exact, by the stiffness of the body.
-  pure real(DP) function rounding_force(laws, met, slaves, coordinates) result(force)
+  !> The largest rounding error of the force at a closed node, from a gap error of one unit in the last place of the coordinates: by
+  !! the pressure-overclosure law of its pair or, for exact contact, by the stiffness of the body.
+  pure real(DP) function rounding_force(laws, solutions, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
-    type(local_solution_type), intent(in) :: met(:)           !< (n_slaves)
+    type(local_solution_type), intent(in) :: solutions(:)     !< (n_slaves)
     type(slave_state_type), intent(in) :: slaves(:)          !< (n_slaves)
     real(DP), intent(in) :: coordinates(:, :)          !< (3, n_nodes) [length]
     integer :: s
@@ -62,7 +62,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN) cycle
       if (is_compliant(laws(slaves(s)%pair))) then
-        force = max(force, met(s)%slope * slaves(s)%area)
+        force = max(force, solutions(s)%slope * slaves(s)%area)
       else
         force = max(force, slaves(s)%stiffness)
       end if
@@ -71,9 +71,9 @@ contains
   end function rounding_force
 
 
-  !> At the end of a converged increment: gather the slip, and the work that friction took.
+  !> After a converged increment: accumulates slip and frictional work.
   subroutine accumulate_slip(old, fields)
-    type(fields_type), intent(in) :: old           !< committed before
+    type(fields_type), intent(in) :: old           !< last committed fields
     type(fields_type), intent(inout) :: fields
     real(DP) :: work
     integer :: s

@@ -1,4 +1,4 @@
-!> User contact: what a user's routines say of a contact point: UINTER the whole law, FRIC the friction.
+!> Calls of the user routines at a contact point: UINTER for the whole law, FRIC for the friction.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Local directions: the master's outward normal n, and t_1, t_2 along the surface: in space t_1 is the global x axis projected on
@@ -20,7 +20,7 @@ module amontons_user_contact
   integer, parameter :: LM_SLIP = 0, LM_STICK = 1, LM_OPEN = 2   ! LM of FRIC
   real(DP), parameter :: MIN_X_COSINE = cos(0.1_DP * PI / 180.0_DP)   ! a normal nearer to x takes z instead [-]
 
-  !> How the force on a slave changes, by the last call.
+  !> Derivatives of the force on a slave, from the last call.
   type :: user_response_type
     real(DP) :: d_force_d_gap(3) = 0                      !< d F / d g [force/length]
     real(DP) :: d_force_d_slip(3, 3) = 0                  !< d F / d (tangential slip) [force/length]
@@ -49,7 +49,7 @@ contains
   end function local_axes
 
 
-  !> The names that both routines are given: interaction, slave surface, master surface.
+  !> The names passed to both routines: interaction, slave surface, master surface.
   pure function call_names(model, pair) result(names)
     type(model_type), intent(in) :: model
     integer, intent(in) :: pair
@@ -60,16 +60,16 @@ contains
   end function call_names
 
 
-  !> UINTER: force, energy and state of a slave node from its gap and its slip; open where it gives neither stress nor stiffness.
+  !> UINTER: force, energy and state of a slave node from its gap and slip; open if it returns neither stress nor stiffness.
   pure subroutine call_user_interaction(model, law, is_flat, d, old, committed_statev, s, fields, response)
     type(model_type), intent(in) :: model
     type(interaction_type), intent(in) :: law
     logical, intent(in) :: is_flat
-    real(DP), intent(in) :: d(3)                   !< tangential: all slip up to now [length]
+    real(DP), intent(in) :: d(3)                   !< tangential: total slip [length]
     type(slave_state_type), intent(in) :: old            !< committed
     real(DP), intent(in) :: committed_statev(:)              !< committed STATEV of all
     integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields     !< in: place of the slave; out: its force, STATEV
+    type(fields_type), intent(inout) :: fields     !< in: position of the slave; out: its force, STATEV
     type(user_response_type), intent(out) :: response
     type(uinter_type) :: values
     real(DP) :: axes(3, 3), signed(3, 3)
@@ -114,17 +114,16 @@ contains
   end subroutine call_user_interaction
 
 
-  !> FRIC: the shear force on a slave node that touches, or that it sticks.
+  !> FRIC: the shear force on a closed slave node, or its sticking.
   pure subroutine call_user_friction(model, law, is_flat, d, required_traction, committed_statev, s, fields, response)
     type(model_type), intent(in) :: model
     type(interaction_type), intent(in) :: law
     logical, intent(in) :: is_flat
     real(DP), intent(in) :: d(3)                   !< slip in this increment [length]
-    real(DP), intent(in) :: required_traction(3)                !< what the contact has to answer: -p n, and along the surface
-                                                                !! [stress]
+    real(DP), intent(in) :: required_traction(3)  !< traction required from contact: -p n, and along the surface [stress]
     real(DP), intent(in) :: committed_statev(:)              !< committed STATEV of all
     integer, intent(in) :: s                       !< index of the slave
-    type(fields_type), intent(inout) :: fields     !< in: place of the slave; out: its shear force, slip, STATEV
+    type(fields_type), intent(inout) :: fields     !< in: position of the slave; out: its shear force, slip, STATEV
     type(user_response_type), intent(out) :: response
     type(fric_type) :: values
     real(DP) :: axes(3, 3), t(3, 2)

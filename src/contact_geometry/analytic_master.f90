@@ -1,17 +1,17 @@
-!> Analytic: masters that are profiles: their facets are the pieces, carried by a few nodes of a rigid body.
+!> Projection of slave nodes on analytic rigid surfaces, with exact derivatives.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Analytic masters". The carriers stand at A_0, A_0 + h e_1, A_0 + h e_2 (in space also
-!! + h e_3). Every point of the body is an affine combination of them, x = sum w_i(X) x_i, or x = A X + b with the
-!! rotation A. A slave node is taken back to where the profile is undeformed, X = inv(A) (x_s - b), projected there, and
-!! foot and normal come back with A. A is a rotation only when the body's bond has converged: with the length l = |A N| all
-!! derivatives hold before that too,
+!! Theory: doc/theory/contact.md, "Analytic masters". The facets are the pieces of a profile, which moves with a few carrier nodes
+!! of a rigid body. The carriers are at A_0, A_0 + h e_1, A_0 + h e_2 (in space also + h e_3). Every point of the body is an affine
+!! combination of them, x = sum w_i(X) x_i, or x = A X + b with the rotation A. The slave node maps to
+!! X = inv(A) (x_s - b) on the undeformed side and is projected there; A maps projection and normal to the current configuration. A
+!! is a rotation only after the rigid body constraint has converged: with the length l = |A N| all derivatives hold before that too,
 !!
 !!     n = A N/l,  g = l G,  x_s = x_m + g n,   dX = inv(A) (dx_s - sum w_i(X) dx_i),   dG = N . dX
 !!     d(A N) = sum (grad w_i . N) dx_i + A Q dX,   dn = (1 - n n') d(A N)/l,   dg = l dG + G n . d(A N),
-!!     dw_i = grad w_i . P dX,   P = sum c_a t_a t_a',  Q = sum q_a t_a t_a'   (`profiles`)
+!!     dw_i = grad w_i . P dX,   P = sum c_a t_a t_a',  Q = sum q_a t_a t_a'   (amontons_analytic_profiles)
 !!
-!! What is found of a point, projection_type and gap_derivatives_type, is said alike by profiles and by facets (`gap`).
+!! projection_type and gap_derivatives_type hold the results of profiles and of facets (amontons_surface_projection) alike.
 module amontons_analytic_master
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, invert, IDENTITY
@@ -27,26 +27,26 @@ module amontons_analytic_master
   public :: projection_type, gap_derivatives_type
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
-  real(DP), parameter :: PROFILE_EXTENSION = 0.1_DP    !< a node this far beyond an end or a corner is on, over the slave's edge [-]
+  real(DP), parameter :: PROFILE_EXTENSION = 0.1_DP    !< extension zone beyond an end or a corner, over the slave's edge [-]
 
   integer, parameter :: PROJECTION_INSIDE = 0       !< the point is on a facet (or in its extension zone)
   integer, parameter :: PROJECTION_OUTSIDE = 1      !< the point is beyond a free edge or a crease that sticks out
   integer, parameter :: PROJECTION_FAILED = 2   !< no projection found: too far from the facet, or too strongly bent
 
-  !> Where a point is on a surface.
+  !> Projection of a point on a surface.
   type :: projection_type
-    integer :: status = PROJECTION_FAILED       !< PROJECT_...
+    integer :: status = PROJECTION_FAILED       !< PROJECTION_...
     integer :: facet = 0                     !< 0: none
     real(DP) :: xi(2) = 0                    !< natural coordinates [-]
     real(DP) :: gap = 0                      !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0                !< unit normal out of the master [-]
   end type projection_type
 
-  !> Exact first derivatives of projection, gap and normal by the slave node and by all nodes of the facet's stencil.
-  !! The nodes that carry weight, those of the facet, come first.
+  !> Exact first derivatives of projection, gap and normal with respect to the slave node and all nodes of the facet's stencil. The
+  !! nodes with weights, those of the facet, come first.
   type :: gap_derivatives_type
     integer :: n_nodes = 0                       !< nodes of the stencil
-    integer :: n_weights = 0                     !< of them, those of the facet
+    integer :: n_weights = 0                     !< those with weights: nodes of the facet
     integer, allocatable :: nodes(:)             !< (n_nodes) mesh nodes
     real(DP), allocatable :: weights(:)          !< (n_weights) N_i(xi) [-]
     real(DP), allocatable :: d_weights(:, :)     !< (2, n_weights) dN_i/dxi [-]
@@ -64,7 +64,7 @@ contains
   !> The pieces of a profile as facets.
   pure subroutine build_profile_facets(profile, edge, facets)
     type(analytic_profile_type), intent(in) :: profile    !< with carriers
-    real(DP), intent(in) :: edge                 !< of the faces that it meets [length]
+    real(DP), intent(in) :: edge                 !< mean edge of the slave faces [length]
     type(facets_type), intent(out) :: facets
     integer :: k, n
     n = profile%n_carrier_nodes
@@ -79,7 +79,7 @@ contains
   end subroutine build_profile_facets
 
 
-  !> Follows a point from a piece to where it is now; OFF beyond an end or a corner.
+  !> Tracks the projection of a point from a piece to the current one; OUTSIDE beyond an end or a corner.
   pure subroutine project_on_profile(facets, x, point, f, projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -90,7 +90,7 @@ contains
   end subroutine project_on_profile
 
 
-  !> The projection of a point that has none yet; behind the surface not deeper than a distance.
+  !> Finds the projection of a point without a previous one; penetrations beyond max_depth are ignored.
   pure subroutine find_profile_projection(facets, x, point, max_depth, projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -101,7 +101,7 @@ contains
   end subroutine find_profile_projection
 
 
-  !> Both.
+  !> Common part of tracking and finding.
   pure subroutine project_point(facets, x, point, f, max_depth, projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :), point(3)    !< [length]
@@ -127,7 +127,7 @@ contains
   end subroutine project_point
 
 
-  !> A, from where the carriers are.
+  !> A, from the current coordinates of the carriers.
   pure function carrier_rotation(profile, x) result(A)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -153,7 +153,7 @@ contains
   end function evaluate_carrier_weights
 
 
-  !> The weights of the carriers at a place of the surface.
+  !> Weights of the carriers at a point of the surface.
   pure subroutine evaluate_profile_weights(facets, f, xi, n, nodes, weights)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< piece
@@ -171,7 +171,7 @@ contains
   end subroutine evaluate_profile_weights
 
 
-  !> The exact derivatives of place, gap and normal. The two coordinates of the place are lengths along t_1 and t_2 here.
+  !> Exact derivatives of projection, gap and normal. The two surface coordinates are lengths along t_1 and t_2 here.
   pure subroutine evaluate_profile_derivative(facets, x, f, xi, g, derivative)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -222,7 +222,7 @@ contains
   end subroutine evaluate_profile_derivative
 
 
-  !> Two over the smaller radius of curvature at a place of the surface [1/length].
+  !> Two over the smaller radius of curvature at a point of the surface [1/length].
   pure real(DP) function evaluate_profile_bending(facets, f, xi) result(bending)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< piece

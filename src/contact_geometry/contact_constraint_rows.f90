@@ -1,13 +1,14 @@
-!> Rows: a slave's place against its master as a list of nodes with weights; all that contact has to know of a formulation.
+!> Contact constraint rows: relative position of a slave node as a weighted sum of nodal positions, with its force distribution.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A row is a relative position d and the force that goes with it:
+!! A row is a relative position d and the corresponding force:
 !!
 !!     d = sum w_k x_k,    F_k = w_k lambda,    Rhat_row = sum b_k Rhat_k
 !!
-!! with weights that are positive at the slave and negative at the master, sum w_k = 0. Node-to-surface contact fills it from one
-!! facet (1 at the slave node, -N_i at the facet), mortar contact from inv(D) M (doc/theory/contact.md, "Mortar"). The force
-!! lambda that contact gives is minus the imbalance of the row, Rhat_row, as far as its laws allow.
+!! with weights that are positive at the slave and negative at the master, sum w_k = 0. In node-to-surface contact the weights come
+!! from one facet (1 at the slave node, -N_i at the facet), in mortar contact from inv(D) M (doc/theory/contact.md, section 7). The
+!! contact force lambda is minus the imbalance of the row, Rhat_row, as far as the contact laws admit it. No other data of a contact
+!! formulation enters the contact evaluation.
 module amontons_contact_constraint_rows
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
@@ -23,7 +24,7 @@ module amontons_contact_constraint_rows
   type :: contact_row_type
     integer, allocatable :: nodes(:)               !< (n) mesh nodes, each once
     real(DP), allocatable :: weights(:)            !< (n) w_k [-]
-    integer, allocatable :: imbalance_nodes(:)                 !< (m) slave nodes whose imbalance is the row's
+    integer, allocatable :: imbalance_nodes(:)                 !< (m) slave nodes whose imbalances form that of the row
     real(DP), allocatable :: imbalance_weights(:)             !< (m) b_k [-]
   end type contact_row_type
 
@@ -56,7 +57,7 @@ contains
     real(DP), intent(out) :: weights(MAX_FACE_NODES)        !< N_i [-]
     real(DP), intent(out) :: d_weights(2, MAX_FACE_NODES)   !< dN_i/dxi [-]
     real(DP) :: ddN(3, MAX_FACE_NODES)
-    if (allocated(facets%profile)) then            ! its derivatives come from `gap`
+    if (allocated(facets%profile)) then            ! its derivatives come from amontons_surface_projection
       d_weights = 0.0_DP
       call evaluate_profile_weights(facets, f, xi, n, nodes, weights)
       return
@@ -67,7 +68,7 @@ contains
   end subroutine evaluate_facet_weights
 
 
-  !> d = sum w_k x_k, or the same of any other field of vectors at the nodes.
+  !> d = sum w_k x_k, for positions or any other nodal vector field.
   pure function evaluate_relative_position(row, x) result(d)
     type(contact_row_type), intent(in) :: row
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]

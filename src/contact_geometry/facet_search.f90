@@ -1,9 +1,9 @@
-!> Search: which facets are near a point: the boxes of the facets in the cells of a uniform grid.
+!> Bucket search: facets whose enlarged bounding boxes contain a point.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Each facet's box, widened by the search radius, is entered in every cell that it touches. A query then reads one cell
-!! and keeps the facets whose widened box holds the point. No facet within the radius is missed; the order is
-!! ascending, so that the answer depends on nothing but the numbers. Building costs O(n), a query O(what it finds).
+!! Each facet's bounding box, enlarged by the search radius, is entered in every cell of a uniform grid that it touches. A query
+!! reads one cell and keeps the facets whose enlarged box contains the point. No facet within the radius is missed; the facets come
+!! in ascending order, so that the result is deterministic. Building costs O(n), a query O(number of facets found).
 module amontons_facet_search
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
@@ -12,7 +12,7 @@ module amontons_facet_search
   public :: facet_search_type, build_facet_search, find_near_facets
 
   integer, parameter :: MAX_CELLS_PER_FACET = 8        !< the grid has at most this many cells per facet (and a few more)
-  real(DP), parameter :: BOX_ENLARGEMENT = 0.12_DP           !< a box is widened by this part of itself: extension zone, bulges
+  real(DP), parameter :: BOX_ENLARGEMENT = 0.12_DP  !< boxes are enlarged by this fraction for extension zone and curvature [-]
 
   !> The grid of one surface in one configuration.
   type :: facet_search_type
@@ -27,7 +27,7 @@ module amontons_facet_search
 
 contains
 
-  !> Makes the grid for the facets at coordinates x. Cost: O(n) for facets of similar size.
+  !> Builds the grid for the facets at coordinates x. Cost: O(n) for facets of similar size.
   subroutine build_facet_search(facets, x, margin, search)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -42,15 +42,15 @@ contains
   end subroutine build_facet_search
 
 
-  !> The facets that may be within the margin of a point, ascending; a superset of those that are.
+  !> The facets that may be within the margin of a point, ascending; a superset of those within it.
   pure subroutine find_near_facets(search, point, list, n)
     type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: point(3)               !< [length]
-    integer, allocatable, intent(inout) :: list(:) !< facets; grows when too short, so it can be used again and again
+    integer, allocatable, intent(inout) :: list(:) !< facets; grows when too short, so it can be reused
     integer, intent(out) :: n                      !< number found
     integer :: cell_index(3), c, k, f
     n = 0
-    call ensure_size(list, 0)                      ! it has bounds from here on, also where nothing is found
+    call ensure_size(list, 0)                      ! allocate it even if nothing is found
     if (.not. allocated(search%first)) return
     if (any(point < search%lower)) return
     if (any(point > search%lower + search%cell * real(search%n_cells, DP))) return
@@ -66,7 +66,7 @@ contains
   end subroutine find_near_facets
 
 
-  !> The widened boxes, and the mean of their largest sides before the margin is added.
+  !> The enlarged boxes, and the mean of their largest sides before the margin is added.
   subroutine build_boxes(facets, x, search, mean_size)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
@@ -91,9 +91,9 @@ contains
   end subroutine build_boxes
 
 
-  !> Chooses the cells: of the wanted size, or larger if there would be too many.
+  !> Chooses the cells: of the target size, or larger if there would be too many.
   subroutine size_grid(target_size, search)
-    real(DP), intent(in) :: target_size                 !< wanted size of a cell [length]
+    real(DP), intent(in) :: target_size                 !< target size of a cell [length]
     type(facet_search_type), intent(inout) :: search
     real(DP) :: span(3), max_cells
     integer :: i
@@ -144,11 +144,11 @@ contains
   end subroutine collect_cell_facets
 
 
-  !> Enters one facet in all cells that its box touches, or only counts it there if the list is empty.
+  !> Enters one facet in all cells that its box touches; with an empty list only counts it.
   subroutine insert_facet(search, f, next, list)
     type(facet_search_type), intent(in) :: search
     integer, intent(in) :: f                       !< facet
-    integer, intent(inout) :: next(:)              !< (cells) place of the next facet of each cell
+    integer, intent(inout) :: next(:)              !< (cells) position of the next facet of each cell
     integer, intent(inout) :: list(:)              !< facets of all cells
     integer :: low(3), high(3), i, j, k, c
     low = locate_cell(search, search%box(:, 1, f))

@@ -1,15 +1,15 @@
-!> Facets: a master surface as facets with nodes, neighbours, edges, and the stars from which vertex normals are made.
+!> Topology of a faceted surface: neighbours, feature edges, vertices, and the stars from which averaged normals are formed.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The normal of a surface of flat or bilinear facets jumps at every edge, and a slave node at an edge then has no
-!! solution. A continuous normal needs to know, at each node of each facet, which facets around the node belong to the
-!! same smooth piece of surface. Such a piece at a node is called a *vertex* here, its facets the *star* of the vertex.
-!! Facets that meet in a smooth edge share the vertices of both its ends; facets that meet in a crease (feature angle)
-!! do not, unless the crease ends there. So a normal made vertex by vertex is the same from both sides of a smooth edge
-!! and jumps at a crease. All of this is decided once, in the reference configuration; the normals are made in `gap`.
+!! The normal of a surface of flat or bilinear facets jumps at every edge, and a slave node at an edge then has no solution. A
+!! continuous normal at a node of a facet is averaged over the facets around the node that belong to the same smooth piece of
+!! surface. Such a piece at a node is called a *vertex* here, its facets the *star* of the vertex. Facets that meet in a smooth edge
+!! share the vertices of both its ends; facets that meet in a crease (feature angle) do not, unless the crease ends there. So a
+!! normal formed vertex by vertex is the same from both sides of a smooth edge and jumps at a crease. This topology is fixed in the
+!! reference configuration; amontons_surface_projection forms the normals.
 !!
-!! In the plane a facet is a line of 2 or 3 nodes. Its "edges" are its two ends, its second tangent is e_z, and xi(2) is
-!! of no meaning; all else is as in space.
+!! In the plane a facet is a line of 2 or 3 nodes. Its "edges" are its two ends, its second tangent is e_z, and xi(2) is unused; all
+!! else is as in space.
 module amontons_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
@@ -26,13 +26,13 @@ module amontons_facets
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
   integer, parameter :: EDGE_SMOOTH = 1       !< the normals of both sides differ by less than the feature angle
-  integer, parameter :: EDGE_CONVEX = 2       !< a crease that sticks out, as the edge of a box
-  integer, parameter :: EDGE_CONCAVE = 3      !< a crease that goes in, as where floor and wall meet
+  integer, parameter :: EDGE_CONVEX = 2       !< a convex crease, as the edge of a box
+  integer, parameter :: EDGE_CONCAVE = 3      !< a concave crease, as between two walls
 
   real(DP), parameter :: DEFAULT_FEATURE_ANGLE = PI / 4   !< default feature angle: a sharper edge is a crease [rad]
 
-  !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; edge k of a line is its
-  !! corner k alone. Unused edges (the 4th of a triangle, the 3rd and 4th of a line) are free.
+  !> The facets of one surface. Edge k of a facet runs from its corner k to the next corner; edge k of a line is its corner k alone.
+  !! Unused edges (the 4th of a triangle, the 3rd and 4th of a line) are free.
   type :: facets_type
     integer :: n = 0
     integer, allocatable :: kind(:)           !< (n) FACET_... of topology
@@ -46,18 +46,18 @@ module amontons_facets
     logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
-    real(DP), allocatable :: symmetry_projector(:, :, :)   !< (3, 3, n_vertices) projects a normal into its planes of symmetry;
-                                                           !! else unity
+    real(DP), allocatable :: symmetry_projector(:, :, :)  !< (3, 3, n_vertices) projects a normal into its symmetry planes; else
+                                                          !! unity
     integer, allocatable :: star_first(:)     !< (n_vertices + 1) start of a vertex's star
     integer, allocatable :: star_facet(:)     !< facets of all stars
     integer, allocatable :: star_local(:)     !< local node number of the vertex's node in that facet
     integer, allocatable :: stencil_first(:)  !< (n + 1) start of a facet's stencil
-    integer, allocatable :: stencil(:)        !< mesh nodes that move a facet's points and normals: own, then others
-    type(analytic_profile_type), allocatable :: profile   !< an analytic surface: a facet is a piece of it, its nodes the carriers;
-    !< vertices and stencils are not there
+    integer, allocatable :: stencil(:)        !< mesh nodes on which a facet's points and normals depend: own, then others
+    type(analytic_profile_type), allocatable :: profile  !< an analytic surface: the facets are its pieces, their nodes the
+                                                         !! carriers; without vertices and stencils
   end type facets_type
 
-  !> Which facets stand at a mesh node: entries of facets%nodes by node.
+  !> Facets at each mesh node: entries of facets%nodes by node.
   type :: incidence_type
     integer, allocatable :: first(:)          !< (n_nodes + 1)
     integer, allocatable :: entry(:)          !< index into facets%nodes, ascending by node
@@ -66,10 +66,10 @@ module amontons_facets
 
 contains
 
-  !> Makes the facets of a surface: neighbours, kinds of edges, vertices, stars and stencils. Cost: linear.
+  !> Builds the facets of a surface: neighbours, kinds of edges, vertices, stars and stencils. Cost: linear.
   !!
-  !! Errors: an element or face that does not exist, a facet without area, facets of opposite orientation or
-  !! named twice, an edge with more than two facets.
+  !! Errors: an element or face that does not exist, a facet without area, facets of opposite orientation or listed twice, an edge
+  !! with more than two facets.
   subroutine build_facets(mesh, element, face, facets, error, feature_angle, is_faceted)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element(:)                     !< (n) element index of each facet
@@ -125,7 +125,7 @@ contains
   end subroutine facet_tangents
 
 
-  !> 'element 12 face S3', with the label of the user.
+  !> 'element 12 face S3', with the user's element label.
   function facet_label(mesh, facets, f) result(label)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
@@ -220,7 +220,7 @@ contains
   end subroutine set_edge_lengths
 
 
-  !> For each mesh node the entries of facets%nodes that name it.
+  !> For each mesh node its entries in facets%nodes.
   subroutine find_incidence(facets, n_nodes, incidence)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: n_nodes                   !< number of mesh nodes
@@ -248,7 +248,7 @@ contains
   end subroutine find_incidence
 
 
-  !> The facet across each edge: it runs through the same two corners the other way round. Lines are met end to end.
+  !> The facet across each edge: it runs through the same two corners in the opposite sense. Lines join end to end.
   subroutine find_neighbours(mesh, incidence, facets, error)
     type(mesh_type), intent(in) :: mesh
     type(incidence_type), intent(in) :: incidence
@@ -278,7 +278,7 @@ contains
   end subroutine find_neighbours
 
 
-  !> +1 if the facet runs from its local node to node b along an edge, -1 if from b to the local node, 0 if it does not.
+  !> +1 if the facet runs from its local node to node b along an edge, -1 if from b to the local node, else 0.
   pure function find_edge_direction(facets, f, local, b) result(direction)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, local                  !< facet, and local number of a node of it
@@ -294,18 +294,18 @@ contains
   end function find_edge_direction
 
 
-  !> For lines: +1 if the facet has its own corner k there too, -1 if its other end, 0 if it does not end there.
+  !> For lines: +1 if the facet has its own corner k at the common node, -1 if its other end, 0 if it does not end there.
   pure function find_end_direction(facets, f, local, k) result(direction)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, local                  !< facet, and local number of the common node in it
-    integer, intent(in) :: k                         !< corner of the line that looks for its neighbour
+    integer, intent(in) :: k                         !< corner of the line whose neighbour is searched
     integer :: direction
     direction = 0
     if (local <= 2 .and. is_line_facet(facets%kind(f))) direction = merge(1, -1, local == k)
   end function find_end_direction
 
 
-  !> The error of two facets that run along an edge the same way.
+  !> The error of two facets that run along an edge in the same sense.
   subroutine set_orientation_error(mesh, facets, f, other, error)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
@@ -355,7 +355,7 @@ contains
   end subroutine classify_edges
 
 
-  !> Numbers the vertices: at each node one for each group of facets that hang together by smooth edges at this node.
+  !> Numbers the vertices: at each node one for each group of facets connected by smooth edges at this node.
   subroutine find_vertices(incidence, facets)
     type(incidence_type), intent(in) :: incidence
     type(facets_type), intent(inout) :: facets
@@ -391,14 +391,14 @@ contains
     type(facets_type), intent(in) :: facets
     type(incidence_type), intent(in) :: incidence
     integer, intent(in) :: entry                     !< of facets%nodes
-    integer, intent(in) :: side                      !< 1 or 2: a corner stands on two edges, a mid-side on one
+    integer, intent(in) :: side                      !< 1 or 2: a corner has two edges, a mid-side node one
     integer :: next
     integer :: f, local, n_corners, k, other
     f = incidence%owner(entry)
     local = entry - facets%first(f) + 1
     n_corners = n_facet_corners(facets%kind(f))
     next = 0
-    if (is_line_facet(facets%kind(f))) then                ! a corner stands on its own end, the middle on none
+    if (is_line_facet(facets%kind(f))) then                ! a corner has its own end, the middle node none
       if (side == 2 .or. local > 2) return
       k = local
     else if (local > n_corners) then
@@ -415,7 +415,7 @@ contains
   end function find_entry_across_edge
 
 
-  !> The stars: for each vertex its facets, ascending, and where the node stands in them.
+  !> The stars: for each vertex its facets, ascending, and the local number of the node in them.
   subroutine collect_stars(incidence, facets)
     type(incidence_type), intent(in) :: incidence
     type(facets_type), intent(inout) :: facets
@@ -467,7 +467,7 @@ contains
   end subroutine collect_stencils
 
 
-  !> Appends the nodes of a facet that do not carry the mark yet; the list grows when it is full.
+  !> Appends the nodes of a facet that are not marked yet; the list grows when it is full.
   pure subroutine add_nodes(facets, f, mark, seen, list, n)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, mark
@@ -508,7 +508,7 @@ contains
   end subroutine sort_ascending
 
 
-  !> Unit normal of a facet at the middle of an edge; at the centre where it vanishes there.
+  !> Unit normal of a facet at the middle of an edge, or at the centre if it vanishes there.
   pure function edge_normal(facets, x, f, k) result(normal)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                  !< (3, n_nodes) coordinates [length]
@@ -533,7 +533,7 @@ contains
   end function edge_normal
 
 
-  !> The direction in which an edge runs; that of a line's end is e_z at its second, -e_z at its first corner.
+  !> The direction of an edge; that of a line's end is e_z at its second, -e_z at its first corner.
   pure function edge_vector(facets, x, f, k) result(vector)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                  !< (3, n_nodes) coordinates [length]
@@ -549,7 +549,7 @@ contains
   end function edge_vector
 
 
-  !> The mesh nodes at both ends of an edge; twice the same for a line.
+  !> The mesh nodes at both ends of an edge; twice the same node for a line.
   pure subroutine edge_nodes(facets, f, k, a, b)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, k                      !< facet and edge

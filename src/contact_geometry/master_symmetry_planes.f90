@@ -1,9 +1,10 @@
-!> Symmetry: where a master surface ends on a plane of symmetry, its normals lie in that plane.
+!> Corrects master normals on symmetry planes by the supports of the nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A vertex normal at the border of a surface is made from one side only and leans by half a facet. On a plane of symmetry the
-!! other half of the body is there too, mirrored: the sum of a normal and its mirror image is twice its part in the plane.
-!! Without that a slave node that slides in the plane could never close its gap (doc/theory/contact.md, "The normal").
+!! A vertex normal at the border of a surface is averaged from one side only and tilts by half the angle of a facet. On a symmetry
+!! plane the mirrored half of the body continues the surface: the sum of a normal and its mirror image is twice its part in the
+!! plane. Without the correction a slave node that slides in the plane could never close its gap (doc/theory/contact.md, "The smooth
+!! normal").
 module amontons_master_symmetry_planes
   use amontons_kinds, only: DP
   use amontons_model, only: model_type, dof_direction
@@ -14,25 +15,25 @@ module amontons_master_symmetry_planes
   private
   public :: find_symmetry_planes, find_fixed_directions
 
-  real(DP), parameter :: MAX_NORMAL_LEAN = 0.5_DP          !< a larger part of the normal out of the plane is no lean [-]
-  real(DP), parameter :: MIN_PARALLEL_COSINE = 1.0_DP - 1.0e-9_DP   !< cosine of directions that are one [-]
+  real(DP), parameter :: MAX_NORMAL_LEAN = 0.5_DP  !< a larger part of the normal out of the plane is no tilt by averaging [-]
+  real(DP), parameter :: MIN_PARALLEL_COSINE = 1.0_DP - 1.0e-9_DP   !< directions with a larger cosine coincide [-]
 
 contains
 
-  !> Finds the vertices on planes of symmetry and the directions that their normals lose: facets%symmetry_projector.
+  !> Finds the vertices on symmetry planes and removes the perpendicular directions from their normals: facets%symmetry_projector.
   !!
-  !! A free edge of the surface lies on a plane of symmetry if supports hold the same direction at all its nodes, that
-  !! direction is nearly perpendicular to the normal, and the direction nearest to the normal is not held. The directions are
-  !! those of the node's own frame (*TRANSFORM), or the global axes.
+  !! A free edge of the surface lies on a symmetry plane if supports fix the same direction at all its nodes, that direction is
+  !! nearly perpendicular to the normal, and the direction nearest to the normal is not fixed. The directions are those of the
+  !! node's local coordinate system (*TRANSFORM), or the global axes.
   subroutine find_symmetry_planes(facets, model, is_fixed)
     type(facets_type), intent(inout) :: facets
     type(model_type), intent(in) :: model
-    logical, intent(in) :: is_fixed(:, :)           !< (3, n_nodes) by supports, as find_fixed_directions says
+    logical, intent(in) :: is_fixed(:, :)           !< (3, n_nodes) by supports, from find_fixed_directions
     logical :: is_edge_fixed(3)
     integer :: f, k, d
     integer, allocatable :: entries(:)
     if (allocated(facets%profile)) return
-    if (facets%is_faceted) return                  ! the normals of its faces are as they are
+    if (facets%is_faceted) return                  ! the normals of its faces need no correction
     if (.not. allocated(facets%symmetry_projector)) allocate (facets%symmetry_projector(3, 3, facets%n_vertices))
     facets%symmetry_projector = 0.0_DP
     do d = 1, 3
@@ -49,7 +50,7 @@ contains
 
   contains
 
-    !> Whether direction d of the first node is held at all of them.
+    !> Whether direction d of the first node is fixed at all of them.
     pure logical function is_fixed_at_all(d, nodes)
       integer, intent(in) :: d, nodes(:)
       real(DP) :: a(3)
@@ -62,7 +63,7 @@ contains
       end do
     end function is_fixed_at_all
 
-    !> The vertices of an edge lose the directions in which they only lean.
+    !> Removes from the vertex normals of an edge the fixed directions that are nearly perpendicular to them.
     subroutine project_edge_normals(entries, is_edge_fixed)
       integer, intent(in) :: entries(:)
       logical, intent(in) :: is_edge_fixed(3)
@@ -85,18 +86,18 @@ contains
   end subroutine find_symmetry_planes
 
 
-  !> Which directions of each node its supports hold: of its own frame (*TRANSFORM), or the global axes.
+  !> Directions of each node that supports fix: of its local coordinate system (*TRANSFORM), or the global axes.
   pure subroutine find_fixed_directions(model, step, owner, is_fixed)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    integer, intent(in) :: owner(:)                !< (3 n_nodes) < 0: held by a support in a global direction
+    integer, intent(in) :: owner(:)                !< (3 n_nodes) < 0: fixed by a support in a global direction
     logical, intent(out) :: is_fixed(:, :)          !< (3, n_nodes)
     integer :: i, d
     is_fixed = reshape(owner < 0, shape(is_fixed))
     if (.not. allocated(model%frame_of)) return
     do i = 1, model%mesh%n_nodes
       if (model%frame_of(i) == 0) cycle
-      associate (is_axis_held => owner(3 * i - 2:3 * i) < 0)   ! an axis of the frame may be a global one, as across a plane
+      associate (is_axis_held => owner(3 * i - 2:3 * i) < 0)   ! a local axis may coincide with a global one
         is_fixed(:, i) = [(any(is_axis_held .and. abs(dof_direction(model, i, d)) > MIN_PARALLEL_COSINE), d=1, 3)]
       end associate
     end do
@@ -108,7 +109,7 @@ contains
   end subroutine find_fixed_directions
 
 
-  !> The entries of facets%nodes on one edge: its corners, and the node between them; of a line its end.
+  !> The entries of facets%nodes on one edge: its corners and the node between them; for a line its end.
   pure function list_edge_entries(facets, f, k) result(entries)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f, k                    !< facet and edge

@@ -1,4 +1,4 @@
-!> Gap: projection of a slave node on the master along its smooth normal, the gap, and all derivatives of both.
+!> Projection of a slave node on the smoothed master surface along its interpolated normal, the gap, and their derivatives.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The projection is the ray along the interpolated normal (doc/theory/contact.md):
@@ -6,9 +6,9 @@
 !!     x_s = x_m(xi) + g n(xi),   x_m = sum N_i x_i,   n = s/|s|,   s = sum N_i n_i
 !!     n_i = m_i/|m_i|,   m_i = sum over the star of vertex i of A_0 (x,1 x x,2) there,   A_0 area of the natural facet
 !!
-!! with the unknowns xi and g. Point and normal are continuous over smooth edges, so the projection is too, and there
-!! are no dead zones between facets. A master that is a profile is handed on to `analytic`. `x` is always the array of the
-!! coordinates of all mesh nodes, (3, n_nodes).
+!! with the unknowns xi and g. Point and normal are continuous over smooth edges, hence also the projection: there are no dead zones
+!! between facets. Masters that are profiles are projected in amontons_analytic_master. `x` is always the array of the coordinates
+!! of all mesh nodes, (3, n_nodes).
 module amontons_surface_projection
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product, invert
@@ -28,18 +28,17 @@ module amontons_surface_projection
     evaluate_vertex_derivative, find_edge_excess
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
-  real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< a node this far beyond a free edge is on, over facet length [-]
-  real(DP), parameter :: TOL_ON_EDGE = 1.0e-8_DP      !< a node this little beyond any edge is on the facet, same unit [-]
-  real(DP), parameter :: EDGE_HYSTERESIS = 1.0e-3_DP      !< where normals jump at edges a facet keeps a node that is this little
-                                                          !! beyond [-]
-  real(DP), parameter :: MAX_NEWTON_EXCESS = 0.6_DP        !< the Newton iteration is kept within this excess, the same unit [-]
+  real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< extension zone beyond a free edge, over facet length [-]
+  real(DP), parameter :: TOL_ON_EDGE = 1.0e-8_DP  !< tolerance beyond any edge within which a node is on the facet, same unit [-]
+  real(DP), parameter :: EDGE_HYSTERESIS = 1.0e-3_DP  !< a facet keeps a node up to this excess where normals jump at edges, same
+                                                      !! unit [-]
+  real(DP), parameter :: MAX_NEWTON_EXCESS = 0.6_DP        !< bound of the Newton iterates beyond the facet, same unit [-]
   real(DP), parameter :: MAX_NATURAL_STEP = 0.5_DP    !< longest step of a natural coordinate, in lengths of the facet [-]
-  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< distances that differ by less than this part of an edge: equal
-                                                                !! [-]
-  real(DP), parameter :: TOL_STAGNATION = 1.0e-8_DP  !< steps this small that do not shrink any more are rounding [-]
+  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< distances are equal within this fraction of an edge [-]
+  real(DP), parameter :: TOL_STAGNATION = 1.0e-8_DP  !< steps below this that no longer decrease are at rounding level [-]
   real(DP), parameter :: MIN_VERTEX_NORMAL = 1.0e-12_DP   !< smallest vertex normal, over the length squared [-]
-  integer, parameter :: MAX_NEWTON_ITERATIONS = 40      !< of Newton on one facet
-  integer, parameter :: MAX_WALK_FACETS = 400          !< longest walk, in facets
+  integer, parameter :: MAX_NEWTON_ITERATIONS = 40      !< of Newton's method on one facet
+  integer, parameter :: MAX_WALK_FACETS = 400          !< longest walk over neighbouring facets
 
   !> One facet in one configuration.
   type :: facet_geometry_type
@@ -52,7 +51,7 @@ module amontons_surface_projection
     real(DP) :: size = 1                         !< a length of the facet [length]
   end type facet_geometry_type
 
-  !> Point, normal and their slopes at natural coordinates of a frame.
+  !> Point, normal and their derivatives at natural coordinates of a facet.
   type :: surface_point_type
     real(DP) :: N(MAX_FACE_NODES) = 0            !< shape functions [-]
     real(DP) :: dN(2, MAX_FACE_NODES) = 0        !< their slopes [-]
@@ -65,12 +64,11 @@ module amontons_surface_projection
 
 contains
 
-  !> Follows a point from a facet over the neighbours to where it is now.
+  !> Tracks the projection of a point from a facet over its neighbours to the current facet.
   !!
-  !! It walks over smooth edges and valleys. At a free edge, or a crease that sticks out, the facet reaches up to a
-  !! tenth of its length beyond itself (as Abaqus's extension zone); past that the walk tries the other side of a ridge,
-  !! else the point is OFF. On anything but ON, f is the last facet looked at. A point that keeps to an edge may be given a longer
-  !! extension.
+  !! The walk crosses smooth edges and concave creases. At a free edge or a convex crease the facet has an extension zone of a tenth
+  !! of its length (as in Abaqus); beyond it the walk tries the other side of the crease, else the point is OUTSIDE. Unless the
+  !! status is INSIDE, f is the last facet of the walk. A node with an extended edge has a larger extension.
   pure subroutine track_projection(facets, x, point, f, xi, g, n, status, extension)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -79,8 +77,8 @@ contains
     real(DP), intent(out) :: xi(2)               !< natural coordinates [-]
     real(DP), intent(out) :: g                   !< gap [length]
     real(DP), intent(out) :: n(3)                !< unit normal [-]
-    integer, intent(out) :: status               !< PROJECT_...
-    real(DP), intent(in), optional :: extension  !< over the length of the facet, if more than a tenth [-]
+    integer, intent(out) :: status               !< PROJECTION_...
+    real(DP), intent(in), optional :: extension  !< over the length of the facet, if larger than EXTENSION_ZONE [-]
     type(projection_type) :: current_projection, previous
     real(DP) :: excess(4), reach
     integer :: step, edge, before
@@ -118,11 +116,11 @@ contains
   end subroutine track_projection
 
 
-  !> The projection of a point that has none yet: of all facets near it that hold it, the one with the shortest way.
+  !> Finds the projection of a point without a previous one: among the facets that contain it, the one with the shortest path.
   !!
-  !! The way is the gap, and beyond an edge (extension zone) also the length beyond it. Facets that face the slave go
-  !! before those that do not. Between equal ways the lowest facet number is taken. After: status ON, or
-  !! OFF with facet 0 if there is none within max_distance. Before: the margin of the search is at least max_distance.
+  !! The path is the gap plus, in an extension zone, the length beyond the edge. Facets that face the slave take precedence over
+  !! others. Of equal paths the lowest facet number is taken. After: status INSIDE, or OUTSIDE with facet 0 if no facet is within
+  !! max_distance. Before: the margin of the search is at least max_distance.
   pure subroutine find_projection(facets, search, x, point, max_distance, projection, slave_normal)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search
@@ -169,8 +167,8 @@ contains
   end subroutine find_projection
 
 
-  !> The distance of a point from the nearest centre of the triangles of a facet. Of facets that hold a point equally well CalculiX
-  !! takes the one of the nearest triangle, and divides a square between its second and fourth corner as it numbers them.
+  !> The distance of a point from the nearest centre of the triangles of a facet. Of several facets that contain a point CalculiX
+  !! takes the one with the nearest triangle; it divides a quadrilateral between its second and fourth corner in its own numbering.
   pure real(DP) function find_centre_distance(facets, x, f, point) result(distance)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -182,7 +180,7 @@ contains
     at(:, 2) = at(:, 1)
     if (facets%kind(f) == FACET_QUAD4 .or. facets%kind(f) == FACET_QUAD8) then
       at = reshape([1, 2, 4, 2, 3, 4], [3, 2])
-      if (facets%face(f) == 1) at = reshape([1, 2, 3, 1, 3, 4], [3, 2])   ! there it begins at another corner
+      if (facets%face(f) == 1) at = reshape([1, 2, 3, 1, 3, 4], [3, 2])   ! CalculiX starts this face at another corner
     else if (is_line_facet(facets%kind(f))) then
       at = reshape([1, 2, 2, 1, 1, 2], [3, 2])
     end if
@@ -190,7 +188,7 @@ contains
   end function find_centre_distance
 
 
-  !> The projection from a facet that is near but does not hold the point; stays as it is if that leads nowhere.
+  !> The projection from a facet that is near but does not contain the point; unchanged if the walk finds none.
   pure subroutine walk_from_facet(facets, x, point, max_distance, f, projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -207,7 +205,7 @@ contains
 
   !> The exact derivatives of xi, g and n at a projection (any g).
   !!
-  !! The equation of the ray differentiated, with A = x_m,xi + g n,xi and the normal at fixed xi written dn|xi:
+  !! They follow from the differentiated ray equation, with A = x_m,xi + g n,xi and the normal at fixed xi written dn|xi:
   !!
   !!     A dxi + n dg = dx_s - sum N_i dx_i - g dn|xi,    dn = dn|xi + n,xi dxi
   pure subroutine evaluate_gap_derivatives(facets, x, f, xi, g, derivative)
@@ -247,7 +245,7 @@ contains
   end subroutine evaluate_gap_derivatives
 
 
-  !> Where a material point of the master is now.
+  !> Current position of a material point of the master.
   pure subroutine evaluate_facet_point(facets, x, f, xi, xm)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -270,7 +268,7 @@ contains
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     integer, intent(in) :: vertex                !< number of the vertex, as in facets%vertex
-    logical, intent(in), optional :: is_whole    !< .true.: with the parts that a plane of symmetry takes away
+    logical, intent(in), optional :: is_whole    !< .true.: including the parts that a symmetry plane removes
     real(DP) :: m(3)                             !< [length^2]
     real(DP) :: tangents(3, 2), xi(2, MAX_FACE_NODES)
     integer :: s, f
@@ -286,7 +284,7 @@ contains
   end function evaluate_vertex_normal
 
 
-  !> The derivative of the unit normal of a vertex by the nodes of its star: dn = (1 - n n')/|m| dm.
+  !> The derivative of the unit normal of a vertex with respect to the nodes of its star: dn = (1 - n n')/|m| dm.
   pure subroutine evaluate_vertex_derivative(facets, x, vertex, nodes, d_n)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -329,8 +327,8 @@ contains
   end subroutine evaluate_smooth_normal
 
 
-  !> How far a point is beyond each edge, in lengths of the facet across that edge; negative inside. Edge 4 of a
-  !! triangle, edges 3 and 4 of a line: -1.
+  !> The excess of a point beyond each edge, over the length of the facet across that edge; negative inside. Edge 4 of a triangle,
+  !! edges 3 and 4 of a line: -1.
   pure function find_edge_excess(kind, xi) result(excess)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
@@ -345,16 +343,16 @@ contains
   end function find_edge_excess
 
 
-  !> The edge over which the walk goes on; 0 if it ends here, and then the status says how.
+  !> The edge that the walk crosses; 0 if the walk ends here, with the status of its end.
   pure subroutine choose_crossed_edge(facets, f, excess, extension, status, edge)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< facet
     real(DP), intent(in) :: excess(4)            !< over its edges [-]
-    real(DP), intent(in) :: extension            !< how far the facet reaches beyond itself [-]
-    integer, intent(inout) :: status             !< of the projection on this facet; out: OFF beyond the extension zone
+    real(DP), intent(in) :: extension            !< extension zone of the facet [-]
+    integer, intent(inout) :: status             !< of the projection on this facet; out: OUTSIDE beyond the extension zone
     integer, intent(out) :: edge
     logical :: is_out(4), is_open(4)
-    real(DP) :: kept                               ! how far beyond an edge it stays here though the master goes on there [-]
+    real(DP) :: kept  ! excess up to which the point stays on this facet although the master continues [-]
     integer :: k
     edge = 0
     kept = merge(EDGE_HYSTERESIS, TOL_ON_EDGE, facets%is_faceted)
@@ -373,14 +371,14 @@ contains
   end subroutine choose_crossed_edge
 
 
-  !> A walk came straight back: the point is beyond the common edge on both sides (a valley from below, a ridge from
-  !! above). The side where it is less beyond holds it if that is within the extension zone.
+  !> Chooses the facet if a walk returns over the same edge: the point is beyond the common edge on both sides (a concave crease
+  !! from below, a convex one from above). The facet with the smaller excess takes it if that is within the extension zone.
   pure function choose_nearer_projection(facets, x, point, one, two, extension) result(nearer)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
     real(DP), intent(in) :: point(3)             !< x_s [length]
     type(projection_type), intent(in) :: one, two
-    real(DP), intent(in) :: extension            !< how far a facet reaches beyond itself [-]
+    real(DP), intent(in) :: extension            !< extension zone of a facet [-]
     type(projection_type) :: nearer
     real(DP) :: beyond(2)
     beyond(1) = maxval(find_edge_excess(facets%kind(one%facet), one%xi))
@@ -398,7 +396,7 @@ contains
   end function choose_nearer_projection
 
 
-  !> Does the facet by itself hold the point: inside, or in the extension zone of a free edge or of a ridge?
+  !> Whether the facet by itself contains the point: inside, or in the extension zone of a free edge or a convex crease.
   pure function is_projection_inside(facets, projection) result(holds)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
@@ -412,7 +410,7 @@ contains
   end function is_projection_inside
 
 
-  !> The length of the way from a point to a facet: the gap, and what the projection is beyond an edge.
+  !> The path length from a point to a facet: the gap plus the excess beyond an edge.
   pure function find_facet_distance(facets, projection) result(path_length)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
@@ -423,7 +421,7 @@ contains
   end function find_facet_distance
 
 
-  !> Do the normals of master and slave face each other? Without a slave normal they do.
+  !> Whether the normals of master and slave face each other; .true. without a slave normal.
   pure function is_facing_slave(normal, slave_normal) result(faces)
     real(DP), intent(in) :: normal(3)            !< of the master [-]
     real(DP), intent(in), optional :: slave_normal(3)
@@ -434,11 +432,11 @@ contains
   end function is_facing_slave
 
 
-  !> The projection of a point on one facet, extended beyond its edges: Newton on the ray, 3 equations.
+  !> The projection of a point on one facet, extended beyond its edges: Newton's method for the ray, 3 equations.
   !!
-  !! Start: the closest point of the plane through the centre. Steps are limited, and halved while the residual rises.
-  !! A point so far beyond an edge that the facet's extension means nothing ends at the border (MAX_NEWTON_EXCESS) with its xi
-  !! there: enough to know which edge to cross. Status ON or FAILED.
+  !! Start: the closest point of the plane through the centre. Steps are limited, and halved while the residual rises. For a point
+  !! too far beyond an edge the iteration ends at the bound MAX_NEWTON_EXCESS with xi there, which determines the edge to cross.
+  !! Status INSIDE or FAILED.
   pure function project_on_facet(facets, x, point, f) result(projection)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -491,12 +489,12 @@ contains
   end subroutine find_newton_step
 
 
-  !> Shortens a step that is too long or leads too far beyond the facet.
+  !> Limits a step that is too long or leads too far beyond the facet.
   pure subroutine limit_newton_step(kind, xi, step, is_at_border)
     integer, intent(in) :: kind                  !< FACET_...
     real(DP), intent(in) :: xi(2)                !< [-]
     real(DP), intent(inout) :: step(3)           !< of xi and g
-    logical, intent(out) :: is_at_border         !< the step ends at the border and wanted to go on
+    logical, intent(out) :: is_at_border         !< the step was cut at the bound
     real(DP) :: longest, excess(4), target_excess(4), part
     integer :: k
     longest = maxval(abs(step(:2))) * merge(1.0_DP, 0.5_DP, is_triangle(kind))
@@ -513,7 +511,7 @@ contains
   end subroutine limit_newton_step
 
 
-  !> Takes a step, halved (at most four times) while the distance from the ray rises.
+  !> Takes a step, halved at most four times while the distance from the ray rises.
   pure subroutine apply_damped_step(geometry, point, step, xi, g, surface_point)
     type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: point(3)             !< x_s [length]
@@ -533,7 +531,7 @@ contains
   end subroutine apply_damped_step
 
 
-  !> Where Newton starts: the closest point on the plane through the facet's centre, brought back to the facet.
+  !> Start of Newton's method: the closest point on the plane through the facet's centre, moved into the facet.
   pure subroutine initialize_projection(geometry, point, xi, g)
     type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: point(3)             !< x_s [length]
@@ -558,8 +556,8 @@ contains
   end subroutine initialize_projection
 
 
-  !> Coordinates and vertex normals of a facet's nodes. A node whose star has no area there (the tip of a collapsed
-  !! facet) has no normal: the others give it.
+  !> Coordinates and vertex normals of a facet's nodes. A node whose star has no area there (the tip of a collapsed facet) has none;
+  !! the interpolation uses the others.
   pure subroutine build_facet_geometry(facets, x, f, geometry)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -583,7 +581,7 @@ contains
   end subroutine build_facet_geometry
 
 
-  !> Point, normal and slopes at natural coordinates.
+  !> Point, normal and their derivatives at natural coordinates.
   pure subroutine evaluate_surface_point(geometry, xi, surface_point)
     type(facet_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: xi(2)                !< [-]
@@ -604,7 +602,7 @@ contains
   end subroutine evaluate_surface_point
 
 
-  !> Nodes, weights and room for the derivatives. A node that a collapsed facet names twice gets both weights.
+  !> Allocates the derivatives and sets nodes and weights. A node listed twice by a collapsed facet gets both weights.
   pure subroutine initialize_derivatives(facets, f, geometry, surface_point, derivative)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                     !< facet
@@ -656,7 +654,7 @@ contains
   end subroutine add_normal_derivatives
 
 
-  !> One facet of a star: to_vertex times the derivative of its A_0 (x,1 x x,2) at one of its nodes.
+  !> Contribution of one facet of a star: to_vertex times the derivative of its A_0 (x,1 x x,2) with respect to one of its nodes.
   pure subroutine add_star_facet(facets, x, f, local, to_vertex, derivative)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
@@ -698,7 +696,7 @@ contains
   end function skew_matrix
 
 
-  !> A size that areas of a facet are compared with; a line is one deep [length^2].
+  !> Reference size for areas of a facet; a line has depth one [length^2].
   pure real(DP) function area_scale(geometry)
     type(facet_geometry_type), intent(in) :: geometry
     area_scale = geometry%size**2
@@ -715,7 +713,7 @@ contains
   end function natural_area
 
 
-  !> Is a facet kind a triangle?
+  !> Whether a facet kind is a triangle.
   pure function is_triangle(kind) result(is)
     integer, intent(in) :: kind                  !< FACET_...
     logical :: is

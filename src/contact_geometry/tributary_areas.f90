@@ -1,4 +1,4 @@
-!> Areas: the area that each slave node stands for.
+!> Tributary areas and area vectors of slave nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_tributary_areas
   use amontons_kinds, only: DP, PI
@@ -22,14 +22,14 @@ module amontons_tributary_areas
 
 contains
 
-  !> Adds the areas of the nodes of one face: those of its linear face to the corners, and notes the corners of its
-  !! mid-side nodes; or, under a compliant law, a share of the area to each node.
+  !> Adds the areas of the nodes of one face: those of its linear face to the corners, recording the corners of its mid-side nodes;
+  !! under a compliant law a share of the area to each node.
   subroutine add_nodal_face_areas(mesh, e, face, is_compliant, area_vector, area, corners)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, face
     logical, intent(in) :: is_compliant                 !< the law is compliant
     real(DP), intent(inout) :: area_vector(:, :), area(:)   !< (3, n_nodes), (n_nodes) [length^2]
-    integer, intent(inout) :: corners(:, :)        !< (2, n_nodes) corners of a mid-side node, 0
+    integer, intent(inout) :: corners(:, :)        !< (2, n_nodes) corners of a mid-side node, else 0
     type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), m, n, q, i, n_points
@@ -79,7 +79,7 @@ contains
   end subroutine add_nodal_areas
 
 
-  !> How deep the plane is at an element: its thickness, or minus 1 where it is the full circle. Of no meaning in space.
+  !> Depth of a plane element: its thickness, or -1 for the full circle of an axisymmetric one. Unused in space.
   pure real(DP) function out_of_plane_depth(mesh, e) result(depth)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element
@@ -94,7 +94,7 @@ contains
   pure function second_tangent(x, N_i, dN_2, depth) result(tangent)
     real(DP), intent(in) :: x(:, :)                !< (3, n) nodes of the face [length]
     real(DP), intent(in) :: N_i(:), dN_2(:)        !< (n) shape functions and their derivatives by xi(2) [-]
-    real(DP), intent(in) :: depth                  !< as out_of_plane_depth has it [length]
+    real(DP), intent(in) :: depth                  !< from out_of_plane_depth [length]
     real(DP) :: tangent(3)
     tangent = matmul(x, dN_2)
     if (any(abs(dN_2) > 0.0_DP)) return
@@ -107,7 +107,7 @@ contains
   subroutine integrate_face_area(x, kind, depth, vector, area)
     real(DP), intent(in) :: x(:, :)                !< (3, :) of its nodes [length]
     integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: depth                  !< of an edge, as out_of_plane_depth has it [length]
+    real(DP), intent(in) :: depth                  !< of an edge, from out_of_plane_depth [length]
     real(DP), intent(out) :: vector(3)             !< [length^2]
     real(DP), intent(out) :: area                  !< [length^2]
     real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), a(3)
@@ -125,11 +125,11 @@ contains
   end subroutine integrate_face_area
 
 
-  !> The integrals of the shape functions over a face: what its nodes get of a force per area.
+  !> The integrals of the shape functions over a face: the nodal shares of a uniform pressure.
   pure function integrate_nodal_areas(x, kind, depth) result(areas)
     real(DP), intent(in) :: x(:, :)                !< (3, n) of its nodes [length]
     integer, intent(in) :: kind                    !< FACET_...
-    real(DP), intent(in) :: depth                  !< of an edge, as out_of_plane_depth has it [length]
+    real(DP), intent(in) :: depth                  !< of an edge, from out_of_plane_depth [length]
     real(DP) :: areas(size(x, 2))                  !< [length^2]
     real(DP) :: xi(2, 9), w(9), N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: q, n, n_points
@@ -143,12 +143,12 @@ contains
   end function integrate_nodal_areas
 
 
-  !> The faces of a slave surface; of a surface of nodes, as CalculiX takes them, all outer faces with one of its nodes, but
-  !! no edges of plane elements, which it does not find where it has expanded them.
+  !> The faces of a slave surface. For a node-based surface, as in CalculiX: all outer faces with one of its nodes, except edges of
+  !! plane elements, which CalculiX does not find after expanding them.
   subroutine find_slave_faces(mesh, surface, is_calculix, faces)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
-    logical, intent(in) :: is_calculix             !< .false.: edges count too
+    logical, intent(in) :: is_calculix             !< .false.: include edges
     type(element_faces_type), intent(out) :: faces
     logical, allocatable :: is_slave(:), is_outer(:)
     integer, allocatable :: last(:), before(:)     ! of the faces found, by their smallest node
@@ -192,7 +192,7 @@ contains
   end subroutine find_slave_faces
 
 
-  !> Whether a face has these corners.
+  !> Whether a face has the given corners.
   pure logical function is_same_face(mesh, e, f, corners)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, f                    !< element and face number
@@ -208,7 +208,7 @@ contains
   end function is_same_face
 
 
-  !> The shares of all faces at their nodes.
+  !> Adds the shares of all faces to their nodes.
   subroutine sum_nodal_areas(mesh, surface, x, area_vector, area)
     type(mesh_type), intent(in) :: mesh
     type(element_faces_type), intent(in) :: surface
@@ -227,7 +227,7 @@ contains
   end subroutine sum_nodal_areas
 
 
-  !> The mean edge of the faces of a surface; of a surface of nodes another length [length].
+  !> The mean edge of the faces of a surface; for a node-based surface a default [length].
   pure real(DP) function find_mean_edge_length(mesh, surface, otherwise) result(edge)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
@@ -253,14 +253,14 @@ contains
   end function find_mean_edge_length
 
 
-  !> The part of a face's area that each of its nodes takes, as CalculiX shares it: it never pulls on a corner.
+  !> Fractions of a face's area at its nodes, as in CalculiX: none is negative.
   pure function nodal_area_fractions(n_corners, n_nodes) result(share)
     integer, intent(in) :: n_corners, n_nodes
     real(DP) :: share(n_nodes)                     !< [-]
     share = 1.0_DP / real(n_corners, DP)
     if (n_nodes == n_corners) return
     select case (n_corners)
-    case (2)                                       ! an edge of 3 nodes is the face of 8 that CalculiX makes of it
+    case (2)                                       ! an edge of 3 nodes becomes a face of 8 in CalculiX
       share = [0.26_DP, 0.26_DP, 0.48_DP]
     case (3)
       share = [0.003_DP, 0.003_DP, 0.003_DP, 0.997_DP, 0.997_DP, 0.997_DP] / 3.0_DP

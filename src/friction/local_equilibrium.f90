@@ -1,9 +1,9 @@
-!> Meeting: the force of a compliant law at a slave node, where what the law gives and what the bodies ask for come together.
+!> Local equilibrium of a compliant contact law with the stiffness of the body at one slave node (pressure and shear).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Local equilibrium". On the way to equilibrium a stiff law makes forces of a gap that is
-!! only a little wrong that are wrong by far. So the law is not taken at the gap as it is, but where the node would find its balance
-!! if it alone moved, against the stiffness c of its body. In equilibrium both are the same place.
+!! Theory: doc/theory/contact.md, section 6. Far from equilibrium, a stiff law amplifies small gap errors into large force errors.
+!! Therefore the law is not evaluated at the actual gap, but at the gap where the node would be in equilibrium if it alone moved,
+!! against the stiffness c of its body. In equilibrium both gaps are equal.
 module amontons_local_equilibrium
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
@@ -14,39 +14,39 @@ module amontons_local_equilibrium
   private
   public :: local_solution_type, local_problem_type, solve_local_problem
 
-  integer, parameter :: MAX_BRACKET_STEPS = 60            !< of the search for the overclosure, which halves its bracket at least
-  real(DP), parameter :: TOL_OVERCLOSURE = 1.0e-14_DP        !< what the search may leave, relative [-]
+  integer, parameter :: MAX_BRACKET_STEPS = 60            !< of the overclosure search, which at least halves its bracket
+  real(DP), parameter :: TOL_OVERCLOSURE = 1.0e-14_DP        !< relative tolerance of the overclosure search [-]
 
-  !> What a slave node is asked for.
+  !> Local problem at a slave node: kinematics, stiffness and force imbalance.
   type :: local_problem_type
     real(DP) :: area = 0                           !< [length^2]
-    real(DP) :: stiffness = 0                      !< c of its body; 0: the law is taken where the node is [force/length]
-    real(DP) :: overclosure = 0                    !< h, minus its gap [length]
-    real(DP) :: normal(3) = 0                      !< out of the master
-    real(DP) :: slip(3) = 0                        !< e: elastic slip if all were elastic, along the master [length]
+    real(DP) :: stiffness = 0                      !< c of its body; 0: the law is evaluated at the actual position [force/length]
+    real(DP) :: overclosure = 0                    !< h = -gap [length]
+    real(DP) :: normal(3) = 0                      !< out of the master [-]
+    real(DP) :: slip(3) = 0                        !< e: trial elastic slip, all slip taken as elastic, tangential [length]
     real(DP) :: imbalance(3) = 0                   !< Rhat of the node [force]
-    real(DP) :: free(3, 3) = 0                     !< projector on the directions in which contact has to answer the imbalance
+    real(DP) :: free(3, 3) = 0                     !< projector on the directions in which contact balances the imbalance [-]
   end type local_problem_type
 
-  !> The law where both meet.
+  !> Solution of the local problem.
   type :: local_solution_type
     logical :: is_open = .true.
     logical :: is_slipping = .false.
     real(DP) :: pressure = 0                       !< [stress]
-    real(DP) :: slope = 0                          !< of the pressure by the overclosure [stress/length]
+    real(DP) :: slope = 0                          !< d pressure/d overclosure [stress/length]
     real(DP) :: energy = 0                         !< [energy]
     real(DP) :: shear(3) = 0                       !< S [force]
     real(DP) :: elastic(3) = 0                     !< elastic slip [length]
-    real(DP) :: slip(3) = 0                        !< what of e is not [length]
+    real(DP) :: slip(3) = 0                        !< plastic part of e [length]
     real(DP) :: d_force_d_slip(3, 3) = 0                  !< dS/de [force/length]
     real(DP) :: d_force_d_gap(3) = 0                      !< dS/dg [force/length]
-    real(DP) :: law_linearization_force(3) = 0                       !< what the linearised law gives more where the node is than
-                                                                     !! here [force]
+    real(DP) :: law_linearization_force(3) = 0  !< force of the linearized law at the actual position minus that of this solution
+                                                !! [force]
   end type local_solution_type
 
 contains
 
-  !> Pressure and shear where law and bodies meet, and how they change.
+  !> Pressure and shear in local equilibrium, and their derivatives.
   pure subroutine solve_local_problem(law, problem, solution)
     type(interaction_type), intent(in) :: law
     type(local_problem_type), intent(in) :: problem
@@ -67,12 +67,12 @@ contains
   end subroutine solve_local_problem
 
 
-  !> The force of the law where the node is.
+  !> Force of the law at the actual position of the node.
   pure subroutine evaluate_law(law, problem, force, is_open)
     type(interaction_type), intent(in) :: law
     type(local_problem_type), intent(in) :: problem
     real(DP), intent(out) :: force(3)              !< [force]
-    logical, intent(out) :: is_open                !< beyond its reach
+    logical, intent(out) :: is_open                !< outside the activation range of the law
     real(DP) :: p, slope, energy, length, shear
     force = 0.0_DP
     is_open = -problem%overclosure > find_activation_gap(law, problem%area)
@@ -85,20 +85,20 @@ contains
   end subroutine evaluate_law
 
 
-  !> The overclosure h' at which A p(h') + c (h' - h) is the normal force that is wanted.
+  !> Overclosure h' that solves A p(h') + c (h' - h) = N, with N the required normal force.
   !!
-  !! Within the reach of the law the left side grows with h'. At the end of the reach it may jump; where there is no root on either
-  !! side, or one on both, the node is open if it is beyond the reach.
+  !! Within the activation range of the law the left side grows with h'. At the end of the range it may jump; if there is no root on
+  !! either side, or one on both sides, the node is open if its actual position is outside the range.
   pure subroutine solve_overclosure(law, problem, required_force, is_open, h)
     type(interaction_type), intent(in) :: law
     type(local_problem_type), intent(in) :: problem
     real(DP), intent(in) :: required_force                 !< N [force]
-    logical, intent(inout) :: is_open              !< in: by the place of the node
+    logical, intent(inout) :: is_open              !< in: by the actual position of the node
     real(DP), intent(out) :: h                     !< [length]
     real(DP) :: low, high, gap_free_force, p, slope, energy, residual
     integer :: i
     logical :: is_reached
-    gap_free_force = problem%overclosure + required_force / problem%stiffness   ! where it would be without any pressure
+    gap_free_force = problem%overclosure + required_force / problem%stiffness   ! overclosure without any pressure
     low = -find_activation_gap(law, problem%area)
     is_reached = .true.
     if (low > -huge(1.0_DP)) then
@@ -123,16 +123,16 @@ contains
   end subroutine solve_overclosure
 
 
-  !> Shear up to its limit by the pressure that was found; in the same way.
+  !> Shear force up to its limit at the pressure found, by the same local equilibrium.
   pure subroutine solve_shear(law, problem, required_force, excess, solution)
     type(interaction_type), intent(in) :: law
     type(local_problem_type), intent(in) :: problem
-    real(DP), intent(in) :: required_force(3)              !< minus the shear force that the bodies ask for [force]
-    real(DP), intent(in) :: excess                 !< what the normal force has more where the node is [force]
+    real(DP), intent(in) :: required_force(3)              !< minus the tangential imbalance [force]
+    real(DP), intent(in) :: excess                 !< normal force at the actual position minus that of the solution [force]
     type(local_solution_type), intent(inout) :: solution
     real(DP) :: trial(3), k, c, limit, length, q(3)
     k = law%stick_slope * problem%area
-    c = merge(problem%stiffness, k, problem%stiffness > 0.0_DP)   ! without one the bodies ask for what the law gives, with any c
+    c = merge(problem%stiffness, k, problem%stiffness > 0.0_DP)   ! no stiffness: the required force is that of the law, for any c
     limit = find_shear_limit(law, problem%area, solution%pressure)
     solution%is_slipping = k <= 0.0_DP
     if (solution%is_slipping) then

@@ -9,14 +9,14 @@
 !! |---|---|---|---|
 !! | friction: PULLED_OFF | evaluation: it opens (ROUGH, or several pairs) | counts; no effect yet | it opens again |
 !! | friction: FRICTIONLESS | evaluation: it opens again | neither open nor stick is admissible | all else is in equilibrium |
-!! | friction: RETRY | `release_nodes` | friction acts again, on trial | it opens again |
+!! | friction: RETRY | `release_frozen_nodes` | friction acts again, on trial | it opens again |
 !! | friction: FRICTIONLESS_FINAL | evaluation: it opens in RETRY | the trial failed | end of the increment |
-!! | status: FROZEN | `act_on_cycle` (AUTO) | statuses cycle; that of the least merit | all else is in equilibrium |
-!! | status: RELEASED | `release_nodes` | it was frozen; not a second time | end of the increment |
+!! | status: FROZEN | `break_cycle` (AUTO) | cycling: the status of the least merit | all else is in equilibrium |
+!! | status: RELEASED | `release_frozen_nodes` | it was frozen; not a second time | end of the increment |
 !! | status: STICK_ONCE | line search NODAL | its step ends at zero slip | end of the evaluation |
-!! | edge: EXTENDED | `act_on_cycle`, `keep_to_edges` | no equilibrium on either side of an edge | it is open or back on the facet |
-!! | edge: OFF_MASTER | `keep_to_edges` | the same; it was off the master before | well inside, or end of the increment |
-!! | side: GIVES_WAY | `order_slaves`, pre-tension sections | another slave enforces this contact | end of the increment |
+!! | edge: EXTENDED | `break_cycle`, `extend_master_edges` | no equilibrium on either side of an edge | it is open or on the facet |
+!! | edge: OFF_MASTER | `extend_master_edges` | the same; it was off the master before | well inside, or end of the increment |
+!! | side: GIVES_WAY | `order_slave_levels`, pre-tension sections | another slave enforces this contact | end of the increment |
 module amontons_node_overrides
   use amontons_kinds, only: DP
   implicit none
@@ -31,14 +31,14 @@ module amontons_node_overrides
   integer, parameter :: NODE_OVERRIDE_FRICTIONLESS = 2       !< friction: suppressed until all else is in equilibrium
   integer, parameter :: NODE_OVERRIDE_RETRY = 3              !< friction: acts again, on trial
   integer, parameter :: NODE_OVERRIDE_FRICTIONLESS_FINAL = 4 !< friction: suppressed until the increment ends
-  integer, parameter :: NODE_OVERRIDE_FROZEN = 5             !< status: kept, whatever the trial traction says
+  integer, parameter :: NODE_OVERRIDE_FROZEN = 5             !< status: kept, whatever the trial traction
   integer, parameter :: NODE_OVERRIDE_RELEASED = 6           !< status: was frozen, and is not frozen again
   integer, parameter :: NODE_OVERRIDE_STICK_ONCE = 7         !< status: set to stick for one evaluation
-  integer, parameter :: NODE_OVERRIDE_EXTENDED = 8           !< edge: its facet reaches EXTENSION beyond itself
-  integer, parameter :: NODE_OVERRIDE_OFF_MASTER = 9         !< edge: it stays off its master
+  integer, parameter :: NODE_OVERRIDE_EXTENDED = 8           !< edge: its facet extends beyond its edges by EXTENSION
+  integer, parameter :: NODE_OVERRIDE_OFF_MASTER = 9         !< edge: it stays off the master
   integer, parameter :: NODE_OVERRIDE_GIVES_WAY = 10         !< side: open, since another slave enforces this contact
 
-  real(DP), parameter :: EXTENSION = 0.5_DP   !< how far an extended facet reaches beyond itself, over its length [-]
+  real(DP), parameter :: EXTENSION = 0.5_DP   !< length of an extended facet beyond its edges, over the facet length [-]
 
   !> The overrides of one slave node: one of each field at a time.
   type :: node_overrides_type
@@ -50,8 +50,8 @@ module amontons_node_overrides
 
 contains
 
-  !> A ROUGH node, or one that several pairs hold, opens: the second time in an increment its friction is suppressed; when it opens
-  !! after a retry, until the increment ends.
+  !> Records that a ROUGH node, or one in several pairs, opens: the second time in an increment its friction is suppressed; if it
+  !! opens after a retry, until the increment ends.
   elemental subroutine note_pull_off(overrides)
     type(node_overrides_type), intent(inout) :: overrides
     select case (overrides%friction)
@@ -65,8 +65,8 @@ contains
   end subroutine note_pull_off
 
 
-  !> Whether the friction of a node is suppressed: a ROUGH node slides without friction; of several pairs at a node, those that
-  !! still hold it have no friction along the normal of this one.
+  !> Whether the friction of a node is suppressed. A ROUGH node then slides without friction. Of several pairs at a node, the pairs
+  !! still closed have no friction along the normal of this one.
   elemental logical function is_friction_suppressed(overrides)
     type(node_overrides_type), intent(in) :: overrides
     is_friction_suppressed = overrides%friction == NODE_OVERRIDE_FRICTIONLESS .or. &
@@ -74,14 +74,14 @@ contains
   end function is_friction_suppressed
 
 
-  !> Whether a node keeps the status that it has, whatever its trial traction says.
+  !> Whether the status of a node is imposed, whatever its trial traction.
   elemental logical function is_status_imposed(overrides)
     type(node_overrides_type), intent(in) :: overrides
     is_status_imposed = overrides%status == NODE_OVERRIDE_FROZEN .or. overrides%status == NODE_OVERRIDE_STICK_ONCE
   end function is_status_imposed
 
 
-  !> How far the facet of a node reaches beyond itself by an override, over its length; 0: as any facet.
+  !> Extension of a node's facet beyond its edges by an override, over the facet length; 0: that of any facet.
   elemental real(DP) function edge_extension(overrides)
     type(node_overrides_type), intent(in) :: overrides
     edge_extension = merge(EXTENSION, 0.0_DP, overrides%edge == NODE_OVERRIDE_EXTENDED)   ! [-]
@@ -91,7 +91,7 @@ contains
   !> Whether a node is open in this increment because another slave enforces its contact.
   elemental logical function gives_way(overrides)
     type(node_overrides_type), intent(in) :: overrides
-    gives_way = overrides%edge == NODE_OVERRIDE_GIVES_WAY
+    gives_way = overrides%side == NODE_OVERRIDE_GIVES_WAY
   end function gives_way
 
 end module amontons_node_overrides

@@ -1,9 +1,8 @@
-!> Compliance: the laws of surfaces that give: pressure from overclosure, its slope, and the limit of the shear.
+!> Pressure-overclosure laws of compliant contact, their slope, and the limit of the shear force.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Compliant laws". The laws are those of CalculiX's node-to-surface contact (G. Dhondt,
-!! CalculiX CrunchiX user's manual, "Node-to-face penalty contact"), so that its decks give its answers. h is the
-!! overclosure, minus the gap.
+!! Theory: doc/theory/contact.md, section 6. The laws are those of CalculiX's node-to-surface contact (G. Dhondt, CalculiX CrunchiX
+!! user's manual, "Node-to-face penalty contact"): the same deck gives the same results. h is the overclosure, minus the gap.
 module amontons_pressure_overclosure
   use amontons_kinds, only: DP, PI
   use amontons_slip_scenarios, only: friction_limit
@@ -13,17 +12,17 @@ module amontons_pressure_overclosure
   public :: evaluate_pressure_overclosure, find_activation_gap, find_shear_limit
 
   real(DP), parameter :: LOG_HUNDRED = log(100.0_DP)    !< EXPONENTIAL: the pressure at c0 is a hundredth of p0
-  real(DP), parameter :: MAX_EXPONENT = 23.0_DP        !< EXPONENTIAL: goes on as a straight line beyond e**23 p0 [-]
+  real(DP), parameter :: MAX_EXPONENT = 23.0_DP        !< EXPONENTIAL: linear continuation beyond e**23 p0 [-]
 
 contains
 
-  !> Pressure at an overclosure, its slope, and the energy that it took per area.
+  !> Pressure at an overclosure, its slope, and the stored energy per area.
   !!
   !! | law | pressure |
   !! |---|---|
   !! | LINEAR | K h (1/2 + atan(h/eps)/pi), eps = pi sigma_inf/K: K h for h >> eps, -sigma_inf for h << -eps |
-  !! | with sigma_inf = 0 | K h: the caller cuts it where the law's reach ends |
-  !! | EXPONENTIAL | p0 exp(ln(100) h/c0); from the gap c0 on its tangent, down to nothing |
+  !! | with sigma_inf = 0 | K h: the caller cuts it off at the activation gap |
+  !! | EXPONENTIAL | p0 exp(ln(100) h/c0); beyond the gap c0 its tangent, down to zero |
   !! | TABULAR | linear between the points, constant outside |
   !! | TIED | K h |
   pure subroutine evaluate_pressure_overclosure(law, h, p, slope, energy)
@@ -98,8 +97,8 @@ contains
   end subroutine interpolate_pressure_table
 
 
-  !> The largest gap at which the law still acts. EXPONENTIAL: where the tangent at c0 ends; LINEAR and TABULAR: c0 times the root
-  !! of the area, TABULAR also as far as its table begins under the abaqus dialect; TIED: any.
+  !> The largest gap at which the law acts. EXPONENTIAL: the zero of the tangent at c0; LINEAR and TABULAR: c0 times the root of the
+  !! area, TABULAR under the abaqus dialect also up to the first point of its table; TIED: any.
   pure real(DP) function find_activation_gap(law, area) result(reach)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< of the slave node [length^2]
@@ -110,8 +109,8 @@ contains
   end function find_activation_gap
 
 
-  !> The friction limit of a law at a pressure: the largest shear force that a node carries. TIED slips at TAUMAX alone; under FRIC
-  !! the law gives the shear of a node that sticks.
+  !> Friction limit of a law at a pressure: the largest shear force at a node. TIED slips at TAUMAX alone; under FRIC the law gives
+  !! the shear of a sticking node.
   pure real(DP) function find_shear_limit(law, area, pressure) result(most)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< [length^2]

@@ -1,21 +1,20 @@
-!> Slip scenarios: one decision per slave node: status by trial traction, friction limit, excess, slip scenario, step length.
+!> Coulomb friction status by trial traction, and Mitchell's slip scenarios with step lengths: one decision per slave node.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `evaluate_trial_traction` decides the status of a node in one configuration; `classify_slip_scenarios` decides, node by node,
-!! the slip
-!! scenario and the step length between two configurations. Both use the limit of `friction_limit`: what friction carries at most.
+!! `evaluate_trial_traction` decides the status of a node in one configuration; `classify_slip_scenarios` decides, node by node, the
+!! slip scenario and the step length between two configurations. Both use the friction limit of `friction_limit`.
 !!
 !! The scenarios and step lengths are those of J. Mitchell, "A simple one step line search for use in quasi-static solid
 !! mechanics contact calculations", 7th US National Congress on Computational Mechanics, 2003. The symbols are those of
 !! doc/theory/contact.md:
 !!
-!!     Rhat   imbalance of the slave node less its contact force [force]
+!!     Rhat   imbalance of the slave node without its contact force [force]
 !!     N      -n.Rhat, the normal force, positive in compression [force]
-!!     Rt     Rhat + N n, the tangential imbalance: what drives the node to slip [force]
+!!     Rt     Rhat + N n, the tangential imbalance that drives slip [force]
 !!     g      slip vector since the start of the increment [length]
-!!     L      friction limit min(mu max(N, 0), TAUMAX A): what friction carries at most [force]
+!!     L      friction limit min(mu max(N, 0), TAUMAX A), the largest friction force [force]
 !!     DR     |Rt| - L, signed excess over the friction limit [force]
-!!     u, ud  the configuration of the iterate, and that after the full search direction d
+!!     u, ud  configurations of the iterate and after the full search direction d
 module amontons_slip_scenarios
   use amontons_kinds, only: DP
   implicit none
@@ -29,8 +28,8 @@ module amontons_slip_scenarios
   ! Status of a slave node. The trial traction gives the first three, which the results show; the classification of slip scenarios
   ! divides them further. The library gives the same numbers (AMONTONS_NODE_... of amontons.h).
   integer, parameter :: STATUS_OPEN = 0      !< open
-  integer, parameter :: STATUS_STICK = 1     !< friction holds it; in the classification: and there is no slip to take back
-  integer, parameter :: STATUS_SLIP = 2      !< it slides; in the classification: in one of the four scenarios
+  integer, parameter :: STATUS_STICK = 1     !< friction holds it; in the classification: without slip to recover
+  integer, parameter :: STATUS_SLIP = 2      !< slides; in the classification: in one of the four scenarios
   integer, parameter :: STATUS_BALANCED = 3  !< slip in equilibrium: DR = 0 within the tolerance
   integer, parameter :: STATUS_OPENS = 4     !< closed at the iterate with N < 0
   integer, parameter :: STATUS_CLOSES = 5    !< open at the iterate, closed after the full search direction
@@ -41,15 +40,15 @@ module amontons_slip_scenarios
   integer, parameter :: SCENARIO_III = 3     !< backed up too far
   integer, parameter :: SCENARIO_IV = 4      !< backing up
 
-  real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction carries whatever is required (ROUGH, TIED) [force]
+  real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction without limit (ROUGH, TIED) [force]
 
   !> Result of the trial traction.
   type :: trial_traction_type
     integer :: status = STATUS_OPEN          !< STATUS_...
     real(DP) :: sigma = 0                    !< trial normal force, positive in compression [force]
     real(DP) :: tau(3) = 0                   !< trial friction on the slave [force]
-    real(DP) :: direction(3) = 0             !< tau/|tau|, of friction on the slave; it slides the other way [-]
-    real(DP) :: N = 0                        !< normal force that the imbalance asks for [force]
+    real(DP) :: direction(3) = 0             !< tau/|tau|, direction of the friction on the slave, opposite to sliding [-]
+    real(DP) :: N = 0                        !< normal force required by the imbalance [force]
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
   end type trial_traction_type
 
@@ -60,14 +59,14 @@ module amontons_slip_scenarios
     real(DP) :: Rt(3) = 0                    !< tangential imbalance [force]
     real(DP) :: limit = 0                    !< L; NO_FRICTION_LIMIT: none [force]
     real(DP) :: slip(3) = 0                  !< g [length]
-    real(DP) :: slip_zero = 0                !< a slip up to this is zero [length]
+    real(DP) :: slip_zero = 0                !< slip up to this counts as zero [length]
   end type slip_state_type
 
-  !> Tolerances and bounds. The defaults only exclude rounding: the steps of a job give their own.
+  !> Tolerances and bounds. The defaults exclude rounding only; each step of a job sets its own.
   type :: slip_controls_type
-    real(DP) :: slip_tolerance = 1.0e-12_DP         !< slip is in equilibrium when |DR| <= balance L [-]
+    real(DP) :: slip_tolerance = 1.0e-12_DP         !< slip is in equilibrium when |DR| <= slip_tolerance L [-]
     real(DP) :: force_zero = 0               !< or when |DR| is at most this [force]
-    real(DP) :: alpha_min = 0                !< least step length (the cut at zero slip may be less) [-]
+    real(DP) :: alpha_min = 0                !< least step length (the cut at zero slip may be shorter) [-]
     real(DP) :: alpha_max = huge(1.0_DP)     !< largest step length [-]
   end type slip_controls_type
 
@@ -76,9 +75,9 @@ module amontons_slip_scenarios
     integer :: status = STATUS_OPEN          !< STATUS_...
     integer :: scenario = SCENARIO_NONE      !< SCENARIO_...
     real(DP) :: alpha = 1                    !< step length [-]
-    logical :: becomes_stick = .false.       !< the step ends at zero slip: the node is to be set to stick
+    logical :: becomes_stick = .false.       !< the step ends at zero slip: the node becomes stick
     real(DP) :: DR_u = 0, DR_ud = 0          !< signed excess in both configurations [force]
-    real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global length sums these over the nodes [energy]
+    real(DP) :: numerator = 0                !< d.e(u), e = DR t: a global step length sums it over the nodes [energy]
     real(DP) :: denominator = 0              !< d.(e(ud) - e(u)) [energy]
   end type slip_result_type
 
@@ -86,7 +85,7 @@ module amontons_slip_scenarios
 
 contains
 
-  !> Normal force and tangential imbalance of an imbalance: N = -n.Rhat, Rt = Rhat + N n.
+  !> Splits an imbalance into normal force and tangential imbalance: N = -n.Rhat, Rt = Rhat + N n.
   pure subroutine split_nodal_imbalance(imbalance, normal, N, Rt)
     real(DP), intent(in) :: imbalance(3)     !< Rhat [force]
     real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
@@ -97,14 +96,14 @@ contains
   end subroutine split_nodal_imbalance
 
 
-  !> The friction limit: the largest tangential force that friction carries at a normal force, min(mu N, most).
+  !> The friction limit at a normal force: min(mu N, limit_cap).
   !!
-  !! It is homogeneous: stresses in place of forces give a stress. A negative N continues the straight line, as Newton's method
-  !! needs it on the way; DR takes max(N, 0).
+  !! It is homogeneous: stresses in place of forces give a stress. It is linear for negative N too, as Newton's method requires
+  !! during the iteration; DR takes max(N, 0).
   elemental real(DP) function friction_limit(mu, N, limit_cap) result(limit)
-    real(DP), intent(in) :: mu               !< coefficient, over the share of the normal that supports leave free [-]
+    real(DP), intent(in) :: mu               !< coefficient, over the part of the normal that supports leave free [-]
     real(DP), intent(in) :: N                !< normal force, positive in compression [force]
-    real(DP), intent(in) :: limit_cap             !< largest friction whatever N: TAUMAX times the area [force]
+    real(DP), intent(in) :: limit_cap             !< upper bound of the friction for any N: TAUMAX times the area [force]
     limit = min(mu * N, limit_cap)
   end function friction_limit
 
@@ -119,13 +118,13 @@ contains
   !> Status of a slave node by trial traction: the primal-dual active set in the form of an augmented Lagrangian.
   !!
   !!     sigma = N - c gap           closed if sigma > 0
-  !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= friction_limit(mu, sigma, most), else slip
+  !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= friction_limit(mu, sigma, limit_cap), else slip
   !!                                 with friction along tau/|tau|
   !!
-  !! A node that was open has no contact force yet: its imbalance is not what contact carries, and N = 0, Rt = 0 are
-  !! taken; its slip counts from the point of first touch, so it starts as stick where it came straight down and as slip
-  !! where it came along. Without friction (mu = 0) a closed node always slips. At a solution both lines say what the laws of
-  !! Signorini and Coulomb say, for any c > 0.
+  !! A node that was open has no contact force yet, so its imbalance is not a contact force: N = 0 and Rt = 0. Its slip counts from
+  !! the point of first touch: it starts as stick if it approached along the normal, as slip if it approached obliquely. Without
+  !! friction (mu = 0) a closed node always slips. At a solution both conditions are equivalent to the laws of Signorini and Coulomb
+  !! for any c > 0.
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
@@ -136,8 +135,8 @@ contains
     real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
-    logical, intent(in) :: was_closed        !< it was held by contact in the last iteration
-    real(DP), intent(in) :: limit_cap             !< largest friction, whatever the normal force [force]
+    logical, intent(in) :: was_closed        !< in contact in the last iteration
+    real(DP), intent(in) :: limit_cap             !< upper bound of the friction for any normal force [force]
     type(trial_traction_type), intent(out) :: trial
     real(DP) :: size_tau
     if (was_closed) call split_nodal_imbalance(imbalance, normal, trial%N, trial%Rt)
@@ -161,17 +160,17 @@ contains
   !! |---|---|---|---|
   !! | > 0 | any | <= 0 | I, slipped too far |
   !! | > 0 | any | > 0 | II, not enough slip |
-  !! | < 0 | some | > 0 | III, backed up too far |
-  !! | < 0 | some | <= 0 | IV, backing up |
-  !! | <= 0 | none | any | stick |
-  !! | 0 within the tolerance | some | any | slip in equilibrium |
+  !! | < 0 | nonzero | > 0 | III, backed up too far |
+  !! | < 0 | nonzero | <= 0 | IV, backing up |
+  !! | <= 0 | zero | any | stick |
+  !! | 0 within the tolerance | nonzero | any | slip in equilibrium |
   !!
-  !! A node without a friction limit sticks. One that is open at u is open, or closes; one that is closed with N < 0 opens.
+  !! A node without a friction limit sticks. A node open at u stays open or closes; a node closed with N < 0 opens.
   !!
-  !! The length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u
-  !! (I, II) or -t_g (III, IV) it is the formula of the slides' table. In III and IV the step is cut where the
-  !! projection on t_g of the slip comes to zero, unless the node is open at ud; then the node becomes stick. Order: formula, guard
-  !! (a vanishing denominator or a negative length means 1), bounds, cut.
+  !! The step length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u (I,
+  !! II) or -t_g (III, IV) it is the formula of the table in the slides. In III and IV the step is cut where the projection of the
+  !! slip on t_g reaches zero, unless the node is open at ud; then the node becomes stick. Order: formula, safeguard (a vanishing
+  !! denominator or a negative length gives 1), bounds, cut.
   pure subroutine classify_slip_scenarios(at_u, at_ud, d, controls, verdicts)
     type(slip_state_type), intent(in) :: at_u(:)      !< (n) the nodes at the iterate
     type(slip_state_type), intent(in) :: at_ud(:)     !< (n) the nodes after the full search direction
@@ -185,7 +184,7 @@ contains
   end subroutine classify_slip_scenarios
 
 
-  !> The same for one node.
+  !> Classification of one node.
   pure subroutine classify_node(at_u, at_ud, d, controls, slip_result)
     type(slip_state_type), intent(in) :: at_u, at_ud
     real(DP), intent(in) :: d(3)                      !< [length]
@@ -204,13 +203,13 @@ contains
     if (slip_result%status == STATUS_BALANCED) return
     slip_result%alpha = find_bounded_step_length(slip_result%numerator, slip_result%denominator, controls)
     if (slip_result%scenario == SCENARIO_I .or. slip_result%scenario == SCENARIO_II) return
-    if (at_ud%status == STATUS_OPEN) return           ! it has left its master: there is no slip at ud
+    if (at_ud%status == STATUS_OPEN) return           ! the node has lost contact: no slip at ud
     call limit_to_zero_slip(at_u%slip, at_ud%slip, slip_result%alpha, slip_result%becomes_stick)
   end subroutine classify_node
 
 
-  !> - numerator / denominator, made safe: 1 if one of them vanishes or the length is negative; then bounded.
-  !! With sums over all slave nodes it is the global step length of the slides' code.
+  !> - numerator / denominator, safeguarded: 1 if one of them vanishes or the length is negative; then bounded. With sums over all
+  !! slave nodes it is the global step length of the slides.
   pure function find_bounded_step_length(numerator, denominator, controls) result(alpha)
     real(DP), intent(in) :: numerator                 !< d.e(u) [energy]
     real(DP), intent(in) :: denominator               !< d.(e(ud) - e(u)) [energy]
@@ -223,7 +222,7 @@ contains
   end function find_bounded_step_length
 
 
-  !> A value, or zero where it is only rounding.
+  !> A value, or zero at rounding level.
   pure function drop_rounding(value, rounding) result(clean)
     real(DP), intent(in) :: value, rounding
     real(DP) :: clean
@@ -231,7 +230,7 @@ contains
   end function drop_rounding
 
 
-  !> DR = |Rt| - L; none where friction has no limit.
+  !> DR = |Rt| - L; 0 if friction has no limit.
   pure function evaluate_slip_excess(point) result(DR)
     type(slip_state_type), intent(in) :: point
     real(DP) :: DR
@@ -240,7 +239,7 @@ contains
   end function evaluate_slip_excess
 
 
-  !> The status at the iterate, divided by what the excess and the slip say there.
+  !> The status at the iterate, refined by excess and slip.
   pure function refined_status(point, status_ud, DR, controls) result(status)
     type(slip_state_type), intent(in) :: point
     integer, intent(in) :: status_ud                  !< status after the full search direction
@@ -278,7 +277,7 @@ contains
   end function choose_scenario
 
 
-  !> The vectors e = DR t of both configurations. Without an Rt its direction is that of the slip; in I t_d is t_u.
+  !> The vectors e = DR t of both configurations. If Rt vanishes, t is the direction of the slip; in I t_d is t_u.
   pure subroutine evaluate_excess_vectors(at_u, at_ud, slip_result, e_u, e_ud)
     type(slip_state_type), intent(in) :: at_u, at_ud
     type(slip_result_type), intent(in) :: slip_result    !< with scenario and DR
@@ -293,7 +292,7 @@ contains
   end subroutine evaluate_excess_vectors
 
 
-  !> v/|v|, or the given other direction if v vanishes.
+  !> v/|v|, or a fallback direction if v vanishes.
   pure function unit_vector(v, otherwise) result(t)
     real(DP), intent(in) :: v(3), otherwise(3)
     real(DP) :: t(3)
@@ -302,8 +301,8 @@ contains
   end function unit_vector
 
 
-  !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) brings the slip's projection on t_g to zero.
-  !! (The slides print |g| / (|g| - |g_d|), which is the same as long as the full step does not pass zero slip.)
+  !> Cuts a step that would back up past zero slip: |g| / (|g| - t_g.g_d) makes the projection of the slip on t_g zero. (The slides
+  !! give |g| / (|g| - |g_d|), which is equal as long as the full step does not pass zero slip.)
   pure subroutine limit_to_zero_slip(slip_u, slip_ud, alpha, becomes_stick)
     real(DP), intent(in) :: slip_u(3), slip_ud(3)     !< g and g_d [length]
     real(DP), intent(inout) :: alpha                  !< step length [-]

@@ -1,9 +1,9 @@
-!> Dual: shape functions of slave faces that suit a mortar method, and the functions dual to them on the part in contact.
+!> Biorthogonal (dual) shape functions on the covered part of a slave facet, with the transformed basis of quadratic faces.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Mortar". Quadratic faces have corner functions whose integral is negative or zero, and a
-!! pressure from their duals would be none. Their basis is therefore transformed (A. Popp, B. Wohlmuth, M. Gee, W. Wall, SIAM J.
-!! Sci. Comput. 34 (2012) B421-B446): a corner takes alpha of each mid-side function beside it, a mid-side keeps the rest,
+!! Theory: doc/theory/contact.md, section 7. The corner functions of quadratic faces have zero or negative integrals, so their dual
+!! functions give no admissible pressure. Their basis is therefore transformed (A. Popp, B. Wohlmuth, M. Gee, W. Wall, SIAM J. Sci.
+!! Comput. 34 (2012) B421-B446): a corner takes alpha of each adjacent mid-side function, a mid-side keeps the rest,
 !!
 !!     N~_corner = N_corner + alpha (N_mid + N_mid'),    N~_mid = (1 - 2 alpha) N_mid,    alpha = 1/5,
 !!
@@ -21,28 +21,27 @@ module amontons_dual_shape_functions
   public :: BASIS_ALPHA
 
   real(DP), parameter :: BASIS_ALPHA = 0.2_DP            !< of the transformation of quadratic faces [-]
-  real(DP), parameter :: FULL_COVER_FACTOR(6) = [2.0_DP, 2.0_DP, 1.2_DP, 1.2_DP, 2.0_DP, 2.0_DP]   !< times this cover they have
-                                                                                                   !! all of it,
-                                                   !< by kind [-]
-  real(DP), parameter :: MIN_DUAL_COVER(6) = [0.0_DP, 0.05_DP, 0.25_DP, 0.25_DP, 0.0_DP, 0.1_DP]   !< cover of a facet, by kind,
-                                                   !< that carries all its duals [-]
+  !> Covered fraction from which the dual functions are fully biorthogonal, over MIN_DUAL_COVER, by kind [-].
+  real(DP), parameter :: FULL_COVER_FACTOR(6) = [2.0_DP, 2.0_DP, 1.2_DP, 1.2_DP, 2.0_DP, 2.0_DP]
+  !> Least covered fraction of a facet for biorthogonal functions, by kind [-].
+  real(DP), parameter :: MIN_DUAL_COVER(6) = [0.0_DP, 0.05_DP, 0.25_DP, 0.25_DP, 0.0_DP, 0.1_DP]
 
 contains
 
-  !> Whether the basis of a kind of facets is transformed: quadratic faces, but not lines, whose functions have positive integrals.
+  !> Whether the basis of a facet kind is transformed: quadratic faces, but not lines, whose functions have positive integrals.
   elemental logical function is_transformed(kind)
     integer, intent(in) :: kind                    !< FACET_...
     is_transformed = kind == FACET_TRI6 .or. kind == FACET_QUAD8
   end function is_transformed
 
 
-  !> Which part the full dual functions have, those of linear functions having the rest: 0 where too little of a facet is covered, 1
-  !! from somewhat more on, so that nothing jumps in between.
+  !> The weight of the biorthogonal functions; those of the linear basis have the rest. It is 0 where too little of a facet is
+  !! covered and rises continuously to 1 with the covered fraction.
   pure subroutine find_full_dual_fraction(kind, covered_fraction, full_fraction, slope)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: covered_fraction                  !< covered area over that of the facet [-]
     real(DP), intent(out) :: full_fraction                  !< [-]
-    real(DP), intent(out) :: slope                 !< d part/d cover [-]
+    real(DP), intent(out) :: slope                 !< d weight/d cover [-]
     real(DP) :: t
     full_fraction = 1.0_DP
     slope = 0.0_DP
@@ -53,7 +52,7 @@ contains
   end subroutine find_full_dual_fraction
 
 
-  !> The transformed functions from those of the facet.
+  !> Transforms the functions of a facet.
   pure subroutine transform_shape_functions(kind, N)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(inout) :: N(MAX_FACE_NODES)   !< in: N_j; out: N~_j [-]
@@ -69,7 +68,7 @@ contains
   end subroutine transform_shape_functions
 
 
-  !> The nodes x^_j that go with the transformed functions.
+  !> The nodes x^_j of the transformed functions.
   pure subroutine transform_nodal_positions(kind, x)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(inout) :: x(:, :)             !< (:, n) in: x_j; out: x^_j [length]
@@ -84,7 +83,7 @@ contains
   end subroutine transform_nodal_positions
 
 
-  !> The integral of each N~_j over a flat whole facet, as a part of its area.
+  !> The integral of each N~_j over a flat whole facet, as a fraction of its area.
   pure function nodal_integral_fractions(kind) result(share)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP) :: share(MAX_FACE_NODES)              !< [-]
@@ -109,18 +108,18 @@ contains
   end function nodal_integral_fractions
 
 
-  !> The dual functions phi_j at the points of the part of a facet that is integrated, and d_j, the integral of N~_j over it.
+  !> The dual functions phi_j at the points of the integrated part of a facet, and d_j, the integral of N~_j over it.
   !!
-  !! Biorthogonal on that part: integral of phi_j N~_k = d_j delta_jk; with M = integral of N~ N~', phi = diag(d) inv(M) N~.
-  !! The sum of all phi_j is 1. On a part too small for that (M is nearly singular) biorthogonal to linear functions of the
-  !! place only: phi_j = d_j (1, y_j)' inv(G) (1, y), with G = integral of (1, y)(1, y)'; the sum is 1 again. In between a mean of
-  !! both, by `find_full_dual_fraction`.
+  !! They are biorthogonal on that part: integral of phi_j N~_k = d_j delta_jk; with M = integral of N~ N~', phi = diag(d) inv(M)
+  !! N~. The sum of all phi_j is 1. On a part too small for that (M is nearly singular) they are biorthogonal to linear functions of
+  !! the position only: phi_j = d_j (1, y_j)' inv(G) (1, y), with G = integral of (1, y)(1, y)'; the sum is 1 again. In between they
+  !! are a mean of both, by `find_full_dual_fraction`.
   subroutine evaluate_dual_functions(kind, area, at_node, weight, at, shapes, phi, d)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: area                   !< of the whole facet [length^2]
     real(DP), intent(in) :: at_node(:, :)          !< (2, n) x^_j in the plane of the facet [length]
     real(DP), intent(in) :: weight(:)              !< (n_points) [length^2]
-    real(DP), intent(in) :: at(:, :)               !< (2, n_points) places in the plane [length]
+    real(DP), intent(in) :: at(:, :)               !< (2, n_points) points in the plane [length]
     real(DP), intent(in) :: shapes(:, :)           !< (n, n_points) N~_j [-]
     real(DP), intent(out) :: phi(:, :)             !< (n, n_points) [-]
     real(DP), intent(out) :: d(:)                  !< (n) [length^2]
@@ -153,7 +152,7 @@ contains
   end subroutine evaluate_dual_functions
 
 
-  !> The functions that are dual to the linear functions of the place only; on a part like a needle, to the constant.
+  !> The functions dual to the linear functions of the position only; on a degenerate narrow part, to the constant.
   subroutine evaluate_affine_duals(area, at_node, weight, at, d, phi)
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: at_node(:, :), weight(:), at(:, :), d(:)

@@ -1,14 +1,14 @@
-!> Facing: where two surfaces face each other: slave faces cut with master faces, and seven points in each triangle of a cut.
+!> Integration points on the intersections of slave and master faces, for face-to-face penalty contact.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Springs at points". The corners of a slave face, mid-side nodes among them, and those of the
-!! master faces in front of it are projected on a plane across the mean normal of the slave face and cut with each other. A cut is
-!! divided into triangles about the mean of its corners, in the natural coordinates of the slave face, and each triangle takes a
-!! rule of seven points that is exact for degree 5 (J. Radon, Monatsh. Math. 52 (1948) 286-300). A point faces the point of the
-!! master face that is nearest to it.
+!! Theory: doc/theory/contact.md, section 8. The nodes of a slave face and of the master faces in front of it are projected on a
+!! plane normal to the mean normal of the slave face; the polygons are intersected there. Each intersection is divided into
+!! triangles about the mean of its corners, in the natural coordinates of the slave face, and each triangle has a rule of seven
+!! points that is exact for degree 5 (J. Radon, Monatsh. Math. 52 (1948) 286-300). The master point of an integration point is the
+!! nearest point of the master face.
 !!
-!! A line of the plane is drawn out into a face of depth 1, or of a wedge of two degrees where it is the full circle, so that it is
-!! cut as the solid that CalculiX makes of it.
+!! A line of a plane model is extruded to a face of depth 1, or of a wedge of two degrees if axisymmetric, and is intersected like
+!! the solid into which CalculiX expands it.
 module amontons_face_integration_points
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
@@ -21,54 +21,55 @@ module amontons_face_integration_points
   private
   public :: facing_point_type, find_facing_points, evaluate_face_normal
 
-  real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP           !< a master face is in front if its normal is this much against the
-                                                              !! slave's [-]
-  real(DP), parameter :: MIN_CUT_AREA = 1.0e-10_DP       !< cuts smaller than this part of the face are nothing [-]
-  real(DP), parameter :: MAX_CUT_OVERLAP = 1.0e-6_DP       !< cuts that overlap by more of the face lie one behind the other [-]
-  integer, parameter :: MAX_PROJECTION_ITERATIONS = 30       !< of Newton for the natural coordinates of a point
-  real(DP), parameter :: MIN_TRIANGLE_AREA = 1.0e-4_DP     !< triangles with less area in natural coordinates are left out, as
-                                                           !! CalculiX does [-]
-  real(DP), parameter :: HALF_WEDGE_ANGLE = PI / 180     !< of the solid that CalculiX makes of an axisymmetric element [rad]
+  real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
+                                                     !! [-]
+  real(DP), parameter :: MIN_CUT_AREA = 1.0e-10_DP       !< smaller intersections, over the area of the face, are ignored [-]
+  real(DP), parameter :: MAX_CUT_OVERLAP = 1.0e-6_DP  !< intersections with a larger overlap, over the area of the face, lie one
+                                                      !! behind the other [-]
+  integer, parameter :: MAX_PROJECTION_ITERATIONS = 30       !< of Newton's method for the natural coordinates of a point
+  real(DP), parameter :: MIN_TRIANGLE_AREA = 1.0e-4_DP  !< triangles with less area in natural coordinates are omitted, as in
+                                                        !! CalculiX [-]
+  real(DP), parameter :: HALF_WEDGE_ANGLE = PI / 180     !< of the solid into which CalculiX expands an axisymmetric element [rad]
   integer, parameter :: N_TRIANGLE_POINTS = 7                 !< points in a triangle
 
-  !> One point of a slave face and what it faces.
+  !> One integration point of a slave face and its master point.
   type :: facing_point_type
     integer :: slave = 0                           !< facet
     integer :: master = 0                          !< facet
-    real(DP) :: at(2) = 0                 !< natural coordinates on the slave facet; of a line the second one is along its depth [-]
+    real(DP) :: at(2) = 0  !< natural coordinates on the slave facet; for a line the second one is along its depth [-]
     real(DP) :: xi(2) = 0                          !< natural coordinates on the master facet [-]
     real(DP) :: area = 0                           !< [length^2]
   end type facing_point_type
 
-  !> A face in space.
+  !> Geometry of a face in space.
   type :: face_geometry_type
     integer :: kind = 0                            !< FACET_... of a face with area
     integer :: n = 0                               !< nodes
-    integer :: first = 1                           !< corner at which its outline begins, as CalculiX numbers its faces
+    integer :: first = 1                           !< corner at which its outline begins in CalculiX's numbering
     real(DP) :: x(3, MAX_FACE_NODES) = 0           !< [length]
     real(DP) :: origin(3) = 0                      !< of the plane through it [length]
     real(DP) :: axes(3, 2) = 0                     !< unit vectors in the plane
     real(DP) :: normal(3) = 0                      !< mean unit normal
   end type face_geometry_type
 
-  !> A part of a slave face that faces one master face.
+  !> Intersection of a slave face with one master face.
   type :: face_cut_type
     integer :: master = 0                          !< facet
     integer :: n = 0                               !< corners
     real(DP) :: corners(2, MAX_POLYGON_CORNERS) = 0        !< in the plane of the slave face [length]
-    real(DP) :: distance = 0                       !< of its middle from the master face, along the normal [length]
+    real(DP) :: distance = 0                       !< from its middle to the master face, along the normal [length]
   end type face_cut_type
 
 contains
 
-  !> All points of a slave surface that face a master, slave facet by slave facet. Cost: linear in the cuts.
+  !> All integration points of a slave surface, slave facet by slave facet. Cost: linear in the number of intersections.
   subroutine find_facing_points(slave, depth, master, search, x, search_distance, points, n)
     type(facets_type), intent(in) :: slave, master
     real(DP), intent(in) :: depth(:)               !< (slave%n) of lines: thickness [length], -1: the full circle; else 1
-    type(facet_search_type), intent(in) :: search        !< of the master's facets, its margin reaches from the middle of a slave
-                                                         !! facet
+    type(facet_search_type), intent(in) :: search  !< of the master's facets; its margin is at least the search margin from the
+                                                   !! middle of a slave facet
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    real(DP), intent(in) :: search_distance                  !< facets farther apart do not see each other [length]
+    real(DP), intent(in) :: search_distance                  !< larger distances between facets are ignored [length]
     type(facing_point_type), allocatable, intent(out) :: points(:)   !< the first n are set
     integer, intent(out) :: n
     type(face_geometry_type) :: geometry, master_geometry
@@ -96,7 +97,7 @@ contains
   end subroutine find_facing_points
 
 
-  !> A facet as a sheet, with the plane through the mean of its nodes across the mean of its unit normals there.
+  !> The geometry of a facet, with the plane through the mean of its nodes normal to the mean of its unit normals there.
   pure subroutine build_face_geometry(facets, f, x, depth, geometry)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f                       !< facet
@@ -126,7 +127,7 @@ contains
   end subroutine build_face_geometry
 
 
-  !> A line becomes a face of depth 1, or of the wedge's; its first natural coordinate stays.
+  !> Extrudes a line to a face of depth 1, or of the wedge; its first natural coordinate is unchanged.
   pure subroutine extrude_line(geometry, is_wedge)
     type(face_geometry_type), intent(inout) :: geometry
     logical, intent(in) :: is_wedge
@@ -148,7 +149,7 @@ contains
   end subroutine extrude_line
 
 
-  !> The tangents of a sheet at natural coordinates.
+  !> The tangents of a face at natural coordinates.
   pure function evaluate_tangents(geometry, xi) result(tangents)
     type(face_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: xi(2)                  !< [-]
@@ -159,7 +160,7 @@ contains
   end function evaluate_tangents
 
 
-  !> A point of a sheet.
+  !> A point of a face.
   pure function evaluate_point(geometry, xi) result(point)
     type(face_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: xi(2)                  !< [-]
@@ -170,7 +171,7 @@ contains
   end function evaluate_point
 
 
-  !> The nodes around a face in their order: each corner and the mid-side node behind it.
+  !> The nodes around a face in order: each corner and the mid-side node after it.
   pure function list_outline(geometry) result(outline)
     type(face_geometry_type), intent(in) :: geometry
     integer, allocatable :: outline(:)
@@ -211,7 +212,7 @@ contains
   end subroutine list_convex_pieces
 
 
-  !> Local nodes of a face counted from the corner at which its outline begins.
+  !> Local nodes of a face, numbered from the corner at which its outline begins.
   pure function renumber_nodes(geometry, nodes) result(numbered)
     type(face_geometry_type), intent(in) :: geometry
     integer, intent(in) :: nodes(:)                !< corners, then mid-sides
@@ -222,7 +223,7 @@ contains
   end function renumber_nodes
 
 
-  !> Facets in the order of their elements and faces.
+  !> Facets in the order of elements and faces.
   pure subroutine sort_facets(facets, list)
     type(facets_type), intent(in) :: facets
     integer, intent(inout) :: list(:)
@@ -239,13 +240,13 @@ contains
   end subroutine sort_facets
 
 
-  !> Appends the cuts of a slave face with the pieces of one master face.
+  !> Appends the intersections of a slave face with the pieces of one master face.
   subroutine intersect_faces(geometry, master_geometry, g, search_distance, cuts, n)
     type(face_geometry_type), intent(in) :: geometry, master_geometry   !< slave, master
     integer, intent(in) :: g                       !< the master's facet
     real(DP), intent(in) :: search_distance                  !< [length]
     type(face_cut_type), allocatable, intent(inout) :: cuts(:)
-    integer, intent(inout) :: n                    !< cuts so far
+    integer, intent(inout) :: n                    !< intersections so far
     type(face_cut_type) :: cut
     real(DP) :: own(2, MAX_FACE_NODES), window(2, 4)
     integer :: pieces(4, 5), n_pieces, k, m
@@ -253,7 +254,7 @@ contains
     own(:, :geometry%n) = project_on_plane(geometry, geometry%x(:, list_outline(geometry)))
     call list_convex_pieces(master_geometry%kind, pieces, n_pieces)
     cut%master = g
-    own(2, :) = -own(2, :)                         ! seen from the master: there its corners run counter-clockwise
+    own(2, :) = -own(2, :)                         ! seen from the master its corners run counter-clockwise
     do k = 1, n_pieces
       m = count(pieces(:, k) > 0)
       window(:, :m) = project_on_plane(geometry, master_geometry%x(:, renumber_nodes(master_geometry, pieces(:m, k))))
@@ -273,7 +274,7 @@ contains
   end subroutine intersect_faces
 
 
-  !> Points in the coordinates of the plane of a sheet.
+  !> Points in plane coordinates of a face.
   pure function project_on_plane(geometry, x) result(p)
     type(face_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: x(:, :)                !< (3, n) [length]
@@ -282,17 +283,17 @@ contains
   end function project_on_plane
 
 
-  !> How far two sheets are apart over a point of the plane of the first.
+  !> The distance of two faces over a point of the plane of the first.
   pure real(DP) function find_face_distance(geometry, master_geometry, q) result(distance)
     type(face_geometry_type), intent(in) :: geometry, master_geometry
-    real(DP), intent(in) :: q(2)                   !< in the plane of `sheet` [length]
+    real(DP), intent(in) :: q(2)                   !< in the plane of `geometry` [length]
     distance = dot_product(geometry%normal, evaluate_point(master_geometry, find_natural_coordinates(master_geometry, geometry, &
       q)) &
       - evaluate_point(geometry, find_natural_coordinates(geometry, geometry, q)))
   end function find_face_distance
 
 
-  !> Where masters lie one behind the other the nearest takes the place: what overlaps with a nearer cut is dropped (n = 0).
+  !> Resolves master faces one behind the other: intersections that overlap a nearer one are dropped (n = 0).
   subroutine drop_hidden_cuts(geometry, cuts, n_cuts)
     type(face_geometry_type), intent(in) :: geometry
     type(face_cut_type), intent(inout) :: cuts(:)
@@ -323,12 +324,13 @@ contains
   end subroutine drop_hidden_cuts
 
 
-  !> Appends the points of a cut: triangles about the mean of its corners; a cut of three corners is one itself.
+  !> Appends the points of an intersection: triangles about the mean of its corners; an intersection of three corners is one
+  !! triangle.
   subroutine append_cut_points(geometry, f, is_line_facet, depth, master_geometry, cut, points, n)
     type(face_geometry_type), intent(in) :: geometry, master_geometry   !< slave, master
     integer, intent(in) :: f                       !< the slave's facet
     logical, intent(in) :: is_line_facet                 !< the slave's facet is a line
-    real(DP), intent(in) :: depth                  !< of a line, as find_facing_points has it
+    real(DP), intent(in) :: depth                  !< of a line, as in find_facing_points
     type(face_cut_type), intent(in) :: cut
     type(facing_point_type), allocatable, intent(inout) :: points(:)
     integer, intent(inout) :: n                    !< points so far
@@ -379,7 +381,7 @@ contains
   end subroutine append_cut_points
 
 
-  !> The rule of seven points on a triangle: area coordinates and weights, whose sum is 1.
+  !> The seven-point rule on a triangle: area coordinates and weights, whose sum is 1.
   pure subroutine set_radon_rule(share, weight)
     real(DP), intent(out) :: share(3, N_TRIANGLE_POINTS), weight(N_TRIANGLE_POINTS)   !< [-]
     real(DP), parameter :: ROOT = sqrt(15.0_DP)
@@ -398,10 +400,10 @@ contains
   end subroutine set_radon_rule
 
 
-  !> The natural coordinates of the point of a sheet that is over a point of a plane.
+  !> The natural coordinates of the point of a face above a point of a plane.
   pure function find_natural_coordinates(geometry, plane, q) result(xi)
     type(face_geometry_type), intent(in) :: geometry
-    type(face_geometry_type), intent(in) :: plane          !< the sheet whose plane it is
+    type(face_geometry_type), intent(in) :: plane          !< the face that defines the plane
     real(DP), intent(in) :: q(2)                   !< in the plane [length]
     real(DP) :: xi(2)                              !< [-]
     real(DP) :: N(MAX_FACE_NODES)
@@ -409,7 +411,7 @@ contains
   end function find_natural_coordinates
 
 
-  !> The natural coordinates of the point of a sheet that is nearest to a point, on the sheet or at its border.
+  !> The natural coordinates of the point of a face nearest to a given point, inside the face or on its border.
   pure function find_closest_coordinates(geometry, point) result(xi)
     type(face_geometry_type), intent(in) :: geometry
     real(DP), intent(in) :: point(3)               !< [length]

@@ -1,8 +1,9 @@
-!> Mortar: the rows of a slave surface from integrals over the parts of its faces that face the master: inv(D) M.
+!> Mortar constraint rows inv(D) M of a slave surface by dual shape functions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Mortar". The integrals over a slave facet come from `segments`. With dual functions phi_j
-!! (B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012; `dual`) D is diagonal and a row needs no equations to be solved:
+!! Theory: doc/theory/contact.md, section 7. The integrals over a slave facet come from amontons_mortar_segmentation. With dual
+!! functions phi_j (B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012; amontons_dual_shape_functions) D is diagonal, and the rows
+!! follow without the solution of equations:
 !!
 !!     d_j = x^_j - sum M_ji x_i / D_j,    D_j = integral of N~_j,    M_ji = integral of phi_j N_i (at the master)
 module amontons_mortar
@@ -26,78 +27,72 @@ module amontons_mortar
     merge_rows, n_imbalance_nodes, &
     find_search_margin, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, evaluate_transfer_slope
 
-  real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP       !< a slave node with less of its area in front of the master has no
-                                                                !! row [-]
-  real(DP), parameter :: MIN_COUNTED_FRACTION = 1.0e-9_DP       !< with less than this it does not count at all [-]
-  real(DP), parameter :: MIN_COVER_RATIO = 0.5_DP            !< of the best cover of the vertices of a node: another is covered
-                                                             !! like it [-]
-  real(DP), parameter :: MAX_EXCESS = 0.1_DP           !< a slave node is over a master facet up to this part of an edge beyond it
-                                                       !! [-]
-  real(DP), parameter :: MAX_EXCESS_LEAVING = 0.2_DP             !< in an increment one that is over it, up to this part [-]
-  real(DP), parameter :: MAX_EXCESS_ENTERING = 0.0_DP          !< and one that is beside it, from there on [-]
-  real(DP), parameter :: MAX_EXCESS_COMPLIANT = 0.2_DP            !< under a compliant law its part goes over to others up to this
-                                                                  !! one [-]
+  real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node with a smaller covered fraction of its area has no row
+                                                           !! [-]
+  real(DP), parameter :: MIN_COUNTED_FRACTION = 1.0e-9_DP       !< with a smaller one it is not covered at all [-]
+  real(DP), parameter :: MIN_COVER_RATIO = 0.5_DP  !< a vertex counts as covered if its covered fraction is this part of the best at
+                                                   !! its node [-]
+  real(DP), parameter :: MAX_EXCESS = 0.1_DP  !< a slave node is over a master facet up to this fraction of an edge beyond it [-]
+  real(DP), parameter :: MAX_EXCESS_LEAVING = 0.2_DP             !< the limit within an increment for a node that was over it [-]
+  real(DP), parameter :: MAX_EXCESS_ENTERING = 0.0_DP          !< the limit within an increment for a node that was beside it [-]
+  real(DP), parameter :: MAX_EXCESS_COMPLIANT = 0.2_DP  !< under a compliant law a node transfers a growing fraction of its
+                                                        !! functions to others up to this limit [-]
 
-  !> Where a slave node is against its master.
+  !> Position of a slave node relative to its master.
   type :: mortar_node_type
-    integer :: facet = 0                           !< master facet that takes the largest part; 0: nothing is in front
-    integer :: vertex = 0                          !< vertex of the slave surface whose facets touch
-    logical :: is_barely_covered = .false.                   !< so little is in front that the node has no row; it counts where
-                                                             !! rows merge
-    logical :: is_merged = .false.                 !< the row went into that of another pair
-    logical :: is_shared = .false.                 !< the row has that of another pair in it
+    integer :: facet = 0                           !< master facet with the largest part; 0: no facet in front
+    integer :: vertex = 0                          !< vertex of the slave surface in contact
+    logical :: is_barely_covered = .false.  !< the covered part is too small for a row of its own; it counts when rows are merged
+    logical :: is_merged = .false.                 !< its row was merged into that of another pair
+    logical :: is_shared = .false.                 !< its row contains that of another pair
     real(DP) :: whole = 0                          !< area of the node if all of it were covered [length^2]
-    real(DP) :: xi(2) = 0                          !< middle of what the node has on that facet, natural coordinates [-]
+    real(DP) :: xi(2) = 0                          !< centre of the node's part on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
-    real(DP) :: normal(3) = 0                      !< unit normal, out of the master: that of the slave's vertex turned round
-    real(DP) :: force_arm(3) = 0                         !< from the node to where its force acts, if nodes beside it have part
-                                                         !! [length]
+    real(DP) :: normal(3) = 0                      !< unit normal out of the master: opposite to the slave vertex normal
+    real(DP) :: force_arm(3) = 0  !< from the node to the point of action of its force, if neighbouring nodes take part [length]
   end type mortar_node_type
 
-  !> The cuts of a whole slave surface, and what is covered of it.
+  !> The segmentation of a whole slave surface, and its covered areas.
   type :: surface_segmentation_type
     integer, allocatable :: nodes(:)               !< of both surfaces, each once
-    real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates where the cuts were made [length]
+    real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates at the segmentation [length]
     type(segmentation_type), allocatable :: covers(:)     !< (n_facets)
-    real(DP), allocatable :: area(:)               !< (n_vertices) what is covered of a vertex [length^2]
-    real(DP), allocatable :: whole(:)              !< (n_vertices) all of it [length^2]
+    real(DP), allocatable :: area(:)               !< (n_vertices) covered area of a vertex [length^2]
+    real(DP), allocatable :: whole(:)              !< (n_vertices) total area of a vertex [length^2]
   end type surface_segmentation_type
 
-  !> The slave surface of a pair with its rows.
+  !> The slave surface of a mortar pair with its rows.
   type :: mortar_type
     logical :: is_made = .false.                   !< the rows were integrated
     type(facets_type) :: slave
     integer, allocatable :: nodes(:)               !< (n) slave nodes
     type(mortar_node_type), allocatable :: places(:)     !< (n)
-    type(contact_row_type), allocatable :: rows(:)      !< (n) as they touch now
-    type(contact_row_type), allocatable :: origin_rows(:)   !< (n) against their origins
-    real(DP), allocatable :: origin_normal(:, :)   !< (3, n) the normal when they touched there
+    type(contact_row_type), allocatable :: rows(:)      !< (n) in the current configuration
+    type(contact_row_type), allocatable :: origin_rows(:)   !< (n) with respect to the origins
+    real(DP), allocatable :: origin_normal(:, :)   !< (3, n) the normal at first touch
     real(DP), allocatable :: depth(:)              !< (n_facets) of slave lines: thickness [length], -1: the full circle; else 1
     integer, allocatable, private :: first(:)      !< (n + 1) start of a slave node's vertices in vertices(:)
     integer, allocatable, private :: vertices(:)
     integer, allocatable :: corners(:, :)          !< (2, n) the corners beside a mid-side node, else 0
-    integer, allocatable :: corner_rows(:, :)             !< (2, n) their places among the slave nodes
-    logical, allocatable :: is_decoupled(:)            !< (n) no other row has a force on the nodes whose imbalance is the row's
-    logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other exact pair
-    integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of those that are bound to them by an equation
-    logical, allocatable :: was_closed(:)         !< (n) closed when the increment began
-    real(DP), allocatable :: excess_limits(:)            !< (n) part of an edge beyond a master up to which a node is over it now
-                                                         !! [-]
+    integer, allocatable :: corner_rows(:, :)             !< (2, n) their positions in nodes(:)
+    logical, allocatable :: is_decoupled(:)  !< (n) no other row gives a force to the nodes whose imbalance forms that of the row
+    logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other pair with exact contact
+    integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of the nodes bound to them by an equation
+    logical, allocatable :: was_closed(:)         !< (n) closed at the start of the increment
+    real(DP), allocatable :: excess_limits(:)  !< (n) current excess limit up to which a node is over a master, over the edge [-]
     logical :: is_compliant = .false.                   !< its law is compliant
-    real(DP), allocatable :: transferred_fraction(:)             !< (n) what a node gives to others: 0 over the master, 1 beyond
-                                                                 !! its edge [-]
-    type(surface_segmentation_type) :: cuts                        !< of which the rows are made
-    integer, allocatable :: transfer_edges(:, :)            !< (4, n) where that is so in part: slave facet, its node, master
-                                                            !! facet, corner
-                                                   !< before its edge
-    integer, allocatable :: row_of_entry(:)            !< (size(slave%nodes)) place in nodes(:) of each entry of the slave's facets
-    type(contact_row_type), allocatable, private :: base_rows(:)   !< (n) own nodes and shares where no node beside is beyond the
-                                                                   !! master
+    real(DP), allocatable :: transferred_fraction(:)  !< (n) fraction that a node transfers to others: 0 over the master, 1 beyond
+                                                      !! its edge [-]
+    type(surface_segmentation_type) :: cuts                        !< the segmentation of which the rows are built
+    integer, allocatable :: transfer_edges(:, :)   !< (4, n) of fractions between 0 and 1: slave facet, its node, master facet,
+                                                   !! corner before its edge
+    integer, allocatable :: row_of_entry(:)  !< (size(slave%nodes)) position in nodes(:) of each entry of the slave's facets
+    type(contact_row_type), allocatable, private :: base_rows(:)   !< (n) own nodes and weights if no neighbour is beyond the master
   end type mortar_type
 
 contains
 
-  !> Facets of the slave surface, its nodes, and what belongs to each of them whatever the configuration.
+  !> Sets up the facets of the slave surface, its nodes, and their data that do not depend on the configuration.
   subroutine create_mortar(mesh, element, face, nodes, mortar, error)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element(:), face(:)     !< of the slave surface
@@ -128,7 +123,7 @@ contains
   end subroutine create_mortar
 
 
-  !> A vector turned as a normal turned, about the axis that is normal to both: R v with R n_0 = n.
+  !> Rotates a vector with a normal, about the axis perpendicular to both normals: R v with R n_0 = n.
   pure function rotate_with_normal(v, from, to) result(turned)
     real(DP), intent(in) :: v(3)
     real(DP), intent(in) :: from(3), to(3)         !< n_0 and n, unit vectors that are not opposite
@@ -140,7 +135,7 @@ contains
   end function rotate_with_normal
 
 
-  !> How a vector that turns with a normal changes with it: d (R v)/d n.
+  !> The derivative of a vector rotated with a normal: d (R v)/d n.
   pure function differentiate_rotation(v, from, to) result(rate)
     real(DP), intent(in) :: v(3)
     real(DP), intent(in) :: from(3), to(3)         !< as `rotate_with_normal`
@@ -157,7 +152,7 @@ contains
   end function differentiate_rotation
 
 
-  !> How far from the middle of a slave facet its master facets may be.
+  !> The largest distance of master facets from the middle of a slave facet.
   pure real(DP) function find_search_margin(mortar, reach) result(margin)
     type(mortar_type), intent(in) :: mortar
     real(DP), intent(in) :: reach                  !< largest gap that matters [length]
@@ -165,10 +160,10 @@ contains
   end function find_search_margin
 
 
-  !> The vertices of each slave node: more than one on a crease of the slave surface.
+  !> The vertices of each slave node: several on a crease of the slave surface.
   subroutine collect_vertices(mortar, of_node)
     type(mortar_type), intent(inout) :: mortar
-    integer, intent(in) :: of_node(:)              !< (n_nodes) place among the slave nodes
+    integer, intent(in) :: of_node(:)              !< (n_nodes) position among the slave nodes
     integer :: node_of(mortar%slave%n_vertices), k, v, n
     integer, allocatable :: next(:)
     do k = 1, size(mortar%slave%nodes)
@@ -192,10 +187,10 @@ contains
   end subroutine collect_vertices
 
 
-  !> The slave nodes whose imbalance makes that of a row: with the transformed basis a corner has shares of the mid-sides beside it.
+  !> The slave nodes whose imbalances form that of a row: with the transformed basis a corner has parts of the adjacent mid-sides.
   subroutine collect_imbalance_weights(mortar, of_node)
     type(mortar_type), intent(inout) :: mortar
-    integer, intent(in) :: of_node(:)              !< (n_nodes) place among the slave nodes
+    integer, intent(in) :: of_node(:)              !< (n_nodes) position among the slave nodes
     type(facet_kind_type) :: shape
     integer :: f, i, k, n, side, nodes(MAX_FACE_NODES), ends(2)
     allocate (mortar%corners(2, size(mortar%nodes)), mortar%corner_rows(2, size(mortar%nodes)), source=0)
@@ -226,7 +221,7 @@ contains
   end subroutine collect_imbalance_weights
 
 
-  !> Slave surfaces that share nodes have one transformed basis: a corner has shares of the mid-sides beside it on all of them.
+  !> Slave surfaces that share nodes have one transformed basis: a corner has parts of the adjacent mid-sides on all of them.
   subroutine unify_imbalance_weights(mortars, n_nodes)
     type(mortar_type), intent(inout) :: mortars(:)
     integer, intent(in) :: n_nodes
@@ -264,8 +259,8 @@ contains
   end subroutine unify_imbalance_weights
 
 
-  !> Slave nodes to which others are bound, as across a pre-tension section, have a share of what the mid-sides beside those carry,
-  !! too.
+  !> Adds to the imbalance of slave nodes to which others are bound, as across a pre-tension section, the parts of the mid-sides
+  !! adjacent to those.
   subroutine add_pretension_rows(mortar, twins)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: twins(:, :)             !< (2, n) nodes, and those bound to them
@@ -280,7 +275,7 @@ contains
   end subroutine add_pretension_rows
 
 
-  !> Nodes of the slave side at the head of a row.
+  !> Number of slave nodes at the head of a row.
   elemental integer function n_imbalance_nodes(mortar, k) result(n)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: k                       !< row
@@ -288,8 +283,8 @@ contains
   end function n_imbalance_nodes
 
 
-  !> One row in place of two of the same slave node against masters that lie side by side, or of slave surfaces that do. The second
-  !! row is gone.
+  !> Merges two rows of the same slave node against masters side by side, or of slave surfaces side by side. The second row is
+  !! removed.
   subroutine merge_rows(a, i, b, j)
     type(mortar_type), intent(inout) :: a, b       !< two pairs
     integer, intent(in) :: i, j                    !< rows of the same node, both with a master in front
@@ -297,24 +292,24 @@ contains
   end subroutine merge_rows
 
 
-  !> One row in place of those of two slave nodes that go along the surface together, as across a pre-tension section: that of the
-  !! sum of their functions. What comes on the second node is on the first by the equation that binds them. The second row is gone.
+  !> Merges the rows of two slave nodes that move together along the surface, as across a pre-tension section: the row of the sum of
+  !! their functions. The equation that binds the second node transfers its force to the first. The second row is removed.
   subroutine merge_pretension_rows(mortar, i, j)
     type(mortar_type), intent(inout) :: mortar
-    integer, intent(in) :: i, j                    !< rows of the node that is free, and of the one that is bound to it
-    real(DP) :: before, after                      ! what the head of the row takes of its force
-    type(mortar_node_type) :: place
-    place = mortar%places(i)
+    integer, intent(in) :: i, j                    !< rows of the free node and of the node bound to it
+    real(DP) :: before, after                      ! fraction of the force at the head of the row
+    type(mortar_node_type) :: mortar_node
+    mortar_node = mortar%places(i)
     if (mortar%places(j)%vertex == 0) return
-    if (place%vertex == 0) then
-      place = mortar%places(j)
-      place%area = 0.0_DP
-      place%whole = 0.0_DP
+    if (mortar_node%vertex == 0) then
+      mortar_node = mortar%places(j)
+      mortar_node%area = 0.0_DP
+      mortar_node%whole = 0.0_DP
     end if
-    if (dot_product(place%normal, mortar%places(j)%normal) <= 0.0_DP) return
+    if (dot_product(mortar_node%normal, mortar%places(j)%normal) <= 0.0_DP) return
     before = merge(1 / (1 - 2 * BASIS_ALPHA), 1.0_DP, mortar%corners(1, i) > 0)
-    call average_rows(place%whole + mortar%places(j)%whole, mortar%rows(j), place, mortar%rows(i), mortar%places(j))
-    if (mortar%places(j)%is_merged) mortar%places(i) = place
+    call average_rows(mortar_node%whole + mortar%places(j)%whole, mortar%rows(j), mortar_node, mortar%rows(i), mortar%places(j))
+    if (mortar%places(j)%is_merged) mortar%places(i) = mortar_node
     associate (row => mortar%rows(i))
       after = row%weights(1) + row%weights(findloc(row%nodes, mortar%nodes(j), dim=1))
       row%imbalance_weights = mortar%base_rows(i)%imbalance_weights * (before / after)
@@ -322,17 +317,17 @@ contains
   end subroutine merge_pretension_rows
 
 
-  !> The means of two rows by their areas, of which one may be negative (the transformed functions of corners are so in places).
-  pure subroutine average_rows(whole, other_row, place, row, other)
-    real(DP), intent(in) :: whole                  !< area of both if all were covered [length^2]
+  !> Means of two rows weighted by their areas; one area may be negative (as of transformed corner functions in places).
+  pure subroutine average_rows(whole, other_row, mortar_node, row, other)
+    real(DP), intent(in) :: whole                  !< total area of both [length^2]
     type(contact_row_type), intent(in) :: other_row
-    type(mortar_node_type), intent(inout) :: place
+    type(mortar_node_type), intent(inout) :: mortar_node
     type(contact_row_type), intent(inout) :: row
     type(mortar_node_type), intent(inout) :: other       !< is_merged, unless the areas cancel
     real(DP) :: share
     integer :: k, at
-    if (abs(place%area + other%area) <= MIN_COUNTED_FRACTION * whole) return
-    share = other%area / (place%area + other%area)
+    if (abs(mortar_node%area + other%area) <= MIN_COUNTED_FRACTION * whole) return
+    share = other%area / (mortar_node%area + other%area)
     row%weights = (1 - share) * row%weights
     do k = 1, size(other_row%nodes)
       at = findloc(row%nodes, other_row%nodes(k), dim=1)
@@ -343,24 +338,24 @@ contains
         row%weights = [row%weights, share * other_row%weights(k)]
       end if
     end do
-    place%normal = (1 - share) * place%normal + share * other%normal
-    place%normal = place%normal / norm2(place%normal)
-    place%area = place%area + other%area
-    place%whole = whole
-    place%is_barely_covered = place%area <= MIN_COVERED_FRACTION * whole
-    place%is_shared = .true.
+    mortar_node%normal = (1 - share) * mortar_node%normal + share * other%normal
+    mortar_node%normal = mortar_node%normal / norm2(mortar_node%normal)
+    mortar_node%area = mortar_node%area + other%area
+    mortar_node%whole = whole
+    mortar_node%is_barely_covered = mortar_node%area <= MIN_COVERED_FRACTION * whole
+    mortar_node%is_shared = .true.
     other = mortar_node_type(is_merged=.true.)
   end subroutine average_rows
 
 
-  !> Places and rows of all slave nodes in a configuration. Cost: linear in the segments.
+  !> Integrates positions and rows of all slave nodes in a configuration. Cost: linear in the number of segments.
   subroutine integrate_mortar(mortar, master, search, is_start, x, reach)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     type(facet_search_type), intent(in) :: search        !< of the master's facets, with at least `find_search_margin`
-    logical, intent(in) :: is_start                !< an increment begins: the search and the reach are not those of the last call
+    logical, intent(in) :: is_start  !< start of an increment: search and search distance may have changed since the last call
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    real(DP), intent(in) :: reach                  !< facets farther apart do not see each other [length]
+    real(DP), intent(in) :: reach                  !< larger distances between facets are ignored [length]
     logical :: is_cut
     integer :: f
     if (.not. mortar%is_made) mortar%base_rows = mortar%rows
@@ -384,7 +379,7 @@ contains
   end subroutine integrate_mortar
 
 
-  !> Which rows neither give a part of their functions to others nor take one; the mid-side nodes of a corner count with it.
+  !> Marks the rows that neither transfer functions to others nor receive any; the mid-side nodes of a corner count with it.
   pure subroutine find_decoupled_rows(mortar)
     type(mortar_type), intent(inout) :: mortar
     integer :: k
@@ -400,7 +395,7 @@ contains
   end subroutine find_decoupled_rows
 
 
-  !> The cuts of all slave facets.
+  !> Segments all slave facets.
   subroutine segment_facets(mortar, master, search, x, reach)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
@@ -425,7 +420,7 @@ contains
   end subroutine segment_facets
 
 
-  !> The segments of one slave facet.
+  !> Segments one slave facet.
   subroutine segment_facet(slave, f, depth, master, search, x, reach, cuts)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
@@ -452,7 +447,7 @@ contains
   end subroutine segment_facet
 
 
-  !> How fast the part that a node gives goes with its distance beyond the edge, for the part 0 to 1 that it gives.
+  !> The derivative of the transferred fraction with respect to the distance beyond the edge, as a function of that fraction.
   elemental real(DP) function evaluate_transfer_slope(beyond) result(slope)
     real(DP), intent(in) :: beyond                 !< s^2 (3 - 2 s), s = distance/(MAX_EXCESS_COMPLIANT edge) [-]
     real(DP) :: s
@@ -461,9 +456,9 @@ contains
   end function evaluate_transfer_slope
 
 
-  !> Which nodes of a slave facet that has a master in front are over the master: under exact contact it is or it is not, under a
-  !! compliant law it fades, so that forces are continuous. Of the master all facets around count, not only those with which the
-  !! slave facet is cut: of these one may come or go while the node is near it.
+  !> Marks the nodes of a slave facet with a master in front that are over the master. Exact contact: yes or no. Compliant law: a
+  !! continuous fraction, so that forces are continuous. All master facets around count, not only those intersected by the slave
+  !! facet, because the intersections can change while the node is near an edge.
   subroutine find_covered_nodes(mortar, f, master, search, x, reach)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f                       !< slave facet
@@ -486,7 +481,7 @@ contains
   end subroutine find_covered_nodes
 
 
-  !> Which nodes of a slave facet are over one facet of the master.
+  !> Marks the nodes of a slave facet that are over one master facet.
   subroutine update_node_excess(mortar, f, master, g, x)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: f, g                    !< slave and master facet
@@ -515,7 +510,7 @@ contains
   end subroutine update_node_excess
 
 
-  !> The nodes of a facet that has a master in front though none of its nodes is over it count as if they were.
+  !> If no node of a facet with a master in front is over the master, all its nodes count as over it.
   pure subroutine keep_isolated_facets(mortar)
     type(mortar_type), intent(inout) :: mortar
     logical :: is_over(size(mortar%transferred_fraction))
@@ -530,7 +525,7 @@ contains
   end subroutine keep_isolated_facets
 
 
-  !> The first n parts of a whole facet that its functions take.
+  !> Sets the first n fractions of a whole facet.
   pure function facet_integral_fractions(kind, n) result(share)
     integer, intent(in) :: kind, n
     real(DP) :: share(n), all_of(MAX_FACE_NODES)
@@ -539,19 +534,19 @@ contains
   end function facet_integral_fractions
 
 
-  !> Places and rows of all slave nodes from the segments of the facets around them.
+  !> Builds positions and rows of all slave nodes from the segments of the facets around them.
   subroutine fill_rows(mortar, master, x)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
-    integer, allocatable :: at(:)                  ! (n_nodes) place in the row that is filled, 0 outside
+    integer, allocatable :: at(:)                  ! (n_nodes) position in the current row, 0 outside
     real(DP) :: m(3)
     integer :: j, v
     allocate (at(size(x, 2)), source=0)
     do j = 1, size(mortar%nodes)
-      associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), place => mortar%places(j), &
+      associate (vertices => mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1), mortar_node => mortar%places(j), &
         cuts => mortar%cuts)
-        place = mortar_node_type()
+        mortar_node = mortar_node_type()
         call fill_slave_part(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
         mortar%rows(j)%imbalance_weights = mortar%base_rows(j)%imbalance_weights
         if (size(vertices) == 0) cycle
@@ -559,20 +554,20 @@ contains
         if (abs(cuts%area(v)) <= MIN_COUNTED_FRACTION * cuts%whole(v)) cycle
         m = evaluate_vertex_normal(mortar%slave, x, v)
         if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_compliant .and. mortar%transferred_fraction(j) >= 1.0_DP)) cycle
-        place%vertex = v
-        place%area = cuts%area(v)
-        place%whole = cuts%whole(v)
-        place%is_barely_covered = .not. mortar%is_compliant .and. place%area <= MIN_COVERED_FRACTION * place%whole
-        place%normal = -m / norm2(m)
-        call fill_master_part(mortar, master, x, at, place, mortar%rows(j))
+        mortar_node%vertex = v
+        mortar_node%area = cuts%area(v)
+        mortar_node%whole = cuts%whole(v)
+        mortar_node%is_barely_covered = .not. mortar%is_compliant .and. mortar_node%area <= MIN_COVERED_FRACTION * mortar_node%whole
+        mortar_node%normal = -m / norm2(m)
+        call fill_master_part(mortar, master, x, at, mortar_node, mortar%rows(j))
       end associate
     end do
   end subroutine fill_rows
 
 
-  !> The vertex of a slave node that is against the master: on a crease of the slave surface, as at the corner of a shank in its
-  !! hole, the one whose facets are nearest of those that are covered nearly as well as the best. The area alone would choose now
-  !! this, now that where faces on both sides are covered alike.
+  !> The vertex of a slave node in contact with the master. On a crease of the slave surface, as at the corner of a shank in its
+  !! hole, it is the nearest of those covered nearly as well as the best. Selection by the area alone would alternate between faces
+  !! that are covered alike.
   pure integer function choose_facing_vertex(mortar, vertices) result(v)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: vertices(:)             !< of one node
@@ -588,7 +583,7 @@ contains
   end function choose_facing_vertex
 
 
-  !> The mean distance of the facets around a vertex from their masters; 0 if there are none.
+  !> The mean distance of the facets around a vertex from their masters; 0 without any.
   pure real(DP) function find_mean_distance(mortar, v) result(distance)
     type(mortar_type), intent(in) :: mortar
     integer, intent(in) :: v                       !< vertex
@@ -622,14 +617,14 @@ contains
   end subroutine fill_slave_part
 
 
-  !> The master's part of a row: -M_ji / D_j, in the order in which the segments bring the nodes. Nodes beside that are beyond the
-  !! master's edge give their functions to the row: their part of the slave's side is there too.
-  subroutine fill_master_part(mortar, master, x, at, place, row)
+  !> The master's part of a row: -M_ji / D_j, in the node order of the segments. Neighbouring nodes beyond the master's edge
+  !! transfer their functions to the row: their part of the slave's side is included.
+  subroutine fill_master_part(mortar, master, x, at, mortar_node, row)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    integer, intent(inout) :: at(:)                !< (n_nodes) 0; left so
-    type(mortar_node_type), intent(inout) :: place
+    integer, intent(inout) :: at(:)                !< (n_nodes) 0 on entry and exit
+    type(mortar_node_type), intent(inout) :: mortar_node
     type(contact_row_type), intent(inout) :: row
     real(DP), allocatable :: weights(:)
     integer, allocatable :: nodes(:)
@@ -638,7 +633,7 @@ contains
     integer :: i, s, k, n, f, own, n_head
     n = 0
     associate (slave => mortar%slave)
-      do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
+      do s = slave%star_first(mortar_node%vertex), slave%star_first(mortar_node%vertex + 1) - 1
         f = slave%star_facet(s)
         n = n + MAX_FACE_NODES * (mortar%cuts%covers(f)%n + 3)
       end do
@@ -647,10 +642,10 @@ contains
       allocate (weights(n), source=0.0_DP)
       n = 0
       largest = -huge(1.0_DP)
-      own_area = merge(0.0_DP, place%area, mortar%is_compliant)
+      own_area = merge(0.0_DP, mortar_node%area, mortar%is_compliant)
       adjacent_area = 0.0_DP
       first_moment = 0.0_DP
-      do s = slave%star_first(place%vertex), slave%star_first(place%vertex + 1) - 1
+      do s = slave%star_first(mortar_node%vertex), slave%star_first(mortar_node%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
         if (mortar%cuts%covers(f)%n == 0) cycle
@@ -662,39 +657,39 @@ contains
             call add_segment_weights(master, segments(k), received, at, n, nodes, weights)
             if (segments(k)%share(own) <= largest) cycle
             largest = segments(k)%share(own)
-            place%facet = segments(k)%master
-            place%xi = segments(k)%centre
+            mortar_node%facet = segments(k)%master
+            mortar_node%xi = segments(k)%centre
           end do
           call add_adjacent_slave_nodes(mortar, f, own, received, segments)
         end associate
       end do
       at(nodes(:n)) = 0
     end associate
-    place%area = own_area + adjacent_area
-    if (abs(place%area) <= MIN_COUNTED_FRACTION * place%whole) then
-      place = mortar_node_type()
+    mortar_node%area = own_area + adjacent_area
+    if (abs(mortar_node%area) <= MIN_COUNTED_FRACTION * mortar_node%whole) then
+      mortar_node = mortar_node_type()
       return
     end if
     if (adjacent_area > 0.0_DP) then
       first_moment = first_moment + own_area * evaluate_relative_position(row, x)
-      row%weights = row%weights * (own_area / place%area)
-      if (own_area > 0.0_DP) row%imbalance_weights = row%imbalance_weights * (place%area / own_area)
-      place%force_arm = first_moment / place%area - x(:, row%nodes(1))
+      row%weights = row%weights * (own_area / mortar_node%area)
+      if (own_area > 0.0_DP) row%imbalance_weights = row%imbalance_weights * (mortar_node%area / own_area)
+      mortar_node%force_arm = first_moment / mortar_node%area - x(:, row%nodes(1))
     end if
     do k = 1, n_head                               ! each node once
       i = findloc(nodes(:n), row%nodes(k), dim=1)
       if (i == 0) cycle
-      row%weights(k) = row%weights(k) - weights(i) / place%area
+      row%weights(k) = row%weights(k) - weights(i) / mortar_node%area
       nodes(i:n - 1) = nodes(i + 1:n)
       weights(i:n - 1) = weights(i + 1:n)
       n = n - 1
     end do
     row%nodes = [row%nodes, nodes(:n)]
-    row%weights = [row%weights, -weights(:n) / place%area]
+    row%weights = [row%weights, -weights(:n) / mortar_node%area]
 
   contains
 
-    !> Adds the nodes beside that give their functions to the row, as nodes of the slave's side.
+    !> Adds the neighbouring nodes that transfer their functions to the row, as nodes of the slave's side.
     subroutine add_adjacent_slave_nodes(mortar, f, own, received, segments)
       type(mortar_type), intent(in) :: mortar
       integer, intent(in) :: f, own                !< slave facet, local number of the row's node
@@ -719,15 +714,16 @@ contains
   end subroutine fill_master_part
 
 
-  !> Which parts of the functions of a facet a node of it takes: what it keeps of its own, and what those beyond the master give to
-  !! the nearest that are over it. What all that are near cannot take, since they are beyond, too, those farther take; what nobody
-  !! takes is kept.
+  !> The fractions of the functions of a facet that one of its nodes receives: the part of its own that it keeps, and those of nodes
+  !! beyond the master, which go to the nearest nodes over it. What the nearest cannot receive, being beyond as well, goes to nodes
+  !! farther off; the remainder is kept.
   pure subroutine redistribute_functions(kind, own, beyond, received, d_received)
     integer, intent(in) :: kind                    !< FACET_...
     integer, intent(in) :: own                     !< local number of the node
-    real(DP), intent(in) :: beyond(:)              !< (n) what each node gives [-]
+    real(DP), intent(in) :: beyond(:)              !< (n) fraction transferred by each node [-]
     real(DP), intent(out) :: received(MAX_FACE_NODES) !< [-]
-    real(DP), intent(out) :: d_received(MAX_FACE_NODES, MAX_FACE_NODES)   !< (i, k) of taken(i) by beyond(k) [-]
+    real(DP), intent(out) :: d_received(MAX_FACE_NODES, MAX_FACE_NODES)  !< (i, k) derivative of received(i) with respect to
+                                                                         !! beyond(k) [-]
     real(DP) :: at(2, MAX_FACE_NODES), distance(size(beyond)), rest, none, sum_of, d_rest(size(beyond)), d_none(size(beyond))
     logical :: is_near(size(beyond))
     integer :: i, j, k, n
@@ -767,7 +763,7 @@ contains
   end subroutine redistribute_functions
 
 
-  !> Where the nodes of a facet are if all its edges are alike.
+  !> Positions of the nodes of a regular facet.
   pure function regular_node_positions(kind) result(at)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP) :: at(2, MAX_FACE_NODES)              !< [-]
@@ -785,12 +781,12 @@ contains
   end function regular_node_positions
 
 
-  !> Adds what one segment gives to M of a slave node.
+  !> Adds the contribution of one segment to M of a slave node.
   pure subroutine add_segment_weights(master, segment, received, at, n, nodes, weights)
     type(facets_type), intent(in) :: master
     type(mortar_segment_type), intent(in) :: segment
     real(DP), intent(in) :: received(MAX_FACE_NODES)  !< of the functions of the segment's slave facet [-]
-    integer, intent(inout) :: at(:)                !< (n_nodes) place in nodes(:) or 0
+    integer, intent(inout) :: at(:)                !< (n_nodes) position in nodes(:) or 0
     integer, intent(inout) :: n                    !< entries so far
     integer, intent(inout) :: nodes(:)
     real(DP), intent(inout) :: weights(:)          !< M_ji [length^2]
@@ -806,7 +802,7 @@ contains
   pure subroutine add_weight(node, amount, at, n, nodes, weights)
     integer, intent(in) :: node
     real(DP), intent(in) :: amount                 !< [length^2]
-    integer, intent(inout) :: at(:)                !< (n_nodes) place in nodes(:) or 0
+    integer, intent(inout) :: at(:)                !< (n_nodes) position in nodes(:) or 0
     integer, intent(inout) :: n                    !< entries so far
     integer, intent(inout) :: nodes(:)
     real(DP), intent(inout) :: weights(:)          !< [length^2]

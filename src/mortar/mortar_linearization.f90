@@ -1,7 +1,7 @@
-!> Row rates: how the row of a slave node of a mortar pair, made of integrals over the facets around it, changes when nodes move.
+!> Linearization of mortar constraint rows with respect to the nodal coordinates.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Mortar".
+!! Theory: doc/theory/contact.md, section 7.
 module amontons_mortar_linearization
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
@@ -15,31 +15,31 @@ module amontons_mortar_linearization
   private
   public :: row_derivatives_type, differentiate_mortar_row
 
-  !> How a row changes.
+  !> Derivatives of a row.
   type :: row_derivatives_type
-    integer, allocatable :: nodes(:)               !< (n) those of the row, then all others that it depends on
+    integer, allocatable :: nodes(:)               !< (n) those of the row, then all others on which it depends
     real(DP), allocatable :: d_weights(:, :, :)    !< (n_weights, 3, n) dw_k/dx_j [1/length]
     real(DP), allocatable :: d_area(:, :)          !< (3, n) [length]
-    real(DP), allocatable :: d_factor(:, :)        !< (3, n) of the logarithm of the factor of the row's shares [1/length]
+    real(DP), allocatable :: d_factor(:, :)        !< (3, n) of the logarithm of the row's force factor [1/length]
   end type row_derivatives_type
 
-  !> How the part changes that a slave node gives to others.
+  !> Derivative of the fraction that a slave node transfers to others.
   type :: transfer_derivative_type
     integer :: node = 0                            !< mesh node
-    integer, allocatable :: at(:)                  !< (n) places of nodes of slave and master facet among those of the row
+    integer, allocatable :: at(:)                  !< (n) positions of the nodes of slave and master facet among those of the row
     real(DP), allocatable :: rate(:, :)            !< (3, n) [1/length]
   end type transfer_derivative_type
 
 contains
 
-  !> How the row of a slave node changes with all nodes of the facets around it: as `mortar` fills it.
+  !> The derivatives of the row of a slave node with respect to all nodes of the facets around it, as `integrate_mortar` builds it.
   subroutine differentiate_mortar_row(mortar, master, x, j, facet_derivatives, derivatives)
     type(mortar_type), intent(in) :: mortar        !< as integrated at x
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)                !< as for `integrate_mortar`
-    integer, intent(in) :: j                       !< row, with a master in front
-    type(facet_derivatives_type), intent(inout) :: facet_derivatives(:)   !< (n_facets) those of the star of its vertex are made if
-                                                                          !! they are not
+    integer, intent(in) :: j                       !< row of a node with a master in front
+    type(facet_derivatives_type), intent(inout) :: facet_derivatives(:)  !< (n_facets) those around the row's vertex are evaluated
+                                                                         !! if they are not yet
     type(row_derivatives_type), intent(out) :: derivatives
     real(DP), allocatable :: sum_of(:, :, :)       ! of d_j T - M_ji, which is w_k times the area
     real(DP), allocatable :: own_area(:, :)
@@ -63,7 +63,7 @@ contains
       do s = slave%star_first(mortar%places(j)%vertex), slave%star_first(mortar%places(j)%vertex + 1) - 1
         f = slave%star_facet(s)
         own = slave%star_local(s)
-        if (size(facet_derivatives(f)%nodes) == facet_derivatives(f)%n_slave) cycle   ! nothing in front
+        if (size(facet_derivatives(f)%nodes) == facet_derivatives(f)%n_slave) cycle   ! no master in front
         call redistribute_functions(slave%kind(f), own, &
           mortar%transferred_fraction(mortar%row_of_entry(slave%first(f):slave%first(f + 1) - 1)), received, d_received)
         at = [(findloc(derivatives%nodes, facet_derivatives(f)%nodes(i), dim=1), i=1, size(facet_derivatives(f)%nodes))]
@@ -104,8 +104,8 @@ contains
   end subroutine collect_row_nodes
 
 
-  !> How the parts change that nodes around a row give, with the distance of each beyond the edge of its master; nodes on which that
-  !! depends are appended.
+  !> The derivatives of the fractions transferred by nodes around a row, which depend on the distance of each beyond the edge of its
+  !! master; nodes on which they depend are appended.
   subroutine collect_transfers(mortar, master, x, j, nodes, transfers)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
@@ -124,7 +124,7 @@ contains
           if (mortar%transferred_fraction(k) <= 0.0_DP .or. mortar%transferred_fraction(k) >= 1.0_DP) cycle
           if (any(transfers%node == mortar%nodes(k))) cycle
           call differentiate_transfer(mortar, master, x, k, transfer)
-          do n = 1, size(transfer%at)                  ! mesh nodes to places
+          do n = 1, size(transfer%at)                  ! mesh nodes to positions in the row
             if (all(nodes /= transfer%at(n))) nodes = [nodes, transfer%at(n)]
             transfer%at(n) = findloc(nodes, transfer%at(n), dim=1)
           end do
@@ -135,7 +135,7 @@ contains
   end subroutine collect_transfers
 
 
-  !> How the part that a slave node gives changes with its slave facet and the master's edge beyond which it is.
+  !> The derivative of a transferred fraction with respect to the nodes of the slave facet and of the master edge crossed.
   subroutine differentiate_transfer(mortar, master, x, k, transfer)
     type(mortar_type), intent(in) :: mortar
     type(facets_type), intent(in) :: master
@@ -170,13 +170,13 @@ contains
   end subroutine differentiate_transfer
 
 
-  !> What one facet gives to the derivative of a row since the parts change that the row takes.
+  !> Contribution of one facet to the derivative of a row through the transferred fractions.
   subroutine add_transfer_derivatives(mortar, facet, d_received, transfers, at, row, sum_of, d_area)
     type(mortar_type), intent(in) :: mortar
     type(facet_derivatives_type), intent(in) :: facet
     real(DP), intent(in) :: d_received(MAX_FACE_NODES, MAX_FACE_NODES)
     type(transfer_derivative_type), intent(in) :: transfers(:)
-    integer, intent(in) :: at(:)                   !< places of the facet's nodes among those of the row's rates
+    integer, intent(in) :: at(:)                   !< positions of the facet's nodes among those of the row's derivatives
     type(contact_row_type), intent(in) :: row
     real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
     type(contact_row_type) :: part
@@ -186,7 +186,7 @@ contains
       if (all(abs(d_received(i, :)) <= 0.0_DP)) cycle
       node = findloc(mortar%nodes, facet%nodes(i), dim=1)
       call fill_slave_part(mortar%nodes(node), mortar%corners(:, node), part)
-      values = 0.0_DP                              ! what the row has of it
+      values = 0.0_DP                              ! contribution to the row
       do k = 1, size(part%nodes)
         where (row%nodes == part%nodes(k)) values = values + facet%share(i) * part%weights(k)
       end do
@@ -206,12 +206,12 @@ contains
   end subroutine add_transfer_derivatives
 
 
-  !> What one facet gives to a row: d_i T_i for the functions that the row takes, less the master's part.
+  !> Contribution of one facet to a row: d_i T_i for the functions of the row, less the master's part.
   subroutine add_facet_derivatives(mortar, facet, received, at, row, sum_of, d_area)
     type(mortar_type), intent(in) :: mortar
     type(facet_derivatives_type), intent(in) :: facet
     real(DP), intent(in) :: received(MAX_FACE_NODES)
-    integer, intent(in) :: at(:)                   !< places of the facet's nodes among those of the row's rates
+    integer, intent(in) :: at(:)                   !< positions of the facet's nodes among those of the row's derivatives
     type(contact_row_type), intent(in) :: row
     real(DP), intent(inout) :: sum_of(:, :, :), d_area(:, :)
     type(contact_row_type) :: part
@@ -229,7 +229,7 @@ contains
         end do
       end do
       do k = facet%n_slave + 1, size(facet%nodes)
-        q = at(k)                                  ! masters of the row stand among its nodes
+        q = at(k)                                  ! the masters of the row are among its nodes
         if (q > size(row%nodes)) cycle
         do j = 1, size(facet%nodes)
           sum_of(q, :, at(j)) = sum_of(q, :, at(j)) - received(i) * facet%d_master_integrals(i, k, 3 * j - 2:3 * j)

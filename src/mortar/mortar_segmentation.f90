@@ -1,8 +1,8 @@
-!> Segments: what a slave facet and the master facets in front of it have in common, with the integrals over it.
+!> Mortar segmentation: intersections of a slave facet with master facets in a projection plane, and the integrals over them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Mortar". Each slave facet is cut with the master facets in front of it, projected on the plane
-!! through the slave facet (M. Puso, T. Laursen, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629).
+!! Theory: doc/theory/contact.md, section 7. Each slave facet is intersected with the master facets in front of it, projected on the
+!! plane through the slave facet (M. Puso, T. Laursen, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629).
 module amontons_mortar_segmentation
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
@@ -19,15 +19,14 @@ module amontons_mortar_segmentation
     build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, &
     find_depth, integrate_segments, choose_quadrature_order, find_natural_coordinates
 
-  real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP           !< a master facet is in front if its normal is this much against the
-                                                              !! slave's [-]
-  real(DP), parameter :: MAX_SEGMENT_OVERLAP = 1.0e-6_DP       !< segments that overlap by more of the facet lie one behind the
-                                                               !! other [-]
-  real(DP), parameter :: MIN_SEGMENT_AREA = 1.0e-10_DP       !< cuts smaller than this part of the facet are nothing [-]
-  real(DP), parameter :: TOL_AFFINE = 1.0e-9_DP        !< a square whose corners miss a parallelogram by less than this part is one
-                                                       !! [-]
+  real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
+                                                     !! [-]
+  real(DP), parameter :: MAX_SEGMENT_OVERLAP = 1.0e-6_DP  !< segments with a larger overlap, over the area of the facet, lie one
+                                                          !! behind the other [-]
+  real(DP), parameter :: MIN_SEGMENT_AREA = 1.0e-10_DP       !< smaller intersections, over the area of the facet, are ignored [-]
+  real(DP), parameter :: TOL_AFFINE = 1.0e-9_DP  !< largest deviation of a quadrilateral from a parallelogram, over its size [-]
 
-  !> A flat frame through a slave facet.
+  !> The projection plane of a slave facet.
   type :: projection_plane_type
     real(DP) :: origin(3) = 0                      !< [length]
     real(DP) :: axes(3, 2) = 0                     !< unit vectors in the plane
@@ -35,20 +34,20 @@ module amontons_mortar_segmentation
     real(DP) :: depth = 1                          !< of a line: thickness [length], -1: the full circle
   end type projection_plane_type
 
-  !> The part that a slave and a master facet have in common.
+  !> Intersection of a slave and a master facet.
   type :: mortar_segment_type
     integer :: slave = 0                           !< facet
-    integer :: master = 0                          !< facet; 0: nothing in common
+    integer :: master = 0                          !< facet; 0: no intersection
     integer :: first = 0, last = 0                 !< its points
     real(DP) :: master_integrals(MAX_FACE_NODES, MAX_FACE_NODES) = 0   !< integral of phi_j N_i [length^2]
     real(DP) :: share(MAX_FACE_NODES) = 0          !< integral of N~_j [length^2]
     real(DP) :: centre(2) = 0                      !< mean natural coordinates on the master facet [-]
-    integer :: n = 0                               !< corners of the cut
+    integer :: n = 0                               !< corners of the intersection
     real(DP) :: cut(2, MAX_POLYGON_CORNERS) = 0            !< in the plane of the slave facet [length]
     real(DP) :: distance = 0                       !< mean, positive where the facets are apart [length]
   end type mortar_segment_type
 
-  !> Points of the integral over one slave facet.
+  !> Integration points over one slave facet.
   type :: segment_points_type
     integer :: n = 0
     real(DP), allocatable :: weight(:)             !< [length^2]
@@ -58,7 +57,7 @@ module amontons_mortar_segmentation
     real(DP), allocatable :: on_master(:, :)       !< (MAX_FACE_NODES, :) N_i [-]
   end type segment_points_type
 
-  !> All that a slave facet has in common with its masters. Once integrated it has no functions any more, which take the most room.
+  !> Segmentation of a slave facet. After the integration the functions are deallocated to save memory.
   type :: segmentation_type
     type(projection_plane_type) :: plane
     type(segment_points_type) :: points
@@ -68,14 +67,14 @@ module amontons_mortar_segmentation
 
 contains
 
-  !> All that a slave facet has in common with the masters in front of it; where masters lie one behind the other, the nearest.
+  !> Intersects a slave facet with the masters in front of it; of masters one behind the other the nearest counts.
   subroutine build_segmentation(slave, f, depth, master, search, x, search_distance, segmentation)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
     real(DP), intent(in) :: depth                  !< of a line: as plane%depth
     type(facet_search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    real(DP), intent(in) :: search_distance                  !< facets farther apart do not see each other [length]
+    real(DP), intent(in) :: search_distance                  !< larger distances between facets are ignored [length]
     type(segmentation_type), intent(out) :: segmentation
     type(mortar_segment_type) :: segment
     integer, allocatable :: list(:)
@@ -99,11 +98,11 @@ contains
   end subroutine build_segmentation
 
 
-  !> Where masters lie one behind the other (a fold), the nearest takes the place: what overlaps with a nearer one is dropped.
+  !> Resolves masters one behind the other (a fold): segments that overlap a nearer one are dropped.
   subroutine drop_hidden_segments(segments, area, points)
     type(mortar_segment_type), intent(inout) :: segments(:)   !< of one slave facet
     real(DP), intent(in) :: area                   !< of the slave facet in its plane [length^2]
-    type(segment_points_type), intent(inout) :: points     !< those of dropped segments lose their weight
+    type(segment_points_type), intent(inout) :: points     !< weights of dropped segments become zero
     logical :: is_done(size(segments)), is_kept(size(segments))
     real(DP) :: common(2, MAX_POLYGON_CORNERS), covered
     integer :: i, j, k, n
@@ -137,7 +136,7 @@ contains
   end function find_depth
 
 
-  !> The plane through the middle of the corners of a facet, normal to its mean normal. A line's plane stands across the model.
+  !> The plane through the mean of the corners of a facet, normal to its mean normal. A line's plane is perpendicular to the model.
   pure subroutine build_projection_plane(facets, f, x, plane)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
@@ -165,7 +164,7 @@ contains
   end subroutine build_projection_plane
 
 
-  !> A point in the coordinates of the plane.
+  !> A point in plane coordinates.
   pure function project_on_plane(plane, point) result(p)
     type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: point(3)               !< [length]
@@ -174,7 +173,7 @@ contains
   end function project_on_plane
 
 
-  !> The corners of a facet in the coordinates of a plane; a line is a rectangle of depth 1.
+  !> The corners of a facet in plane coordinates; a line is a rectangle of depth 1.
   pure subroutine project_facet_corners(plane, facets, f, x, corners, n)
     type(projection_plane_type), intent(in) :: plane
     type(facets_type), intent(in) :: facets
@@ -199,7 +198,7 @@ contains
   end subroutine project_facet_corners
 
 
-  !> Whether a master facet is in front of a slave's plane: its normal is against that of the plane, and its middle is not too far.
+  !> Whether a master facet is in front of a slave's plane: its normal opposes the plane's, and its middle is within the distance.
   pure logical function is_facing_plane(plane, master, g, x, search_distance)
     type(projection_plane_type), intent(in) :: plane
     type(facets_type), intent(in) :: master
@@ -213,7 +212,7 @@ contains
   end function is_facing_plane
 
 
-  !> Cuts a slave facet with one master facet and appends the points of the cut. After: segment%master = 0 if there is none.
+  !> Intersects a slave facet with one master facet and appends the points. After: segment%master = 0 without intersection.
   subroutine intersect_facets(slave, f, master, g, x, search_distance, plane, points, segment)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f, g                    !< slave and master facet
@@ -226,7 +225,7 @@ contains
     if (.not. is_facing_plane(plane, master, g, x, huge(1.0_DP))) return
     call project_facet_corners(plane, slave, f, x, own, n)
     call project_facet_corners(plane, master, g, x, projected_master, m)
-    projected_master(:, :m) = projected_master(:, m:1:-1)                ! seen from the slave it runs the other way round
+    projected_master(:, :m) = projected_master(:, m:1:-1)                ! seen from the slave it runs in the opposite sense
     if (any(minval(own(:, :n), dim=2) > maxval(projected_master(:, :m), dim=2))) return
     if (any(maxval(own(:, :n), dim=2) < minval(projected_master(:, :m), dim=2))) return
     call clip_polygon(own(:, :n), projected_master(:, :m), cut, k)
@@ -248,8 +247,8 @@ contains
   end subroutine intersect_facets
 
 
-  !> The order of the rule that a facet wants. Its functions are polynomials in the plane for triangles with straight edges and for
-  !! parallelograms, and the rule is exact; else they are not, and the error falls fast with the order.
+  !> The quadrature order for a facet. Its functions are polynomials in the plane for triangles with straight edges and for
+  !! parallelograms, and the rule is exact; otherwise they are not, and the error decreases fast with the order.
   pure integer function choose_quadrature_order(kind, corners) result(order)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: corners(2, 4)          !< in the plane [length]
@@ -269,7 +268,8 @@ contains
   end function choose_quadrature_order
 
 
-  !> The points of a cut with the functions of both facets there, and their mean distance, positive where the facets are apart.
+  !> The points of an intersection with the functions of both facets there, and their mean distance, positive if the facets are
+  !! apart.
   subroutine append_segment_points(slave, master, x, plane, at, weight, points, segment)
     type(facets_type), intent(in) :: slave, master
     real(DP), intent(in) :: x(:, :)
@@ -305,7 +305,7 @@ contains
   end subroutine append_segment_points
 
 
-  !> Room for n points.
+  !> Allocates n points.
   pure subroutine reserve_points(points, n)
     type(segment_points_type), intent(inout) :: points
     integer, intent(in) :: n
@@ -327,7 +327,7 @@ contains
 
   contains
 
-    !> More columns.
+    !> Extends an array by columns.
     pure subroutine grow_columns(values)
       real(DP), allocatable, intent(inout) :: values(:, :)
       real(DP), allocatable :: wider(:, :)
@@ -339,7 +339,7 @@ contains
   end subroutine reserve_points
 
 
-  !> The natural coordinates of the point of a facet that is over a point of the plane.
+  !> The natural coordinates of the point of a facet above a point of the plane.
   pure subroutine find_natural_coordinates(kind, plane, x, at, xi, N)
     integer, intent(in) :: kind                    !< FACET_...
     type(projection_plane_type), intent(in) :: plane
@@ -356,7 +356,7 @@ contains
   end subroutine find_natural_coordinates
 
 
-  !> The integrals of all segments of one slave facet, with the dual functions of what they cover together.
+  !> The integrals of all segments of one slave facet, with the dual functions of the covered part.
   subroutine integrate_segments(slave, f, x, plane, area, points, segments)
     type(facets_type), intent(in) :: slave
     integer, intent(in) :: f

@@ -1,5 +1,4 @@
-!> Polygons: two convex polygons in a plane are cut with each other, points and weights for integrals over the cut, and facets that
-!! lie flat in the plane.
+!> Clipping of convex polygons, quadrature over the result, and the inverse map of planar facets.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_polygon_clipping
   use amontons_kinds, only: DP, PI
@@ -11,22 +10,22 @@ module amontons_polygon_clipping
   public :: clip_polygon, signed_polygon_area, set_polygon_quadrature, find_polygon_excess, find_flat_coordinates
   public :: MAX_POLYGON_CORNERS, MAX_CUT_POINTS
 
-  integer, parameter :: MAX_POLYGON_CORNERS = 16           !< of a cut of polygons with up to 8 and 4 corners, with room to spare
-  real(DP), parameter :: TOL_ON_POLYGON_EDGE = 1.0e-11_DP      !< a corner that is nearer to an edge than this times its polygon is
-                                                               !! on it [-]
-  integer, parameter :: MAX_INVERSE_ITERATIONS = 30       !< of Newton for the natural coordinates of a point
+  integer, parameter :: MAX_POLYGON_CORNERS = 16           !< an intersection of polygons with up to 8 and 4 corners has fewer
+  real(DP), parameter :: TOL_ON_POLYGON_EDGE = 1.0e-11_DP  !< a corner nearer to an edge than this fraction of the polygon's size is
+                                                           !! on the edge [-]
+  integer, parameter :: MAX_INVERSE_ITERATIONS = 30       !< of Newton's method for the natural coordinates of a point
   integer, parameter :: MAX_RULE_POINTS = 36             !< points of the finest rule on a triangle
-  integer, parameter :: MAX_CUT_POINTS = MAX_RULE_POINTS * (MAX_POLYGON_CORNERS - 2)   !< points of an integral over a cut
+  integer, parameter :: MAX_CUT_POINTS = MAX_RULE_POINTS * (MAX_POLYGON_CORNERS - 2)   !< points of an integral over an intersection
 
 contains
 
-  !> The part of a polygon that is inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42). Corners
-  !! that rounding alone parts from an edge are on it: faces that lie edge on edge would be cut here and there, as it happens.
+  !> The part of a polygon inside a convex one, edge by edge (Sutherland and Hodgman, Comm. ACM 17 (1974) 32-42). Corners within
+  !! rounding of an edge are on the edge: otherwise rounding would decide how coincident edges of faces intersect.
   pure subroutine clip_polygon(subject, window, cut, n, lines)
     real(DP), intent(in) :: subject(:, :)          !< (2, :) corners, counter-clockwise [length]
     real(DP), intent(in) :: window(:, :)           !< (2, :) corners of a convex polygon, counter-clockwise [length]
-    real(DP), intent(out) :: cut(2, MAX_POLYGON_CORNERS)   !< corners of the cut, the first n are set [length]
-    integer, intent(out) :: n                      !< less than 3: nothing in common
+    real(DP), intent(out) :: cut(2, MAX_POLYGON_CORNERS)   !< corners of the intersection, the first n are set [length]
+    integer, intent(out) :: n                      !< less than 3: the polygons do not intersect
     integer, intent(out), optional :: lines(MAX_POLYGON_CORNERS)   !< the line of the edge before each corner: j: before corner j of
                                                    !< the subject; size(subject, 2) + k: after corner k of the window
     real(DP) :: previous(2, MAX_POLYGON_CORNERS), side(MAX_POLYGON_CORNERS), a(2), edge(2), extent
@@ -48,7 +47,7 @@ contains
         if (abs(side(i)) <= TOL_ON_POLYGON_EDGE * extent * norm2(edge)) side(i) = 0.0_DP
       end do
       n = 0
-      do j = 1, m                                  ! each corner after what comes between the last one and it
+      do j = 1, m                                  ! each corner after the intersection points since the last one
         i = modulo(j - 2, m) + 1
         if ((side(i) > 0.0_DP .and. side(j) < 0.0_DP) .or. (side(i) < 0.0_DP .and. side(j) > 0.0_DP)) &
           call append_corner(previous(:, i) + side(i) / (side(i) - side(j)) * (previous(:, j) - previous(:, i)), &
@@ -62,7 +61,7 @@ contains
   end subroutine clip_polygon
 
 
-  !> One more corner; a polygon that is not convex could have too many.
+  !> Appends a corner; a polygon that is not convex could have too many.
   pure subroutine append_corner(corner, line_of_edge, cut, line, n)
     real(DP), intent(in) :: corner(2)              !< [length]
     integer, intent(in) :: line_of_edge            !< before the corner
@@ -90,7 +89,7 @@ contains
   end function signed_polygon_area
 
 
-  !> How far a point is beyond the edge of a convex polygon that it is beyond most; negative inside.
+  !> The largest distance of a point beyond the edges of a convex polygon; negative inside.
   pure subroutine find_polygon_excess(corners, point, beyond, edge)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
     real(DP), intent(in) :: point(2)               !< [length]
@@ -112,21 +111,21 @@ contains
   end subroutine find_polygon_excess
 
 
-  !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner; over the rectangle of a
-  !! line, whose functions do not change across it, by a Gauss rule along it and two points across.
+  !> Points and weights of an integral over a convex polygon, triangle by triangle from its first corner. Over the rectangle of a
+  !! line, whose functions are constant across it: a Gauss rule along the line and two points across.
   !!
-  !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg.
-  !! 7 (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle), along
-  !! a line of degree 2n - 1 with any order n.
+  !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg. 7
+  !! (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle), along a
+  !! line for degree 2n - 1 with any order n.
   pure subroutine set_polygon_quadrature(corners, is_rectangle, order, n, point, weight, corner, barycentric)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
-    logical, intent(in) :: is_rectangle                 !< the polygon stands across a line
+    logical, intent(in) :: is_rectangle                 !< the polygon is the rectangle of a line
     integer, intent(in) :: order                   !< at most 6
     integer, intent(out) :: n
     real(DP), intent(out) :: point(2, MAX_CUT_POINTS)   !< the first n are set [length]
     real(DP), intent(out) :: weight(MAX_CUT_POINTS)     !< the first n are set [length^2]
-    integer, intent(out), optional :: corner(MAX_CUT_POINTS)     !< k of the triangle 1, k, k + 1 in which a point is
-    real(DP), intent(out), optional :: barycentric(2, MAX_CUT_POINTS)  !< the parts that k and k + 1 have of a point [-]
+    integer, intent(out), optional :: corner(MAX_CUT_POINTS)     !< k of the triangle 1, k, k + 1 that contains the point
+    real(DP), intent(out), optional :: barycentric(2, MAX_CUT_POINTS)  !< barycentric coordinates of the point at k and k + 1 [-]
     real(DP) :: xi(2, MAX_RULE_POINTS), w(MAX_RULE_POINTS), a(2), b(2), twice
     integer :: k, q, n_rule
     if (is_rectangle .and. size(corners, 2) == 4) then
@@ -155,8 +154,8 @@ contains
   end subroutine set_polygon_quadrature
 
 
-  !> The same over a rectangle whose sides are along the axes, the first along the line. All points count as of its first triangle,
-  !! also those that are beyond its third side.
+  !> The same over a rectangle with sides along the axes, the first along the line. All points are expressed in its first triangle,
+  !! also those outside it.
   pure subroutine set_rectangle_quadrature(corners, order, n, point, weight, corner, barycentric)
     real(DP), intent(in) :: corners(2, 4)          !< counter-clockwise [length]
     integer, intent(in) :: order
@@ -176,7 +175,7 @@ contains
     do j = 1, 2
       do i = 1, order
         n = n + 1
-        part = [x(i), y(j)]                        ! of a and b
+        part = [x(i), y(j)]                        ! coordinates along a and b
         if (abs(a(1)) < abs(a(2))) part = part([2, 1])
         point(:, n) = corners(:, 1) + part(1) * a + part(2) * b
         weight(n) = w(i) * v(j) * area
@@ -231,8 +230,7 @@ contains
   end subroutine set_gauss_rule
 
 
-  !> The natural coordinates of a point of the plane in a facet whose nodes lie in it: Newton, two equations. A line is drawn out
-  !! across.
+  !> The natural coordinates of a point in a planar facet: Newton's method, two equations. A line is extruded.
   pure subroutine find_flat_coordinates(kind, flat, at, xi, N)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: flat(:, :)             !< (2, n) nodes of the facet in the plane [length]

@@ -1,11 +1,11 @@
-!> Cut rates: how the integrals over the cuts of a slave facet change when the nodes move.
+!> Derivatives of segment geometry, quadrature points and mortar integrals with respect to the nodal coordinates.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/contact.md, "Mortar". Everything is a function of the places of the nodes of the slave facet and of the
-!! master facets that it is cut with: corners of the cuts are where two of their edges cross, and points of the integrals go with
-!! the corners. The derivatives follow from each other in that order (M. Puso, T. Laursen, Comput. Methods Appl. Mech. Engrg. 193
-!! (2004) 601-629). The frame of the slave facet is turned with its normal alone: what it turns or moves within its own
-!! plane changes no integral.
+!! Theory: doc/theory/contact.md, section 7. All integrals are functions of the nodal positions of the slave facet and of the master
+!! facets that it intersects: the corners of the intersections are crossings of two edges, and the integration points move with the
+!! corners. The derivatives follow by the chain rule in that order (M. Puso, T. Laursen, Comput. Methods Appl. Mech. Engrg. 193
+!! (2004) 601-629). The frame of the slave facet rotates with its normal alone: rotations and translations within its own plane
+!! change no integral.
 module amontons_segment_derivatives
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
@@ -23,38 +23,37 @@ module amontons_segment_derivatives
   public :: facet_derivatives_type, facet_outline_type, differentiate_segmentation, differentiate_plane_normal, &
     build_facet_outline, differentiate_edge, MAX_CUT_COORDINATES
 
-  integer, parameter :: MAX_CUT_COORDINATES = 6 * MAX_FACE_NODES  !< coordinates on which one cut depends
-  integer, parameter :: MAX_INTEGRAND_TERMS = 7              !< in which an integrand changes: weight, xi, eta, at
+  integer, parameter :: MAX_CUT_COORDINATES = 6 * MAX_FACE_NODES  !< coordinates on which one intersection depends
+  integer, parameter :: MAX_INTEGRAND_TERMS = 7              !< variables of an integrand: weight, xi, eta, at
 
-  !> The integrals over one slave facet and their derivatives by the coordinates of its nodes and of its masters'.
+  !> The integrals over one slave facet and their derivatives with respect to the coordinates of its nodes and of its masters'.
   type :: facet_derivatives_type
     logical :: is_made = .false.
     integer :: n_slave = 0                         !< nodes of the facet, the first of nodes(:)
     integer, allocatable :: nodes(:)               !< (n) then those of its masters, each once
     real(DP), allocatable :: share(:)              !< (n_slave) integral of N~_j [length^2]
-    real(DP), allocatable :: master_integrals(:, :)           !< (n_slave, n) integral of phi_j N_i; zero for the slave's own nodes
-                                                              !! [length^2]
+    real(DP), allocatable :: master_integrals(:, :)  !< (n_slave, n) integral of phi_j N_i; zero for the slave's own nodes
+                                                     !! [length^2]
     real(DP), allocatable :: d_slave_integrals(:, :)         !< (n_slave, 3 n) [length]
     real(DP), allocatable :: d_master_integrals(:, :, :)      !< (n_slave, n, 3 n) [length]
   end type facet_derivatives_type
 
-  !> Where a facet is in the plane of the cut, and how that changes with the coordinates of slave and master, 3 (n_slave +
-  !! n_master) of them.
+  !> A facet in the projection plane, with derivatives with respect to the 3 (n_slave + n_master) coordinates of slave and master.
   type :: facet_outline_type
     integer :: kind = 0                            !< FACET_...
     integer :: n = 0                               !< nodes
     integer :: first = 0                           !< nodes before them among those of slave and master
     real(DP) :: x(3, MAX_FACE_NODES) = 0           !< [length]
-    real(DP) :: flat(2, MAX_FACE_NODES) = 0        !< places of the nodes in the plane [length]
+    real(DP) :: flat(2, MAX_FACE_NODES) = 0        !< positions of the nodes in the plane [length]
     real(DP) :: height(MAX_FACE_NODES) = 0         !< of the nodes above it [length]
-    real(DP) :: axes(3, 2) = 0                     !< of the plane; the second is no direction of a line
-    real(DP) :: d_flat(MAX_CUT_COORDINATES, 2, MAX_FACE_NODES) = 0     !< of the places of the nodes [-]
+    real(DP) :: axes(3, 2) = 0                     !< of the plane; the second is unused for a line
+    real(DP) :: d_flat(MAX_CUT_COORDINATES, 2, MAX_FACE_NODES) = 0     !< of the nodal positions [-]
     integer :: n_corners = 0
     real(DP) :: corners(2, 4) = 0                  !< counter-clockwise in the plane [length]
     integer :: node(4) = 0                         !< of each corner
   end type facet_outline_type
 
-  !> A point of the integrals and how it changes with the coordinates. The integrands are functions of xi, eta and `at`.
+  !> An integration point and its derivatives. The integrands are functions of xi, eta and `at`.
   type :: point_derivatives_type
     real(DP) :: weight = 0                         !< [length^2]
     real(DP) :: at(2) = 0                          !< in the plane [length]
@@ -65,10 +64,10 @@ module amontons_segment_derivatives
     real(DP) :: d_xi(MAX_CUT_COORDINATES, 2) = 0, d_eta(MAX_CUT_COORDINATES, 2) = 0, d_at(MAX_CUT_COORDINATES, 2) = 0
   end type point_derivatives_type
 
-  !> Sums over the points of a facet: with e the functions of the basis (N~ or 1, y), and all derivatives.
+  !> Sums over the integration points of a facet, with the basis functions e (N~ or 1, y), and their derivatives.
   type :: basis_integrals_type
     integer :: n = 0                               !< functions of the basis
-    logical :: is_full = .true.                    !< the basis is N~; else 1 and y, the place from the middle over the unit
+    logical :: is_full = .true.  !< the basis is N~; else 1 and y, the position relative to the middle over the unit
     real(DP) :: middle(2) = 0, unit = 1            !< [length]
     real(DP), allocatable :: gram(:, :)            !< (n, n) integral of e e'
     real(DP), allocatable :: cross(:, :)           !< (n, n_nodes) integral of e N_i
@@ -78,12 +77,12 @@ module amontons_segment_derivatives
 
 contains
 
-  !> The integrals over a slave facet and how they change. Cost: points of the integrals times coordinates times functions.
+  !> The integrals over a slave facet and their derivatives. Cost: points of the integrals times coordinates times functions.
   subroutine differentiate_segmentation(slave, f, master, x, segmentation, derivatives)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
-    type(segmentation_type), intent(in) :: segmentation          !< its cuts there
+    type(segmentation_type), intent(in) :: segmentation          !< its segmentation there
     type(facet_derivatives_type), intent(out) :: derivatives
     type(facet_derivatives_type) :: other
     type(facet_outline_type) :: own
@@ -117,7 +116,8 @@ contains
   end subroutine differentiate_segmentation
 
 
-  !> The area of a slave facet in its plane, times the depth of a line, and how it changes with the coordinates of its nodes.
+  !> The area of a slave facet in its plane, times the depth of a line, with derivatives with respect to the coordinates of its
+  !! nodes.
   pure subroutine differentiate_area(own, plane, area, d_area)
     type(facet_outline_type), intent(in) :: own
     type(projection_plane_type), intent(in) :: plane
@@ -142,14 +142,14 @@ contains
   end subroutine differentiate_area
 
 
-  !> The integrals with the dual functions of one basis, N~ or the linear functions of the place.
+  !> The integrals with the dual functions of one basis, N~ or the linear functions of the position.
   subroutine differentiate_basis(own, master, x, segmentation, d_normal, unit, is_full, derivatives)
     type(facet_outline_type), intent(in) :: own
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
     type(segmentation_type), intent(in) :: segmentation
     real(DP), intent(in) :: d_normal(MAX_CUT_COORDINATES, 2)
-    real(DP), intent(in) :: unit                   !< of the place [length]
+    real(DP), intent(in) :: unit                   !< unit of the position [length]
     logical, intent(in) :: is_full
     type(facet_derivatives_type), intent(inout) :: derivatives
     type(basis_integrals_type) :: integrals
@@ -190,7 +190,7 @@ contains
   end subroutine collect_nodes
 
 
-  !> Sums of a basis of n functions, empty.
+  !> Sums of a basis of n functions, initialized to zero.
   pure subroutine initialize_integrals(n, n_nodes, integrals)
     integer, intent(in) :: n, n_nodes
     type(basis_integrals_type), intent(inout) :: integrals
@@ -200,7 +200,7 @@ contains
   end subroutine initialize_integrals
 
 
-  !> How the plane's normal turns towards its axes, by the coordinates of the slave's nodes.
+  !> The rotation of the plane's normal towards its axes, per coordinate of the slave's nodes.
   pure function differentiate_plane_normal(slave, f, x, plane) result(d_normal)
     type(facets_type), intent(in) :: slave
     integer, intent(in) :: f
@@ -237,7 +237,7 @@ contains
   end function differentiate_plane_normal
 
 
-  !> One cut's part of all sums: its rates are how its points change in each way, times how the integrands change with that.
+  !> Adds one intersection to all sums: the derivatives are those of the points' variables times the slopes of the integrands.
   subroutine add_segment_integrals(own, master, x, segmentation, k, d_normal, derivatives, integrals)
     type(facet_outline_type), intent(in) :: own
     type(facets_type), intent(in) :: master
@@ -251,9 +251,9 @@ contains
     type(point_derivatives_type) :: point
     real(DP) :: cut(2, MAX_POLYGON_CORNERS), d_cut(MAX_CUT_COORDINATES, 2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), &
       weight(MAX_CUT_POINTS)
-    real(DP) :: place(2, MAX_CUT_POINTS)
-    real(DP), allocatable :: term_derivatives(:, :)            ! (coordinates, ways of all points)
-    real(DP), allocatable :: integrand_slopes(:, :)          ! (ways of all points, integrals)
+    real(DP) :: barycentric(2, MAX_CUT_POINTS)
+    real(DP), allocatable :: term_derivatives(:, :)            ! (coordinates, variables of all points)
+    real(DP), allocatable :: integrand_slopes(:, :)          ! (variables of all points, integrals)
     real(DP), allocatable :: values(:)             ! (integrals)
     integer :: lines(MAX_POLYGON_CORNERS), corner(MAX_CUT_POINTS), n, q, n_points, nd, m, i
     associate (g => segmentation%segments(k)%master, first => segmentation%segments(k)%first, plane => segmentation%plane)
@@ -263,16 +263,16 @@ contains
       call differentiate_corners(own, master_outline, nd, lines, n, cut, d_cut)
       call set_polygon_quadrature(cut(:, :n), is_line_facet(own%kind), max(choose_quadrature_order(own%kind, own%corners), &
         choose_quadrature_order(master_outline%kind, &
-        master_outline%corners)), n_points, at, weight, corner, place)
+        master_outline%corners)), n_points, at, weight, corner, barycentric)
       allocate (values((integrals%n * (integrals%n + 1)) / 2 + integrals%n * master_outline%n + own%n), source=0.0_DP)
-      m = merge(MAX_INTEGRAND_TERMS - 2, MAX_INTEGRAND_TERMS, integrals%is_full)     ! N~ does not know the place
+      m = merge(MAX_INTEGRAND_TERMS - 2, MAX_INTEGRAND_TERMS, integrals%is_full)     ! N~ does not depend on the position
       allocate (term_derivatives(nd, m * n_points), integrand_slopes(m * n_points, size(values)))
       do q = 1, n_points
         point%at = at(:, q)
         point%weight = weight(q)
         point%xi = segmentation%points%xi(:, first + q - 1)
         point%eta = segmentation%points%eta(:, first + q - 1)
-        call differentiate_position(cut, d_cut, corner(q), place(:, q), nd, point)
+        call differentiate_position(cut, d_cut, corner(q), barycentric(:, q), nd, point)
         call differentiate_point(own, master_outline, plane, d_normal, nd, point)
         i = m * (q - 1)
         term_derivatives(:, i + 1) = point%d_weight(:nd)
@@ -288,16 +288,16 @@ contains
   end subroutine add_segment_integrals
 
 
-  !> All integrands at a point, and how the weighted ones change: e_j e_l for j up to l, then e_j N_i, then N~_j.
+  !> All integrands at a point, and the slopes of the weighted ones: e_j e_l for j up to l, then e_j N_i, then N~_j.
   pure subroutine differentiate_integrands(n_own, n_front, point, integrals, integrand_slopes)
     integer, intent(in) :: n_own, n_front
     type(point_derivatives_type), intent(in) :: point
     type(basis_integrals_type), intent(in) :: integrals
-    real(DP), intent(out) :: integrand_slopes(:, :)          !< (n_ways, n_integrals): by the weight, xi, eta, at
+    real(DP), intent(out) :: integrand_slopes(:, :)          !< (n_variables, n_integrals): with respect to weight, xi, eta, at
     real(DP) :: on_slave(MAX_INTEGRAND_TERMS, MAX_FACE_NODES), on_master(MAX_INTEGRAND_TERMS, MAX_FACE_NODES), &
       basis(MAX_INTEGRAND_TERMS, MAX_FACE_NODES)
     integer :: j, k, m, n
-    m = size(integrand_slopes, 1)                            ! product rule; the value stands first
+    m = size(integrand_slopes, 1)                            ! product rule; the value comes first
     on_slave = 0.0_DP
     on_slave(:3, :) = point%on_slave
     on_slave(2:3, :) = point%weight * on_slave(2:3, :)
@@ -331,7 +331,7 @@ contains
   end subroutine differentiate_integrands
 
 
-  !> Adds the integrals over one cut and their rates to the sums.
+  !> Adds the integrals over one intersection and their derivatives to the sums.
   pure subroutine scatter_integrals(own, master_outline, master, g, values, d_values, derivatives, integrals)
     type(facet_outline_type), intent(in) :: own, master_outline
     type(facets_type), intent(in) :: master
@@ -368,7 +368,7 @@ contains
 
   contains
 
-    !> The integral n and its rates.
+    !> The integral n and its derivatives.
     pure subroutine add_to(value, d_value)
       real(DP), intent(inout) :: value, d_value(:)
       integer :: c
@@ -381,7 +381,7 @@ contains
   end subroutine scatter_integrals
 
 
-  !> A facet in the plane of the cut; the master's corners run the other way round.
+  !> A facet in the projection plane; the master's corners run in the opposite sense.
   pure subroutine build_facet_outline(facets, f, x, plane, d_normal, first, is_front, outline)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
@@ -419,7 +419,7 @@ contains
   end subroutine build_facet_outline
 
 
-  !> How the corners of the cut move: each is where two edges cross.
+  !> The derivatives of the corners of the intersection: each is the crossing of two edges.
   pure subroutine differentiate_corners(own, master_outline, nd, lines, n, cut, d_cut)
     type(facet_outline_type), intent(in) :: own, master_outline
     integer, intent(in) :: nd                      !< coordinates
@@ -443,7 +443,7 @@ contains
   end subroutine differentiate_corners
 
 
-  !> The direction across an edge, and how far the edge moves along it at a point of it.
+  !> The direction normal to an edge, and the edge's derivative along it at a point of the edge.
   pure subroutine differentiate_line(own, master_outline, nd, line, at, across, displacement_rate)
     type(facet_outline_type), intent(in) :: own, master_outline
     integer, intent(in) :: nd, line
@@ -478,11 +478,11 @@ contains
   end subroutine differentiate_edge
 
 
-  !> Place and weight of a point go with the triangle in which it is.
-  pure subroutine differentiate_position(cut, d_cut, k, place, nd, point)
+  !> Position and weight of a point, from the triangle that contains it.
+  pure subroutine differentiate_position(cut, d_cut, k, barycentric, nd, point)
     real(DP), intent(in) :: cut(2, MAX_POLYGON_CORNERS), d_cut(MAX_CUT_COORDINATES, 2, MAX_POLYGON_CORNERS)
     integer, intent(in) :: k                       !< of the triangle 1, k, k + 1
-    real(DP), intent(in) :: place(2)               !< parts of k and k + 1 [-]
+    real(DP), intent(in) :: barycentric(2)         !< barycentric coordinates at k and k + 1 [-]
     integer, intent(in) :: nd
     type(point_derivatives_type), intent(inout) :: point
     real(DP) :: a(2), b(2), share, d_a(2), d_b(2)
@@ -493,7 +493,7 @@ contains
     do i = 1, nd
       d_a = d_cut(i, :, k) - d_cut(i, :, 1)
       d_b = d_cut(i, :, k + 1) - d_cut(i, :, 1)
-      point%d_at(i, :) = d_cut(i, :, 1) + place(1) * d_a + place(2) * d_b
+      point%d_at(i, :) = d_cut(i, :, 1) + barycentric(1) * d_a + barycentric(2) * d_b
       point%d_weight(i) = share * (d_a(1) * b(2) - d_a(2) * b(1) + a(1) * d_b(2) - a(2) * d_b(1))
     end do
   end subroutine differentiate_position
@@ -517,7 +517,7 @@ contains
   end subroutine differentiate_point
 
 
-  !> How the natural coordinates of a point of the plane change: J d_xi = d_at - sum N_k d_flat_k.
+  !> The derivatives of the natural coordinates of a point of the plane: J d_xi = d_at - sum N_k d_flat_k.
   pure subroutine differentiate_coordinates(outline, d_normal, nd, xi, d_at, d_xi, shapes, ddN)
     type(facet_outline_type), intent(in) :: outline
     real(DP), intent(in) :: d_normal(MAX_CUT_COORDINATES, 2)
@@ -551,7 +551,7 @@ contains
   end subroutine differentiate_coordinates
 
 
-  !> The weight times the area of the slave's face over that in the plane, and times the depth of a line: as in `segments`.
+  !> The weight times the ratio of the slave's face area to that in the plane, times the depth of a line, as in the segmentation.
   pure subroutine differentiate_weight(own, plane, d_normal, nd, ddN, point)
     type(facet_outline_type), intent(in) :: own
     type(projection_plane_type), intent(in) :: plane
@@ -608,7 +608,7 @@ contains
       unit(i, i) = 1.0_DP
     end do
     call solve_small(integrals%gram, unit, inverse, status)
-    if (status /= DENSE_OK) then                   ! a needle: constants, as in `dual`
+    if (status /= DENSE_OK) then                   ! degenerate narrow part: constants, as in amontons_dual_shape_functions
       call solve_constant_dual(derivatives, integrals)
       return
     end if

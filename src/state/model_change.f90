@@ -1,8 +1,8 @@
-!> Model change: what it means for the state that a step takes elements out or puts them back.
+!> Model change: activation and deactivation of elements, materials and equations between steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! MODEL CHANGE, TYPE=ELEMENT. The model itself does not change: which elements are taken out in a step, of what material they are,
-!! and which equations hold follows from the step (is_out, material_in_step of `model`, last_step of an equation).
+!! MODEL CHANGE, TYPE=ELEMENT. The model data do not change: the inactive elements of a step, their materials and the valid
+!! equations follow from the step (is_out and material_in_step of amontons_model, last_step of an equation).
 module amontons_model_change
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type
@@ -13,7 +13,7 @@ module amontons_model_change
 
 contains
 
-  !> Elements that a step puts back free of strain start where their nodes are now, with no history.
+  !> Elements that a step reactivates free of strain start from the current positions of their nodes, without history.
   subroutine activate_elements(model, step, state)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< index into model%steps
@@ -34,10 +34,10 @@ contains
   end subroutine activate_elements
 
 
-  !> The unknowns of nodes without elements, or all of whose elements are taken out.
+  !> The unknowns of nodes without elements, or whose elements are all inactive.
   pure function find_unconnected_unknowns(mesh, is_absent) result(is_unconnected)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
+    logical, intent(in) :: is_absent(:)            !< (n_elements) inactive
     logical :: is_unconnected(3 * mesh%n_nodes)
     integer :: e, i
     is_unconnected = .true.

@@ -1,4 +1,4 @@
-!> State: unknowns, stresses and contact memory, old (committed) and new (trial); commit and restore.
+!> State of the analysis: committed and trial fields, contact state of slave nodes, commit and restore.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_state
   use amontons_kinds, only: DP
@@ -20,47 +20,46 @@ module amontons_state
   public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
-  integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values that CalculiX keeps of its plasticity
+  integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values of the plasticity state in CalculiX
   integer, parameter :: DAMPING_NOW = 1, DAMPING_NEXT = 2   !< in force; from the next increment on
 
-  !> The contact memory of one slave node of one pair.
+  !> The contact state of one slave node of one pair.
   type :: slave_state_type
     integer :: pair = 0                     !< index into model%pairs
     integer :: node = 0                     !< node index
-    integer :: memory = 0                   !< where its STATEV of FRIC or UINTER begin in user_memory, less one
-    integer :: row = 0                      !< place of its row in the mortar of its pair; 0: the row follows from facet and xi
-    integer :: slave_facet = 0                     !< of a point of a slave face: facet of the slave surface; 0: it is a node
-    real(DP) :: at(2) = 0                   !< of a point: natural coordinates on that facet [-]
-    type(node_overrides_type) :: overrides  !< what the solver imposes on it
+    integer :: memory = 0                   !< offset of its STATEV of FRIC or UINTER in user_memory
+    integer :: row = 0                      !< index of its row in the mortar of its pair; 0: the row follows from facet and xi
+    integer :: slave_facet = 0                     !< of an integration point on a slave face: facet of the slave surface; 0: a node
+    real(DP) :: at(2) = 0                   !< of an integration point: natural coordinates on that facet [-]
+    type(node_overrides_type) :: overrides  !< overrides imposed by the solver
     integer :: status = STATUS_OPEN         !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
-    integer :: facet = 0                    !< facet of the master that it projects on; 0: none
+    integer :: facet = 0                    !< master facet of its projection; 0: none
     real(DP) :: xi(2) = 0                   !< natural coordinates there
     real(DP) :: gap = 0                     !< signed distance along the normal, negative is penetration [length]
     real(DP) :: normal(3) = 0               !< unit normal out of the master
-    logical :: is_in_law_range = .false.          !< it came within the reach of its compliant law in this increment and is there
-    integer :: origin_facet = 0             !< where it touched at the start of the increment, or first in it; 0: nowhere
+    logical :: is_in_law_range = .false.  !< it entered the activation range of its compliant law in this increment and is in it
+    integer :: origin_facet = 0             !< facet of first touch, at the start of the increment or in it; 0: none
     real(DP) :: origin_xi(2) = 0            !< natural coordinates there
-    real(DP) :: origin_offset(3) = 0        !< x_s less that point when it touched; not 0 only where the weights are kept [length]
+    real(DP) :: origin_offset(3) = 0  !< x_s minus the origin at first touch; nonzero only where the weights are fixed [length]
     real(DP) :: force(3) = 0                !< contact force on the slave node, normal part [force]
     real(DP) :: shear(3) = 0                !< contact force on the slave node, tangential part [force]
     real(DP) :: slip(3) = 0                 !< accumulated slip vector up to the committed state, plus this increment's [length]
     real(DP) :: elastic(3) = 0              !< elastic part of the slip; compliant laws only, not in slip [length]
-    logical :: is_initialized = .false.         !< its place at the start of the job was looked at
-    real(DP) :: clearance = 0               !< added to the distance to give the gap, for good [length]
-    real(DP) :: allowed = 0                 !< overclosure that is allowed at the start of the step, ramped down over it [length]
-    real(DP) :: offset = 0                  !< the sum of both, now [length]
-    real(DP) :: energy = 0                  !< stored by a compliant law [energy]
+    logical :: is_initialized = .false.         !< the initial position was evaluated at the start of the job
+    real(DP) :: clearance = 0               !< permanently added to the distance to give the gap [length]
+    real(DP) :: allowed = 0                 !< overclosure allowed at the start of the step, ramped down over it [length]
+    real(DP) :: offset = 0                  !< sum of both at present [length]
+    real(DP) :: energy = 0                  !< stored energy of a compliant law [energy]
     real(DP) :: slip_increment(3) = 0       !< of this increment [length]
     real(DP) :: area = 0                    !< tributary area [length^2]
-    real(DP) :: force_arm(3) = 0                  !< from the node to where its force acts, where it also acts at nodes beside it
-                                                  !! [length]
+    real(DP) :: force_arm(3) = 0  !< from the node to the point of action of its force, if neighbouring nodes take part [length]
     real(DP) :: stiffness = 0               !< scale c of the trial traction [force/length]
   end type slave_state_type
 
-  !> All that an increment changes. Forces are those of the configuration u.
+  !> The fields that an increment changes. Forces are those of the configuration u.
   type :: fields_type
-    integer :: step = 0                     !< number, from 1, for routines of the user
+    integer :: step = 0                     !< number, from 1, for user routines
     integer :: increment = 0                !< likewise
     real(DP) :: time_increment = 0          !< [time]
     real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables, then STATEV of slave nodes
@@ -74,13 +73,12 @@ module amontons_state
     real(DP), allocatable :: energy(:)      !< (n_points) strain energy per reference volume [energy/volume]
     real(DP), allocatable :: dissipated(:)  !< (n_points) work on plastic and creep strains; (0): none [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
-    real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 if none needs it
+    real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 without history
     real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
-    real(DP) :: creep_time = 0              !< time spent in steps in which materials creep [time]
-    real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not there: global
-    real(DP), allocatable :: birth_displacement(:, :)    !< (3, nodes of all elements) displacement of an element's node when it
-                                                         !! was put back;
-    !< not there: no step puts elements back [length]
+    real(DP) :: creep_time = 0              !< time spent in creep steps [time]
+    real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not allocated: global
+    real(DP), allocatable :: birth_displacement(:, :)  !< (3, nodes of all elements) displacement of an element's node at its
+                                                       !! reactivation; not allocated: no step reactivates elements [length]
     type(slave_state_type), allocatable :: slaves(:)
     real(DP), allocatable :: internal_force(:, :)   !< (3, n_nodes) F_int [force]
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
@@ -89,9 +87,9 @@ module amontons_state
     real(DP) :: external_work = 0           !< since the start [energy]
     real(DP) :: friction_work = 0           !< since the start [energy]
     real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
-    real(DP) :: stabilization_work = 0             !< dissipated by it since the start [energy]
+    real(DP) :: stabilization_work = 0             !< dissipated by STABILIZE since the start [energy]
     real(DP) :: plastic_work = 0            !< of stresses on plastic and creep strains, since the start [energy]
-    real(DP) :: proximal_work = 0            !< of what nothing balanced while bodies were carried, since the start [energy]
+    real(DP) :: proximal_work = 0            !< of the residual forces during proximal regularization, since the start [energy]
   end type fields_type
 
   !> Committed and trial fields.
@@ -102,7 +100,7 @@ module amontons_state
 
 contains
 
-  !> A state at rest for a mesh, with its contact slaves.
+  !> Initializes the state at rest for a mesh with its contact slaves.
   subroutine create_state(state, mesh, slaves)
     type(state_type), intent(out) :: state
     type(mesh_type), intent(in) :: mesh
@@ -122,7 +120,7 @@ contains
   end subroutine create_state
 
 
-  !> Room for the history of the materials, and the temperatures and histories that the points start with.
+  !> Allocates the history of the materials and sets initial temperatures and histories.
   subroutine create_material_state(state, model)
     type(state_type), intent(inout) :: state
     type(model_type), intent(in) :: model
@@ -154,7 +152,7 @@ contains
   end subroutine create_material_state
 
 
-  !> The length of what amplitudes by UAMP keep.
+  !> The length of the stored data of amplitudes by UAMP.
   pure integer function n_amplitude_memory(model) result(n)
     type(model_type), intent(in) :: model
     n = 0
@@ -183,7 +181,7 @@ contains
   end subroutine find_material_frames
 
 
-  !> Initial stresses become inelastic strains of the other sign.
+  !> Converts initial stresses to inelastic strains of opposite sign.
   subroutine apply_initial_stress(model, fields)
     type(model_type), intent(in) :: model
     type(fields_type), intent(inout) :: fields
@@ -219,7 +217,7 @@ contains
   end function rotate_stress_to_frame
 
 
-  !> The temperatures at the time of the trial state, and how long materials have crept.
+  !> The temperatures at the time of the trial state, and the accumulated creep time.
   subroutine set_temperatures(model, step, state)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -236,7 +234,7 @@ contains
   end subroutine set_temperatures
 
 
-  !> One history variable at all points; zero where materials do not keep it.
+  !> One history variable at all points; zero for materials without it.
   pure function history_variable(fields, row) result(values)
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: row              !< HISTORY_...
@@ -246,7 +244,7 @@ contains
   end function history_variable
 
 
-  !> PEEQ: the equivalent plastic strain. CalculiX counts that of creep in.
+  !> PEEQ: the equivalent plastic strain; in CalculiX including creep.
   pure function equivalent_plastic_strain(model, fields) result(strain)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
@@ -256,7 +254,7 @@ contains
   end function equivalent_plastic_strain
 
 
-  !> How many inner variables SDV shows of each point.
+  !> The number of SDV values per point.
   pure integer function n_state_variables(model, fields) result(n)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
@@ -267,7 +265,7 @@ contains
   end function n_state_variables
 
 
-  !> Whether a material hardens by one of our own laws. Of anisotropic ones CalculiX keeps other values.
+  !> Whether a material hardens by a built-in law. CalculiX stores other values for anisotropic materials.
   pure logical function has_isotropic_plasticity(material)
     type(material_type), intent(in) :: material
     has_isotropic_plasticity = (allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)) &
@@ -275,9 +273,9 @@ contains
   end function has_isotropic_plasticity
 
 
-  !> SDV at all points: STATEV of a routine UMAT; under the calculix dialect also what CalculiX keeps of its plasticity, in its
-  !! order: the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain
-  !! is (1 - inv(Cp))/2, Cp being the right Cauchy-Green tensor of the plastic deformation.
+  !> SDV at all points: STATEV of a routine UMAT; under the calculix dialect also the plasticity state of CalculiX, in its order:
+  !! the equivalent plastic strain, the plastic strain, the back stress, xx yy zz xy xz yz. Under NLGEOM the plastic strain is
+  !! (1 - inv(Cp))/2, with Cp the right Cauchy-Green tensor of the plastic deformation.
   pure function state_variables(model, fields) result(values)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
@@ -305,7 +303,7 @@ contains
   end function state_variables
 
 
-  !> The trial fields become the committed ones.
+  !> Commits the trial fields.
   subroutine commit_state(state)
     type(state_type), intent(inout) :: state
     real(DP) :: dt
@@ -315,7 +313,7 @@ contains
   end subroutine commit_state
 
 
-  !> The trial fields are thrown away: everything is as at the last commit, bitwise.
+  !> Restores the trial fields from the last commit, bitwise.
   subroutine restore_state(state)
     type(state_type), intent(inout) :: state
     state%new = state%old

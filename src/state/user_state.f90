@@ -1,4 +1,4 @@
-!> User state: what the points of an element of a user's material bring along and leave behind; their start.
+!> Data passed to user routines at element level (UMAT, SDVINI, DLOAD, DISP) and stored from them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_user_state
   use amontons_kinds, only: DP
@@ -20,7 +20,7 @@ module amontons_user_state
 
 contains
 
-  !> What the points of an element bring to UMAT: committed history, times, places, numbers.
+  !> Data of the points of an element for UMAT: committed history, times, positions, numbers.
   pure subroutine load_umat_points(model, state, e, is_nlgeom, points)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state          !< old history; new times, numbers, displacements
@@ -65,7 +65,7 @@ contains
   end subroutine load_umat_points
 
 
-  !> Normal and shear components that a kind of element has in Abaqus.
+  !> Number of normal and shear components of an element kind in Abaqus.
   pure function count_stress_components(kind) result(components)
     integer, intent(in) :: kind                    !< KIND_...
     integer :: components(2)
@@ -83,7 +83,7 @@ contains
   end function count_stress_components
 
 
-  !> The most components that the elements of a material have.
+  !> The largest number of components over the elements of a material.
   pure function max_stress_components(model, m) result(components)
     type(model_type), intent(in) :: model
     integer, intent(in) :: m                       !< material
@@ -99,7 +99,7 @@ contains
   end function max_stress_components
 
 
-  !> The STATEV that the points start with: SDVINI's, else those of the deck. Errors: EXIT_NOT_CONVERGED (SDVINI calls XIT).
+  !> The initial STATEV of the points: SDVINI's, else those of the deck. Errors: EXIT_NOT_CONVERGED (SDVINI calls XIT).
   subroutine initialize_state_variables(model, state, error)
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
@@ -133,7 +133,7 @@ contains
   end subroutine initialize_state_variables
 
 
-  !> What UMAT has made of the history of the points of an element.
+  !> Stores the history that UMAT returned for the points of an element.
   pure subroutine store_umat_points(model, e, points, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                       !< element
@@ -148,7 +148,7 @@ contains
   end subroutine store_umat_points
 
 
-  !> The pressures that DLOAD gives at the points of a face.
+  !> The pressures of DLOAD at the points of a face.
   pure subroutine evaluate_dload(model, load, facet_kind, x, fields, pressures)
     type(model_type), intent(in) :: model
     type(distributed_type), intent(in) :: load
@@ -173,14 +173,14 @@ contains
   end subroutine evaluate_dload
 
 
-  !> The displacement that DISP prescribes.
+  !> The displacement prescribed by DISP.
   pure subroutine evaluate_disp(model, load, fields, value)
     type(model_type), intent(in) :: model
     type(prescribed_type), intent(in) :: load
     type(fields_type), intent(in) :: fields        !< times, numbers, displacements
     real(DP), intent(inout) :: value               !< in: of the card; out: of DISP [length]
     logical :: is_accepted
-    if (.not. fields%time_increment > 0) return    ! before the first increment: only which unknowns are held is asked for
+    if (.not. fields%time_increment > 0) return    ! before the first increment only the prescribed unknowns matter
     call call_disp(model%routines, value, [fields%step_time, fields%total_time, fields%time_increment], &
       model%mesh%coordinates(:, load%node) + fields%u(:, load%node), &
       [fields%step, fields%increment, model%mesh%node_label(load%node), load%dof], is_accepted)

@@ -1,4 +1,4 @@
-!> The tangent of bodies under pressures that follow their faces, against central differences of the residual.
+!> Tests of the tangent of bodies under follower pressures, against central differences of the residual.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_unsymmetric_tangent
   use amontons_kinds, only: DP
@@ -32,7 +32,7 @@ contains
   !> The change of the residual by a deck's pressures for random displacements: operator and matrix against differences.
   subroutine check_tangent(name, mesh, loads, expected)
     character(*), intent(in) :: name, mesh, loads
-    integer, intent(in) :: expected                !< 0: something is left of W; -1: a closed surface, nothing is
+    integer, intent(in) :: expected                !< 0: W is nonzero; -1: a closed surface, W is zero
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
     type(equilibrium_type) :: system
@@ -107,7 +107,7 @@ contains
   end subroutine make
 
 
-  !> Numbers between -1 and 1 that are the same each time.
+  !> Reproducible numbers between -1 and 1.
   pure function random(n, seed) result(x)
     integer, intent(in) :: n, seed
     real(DP) :: x(3, n)

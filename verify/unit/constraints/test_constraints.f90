@@ -1,4 +1,4 @@
-!> The elimination: rows against rows, chains, conflicts, and condensed forces.
+!> Tests of the elimination: rows with common unknowns, chains, conflicts, and condensed forces.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_constraints
   use amontons_kinds, only: DP
@@ -85,7 +85,7 @@ contains
   end subroutine check_verdicts
 
 
-  !> The pivot is the largest of the wanted unknowns; others are taken only if none of these is left.
+  !> The pivot is the largest of the candidates; others are taken only if none of these is left.
   subroutine check_pivot()
     type(constraints_type) :: c
     integer :: verdict
@@ -99,7 +99,7 @@ contains
   end subroutine check_pivot
 
 
-  !> A part of all prescribed amounts: rows hold with that part of their right-hand sides, C is the same.
+  !> A fraction of all prescribed amounts: rows hold with that fraction of their right-hand sides, C is the same.
   subroutine check_portions()
     type(constraints_type) :: whole, part
     type(constraint_row_type) :: rows(3)

@@ -1,4 +1,4 @@
-!> Tests of bonds: rotations, rows against differences of what they lack, curvatures, multipliers.
+!> Tests of nonlinear MPCs: rotations, rows against differences of their functions, second derivatives, multipliers.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_nonlinear_mpc
   use amontons_kinds, only: DP
@@ -72,7 +72,7 @@ contains
   end subroutine test_frames
 
 
-  !> Every kind of bond, linear and not: the row is the derivative of what it lacks, the curvature that of the row.
+  !> Every kind of constraint, linear and not: the row is the derivative of its function, the second derivative that of the row.
   subroutine test_rows(suite)
     type(suite_type), intent(inout) :: suite
     type(nonlinear_mpc_type) :: bond
@@ -147,7 +147,7 @@ contains
   end subroutine check_rows
 
 
-  !> The curvature is the difference of the rows, weighted.
+  !> The second derivative is the weighted difference of the rows.
   subroutine check_curvature(suite, bond, X)
     type(suite_type), intent(inout) :: suite
     type(nonlinear_mpc_type), intent(in) :: bond
@@ -184,7 +184,7 @@ contains
   end subroutine check_curvature
 
 
-  !> The forces of chained rows balance what stands on the dependent unknowns, and are spanned by the rows as given.
+  !> The forces of chained rows balance the force on the dependent unknowns, and are spanned by the rows as given.
   subroutine test_multipliers(suite)
     type(suite_type), intent(inout) :: suite
     type(constraints_type) :: constraints

@@ -79,8 +79,7 @@ contains
   end subroutine check_planes
 
 
-  !> The same where pairs share nodes: a symmetric pair, some of whose slaves carry the reactions of others; and a node that
-  !! touches in two pairs.
+  !> The same with pairs that share nodes: a symmetric pair with reactions on some of its slaves, and a node closed in two pairs.
   subroutine check_shared()
     call check_tangent('symmetric pair, friction', 0.0_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL, shared=1)
     call check_tangent('symmetric pair, curved', 0.15_DP, 0.4_DP, .true., .false., plane=KIND_CPE4_FULL, shared=1)
@@ -89,7 +88,7 @@ contains
   end subroutine check_shared
 
 
-  !> Surface to surface, with rows that are kept and with rows that are integrated anew.
+  !> Surface-to-surface, with fixed rows and with rows integrated anew.
   subroutine check_mortar()
     type(interaction_type) :: law
     call check_tangent('mortar, small sliding', 0.15_DP, 0.3_DP, .true., .true., shared=3)
@@ -116,9 +115,9 @@ contains
     logical, intent(in) :: is_nlgeom, is_small
     type(interaction_type), intent(in), optional :: law   !< with its behaviour; hard without it
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
-    integer, intent(in), optional :: shared     !< 1: with the pair the other way round first; 2: with a second master; 3: none, but
-                                                   !< surface to surface; 4: the same, with a fourteenth of the outer facets covered
-                                                   !< 5: none, and a CLEARANCE of nothing, whatever the mesh says
+    integer, intent(in), optional :: shared  !< 1: with the exchanged pair first; 2: with a second master; 3: none, but
+                                             !! surface-to-surface; 4: the same, with a fourteenth of the outer facets covered; 5:
+                                             !! none, and a CLEARANCE of zero whatever the mesh
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
@@ -127,7 +126,7 @@ contains
     type(state_type) :: state
     type(error_type), allocatable :: error
     real(DP), allocatable :: u(:, :), du(:, :), exact(:, :), plus(:, :), minus(:, :), w(:)
-    real(DP) :: stiffness                          ! of the trial traction; none under a law: it is then taken where the node is
+    real(DP) :: stiffness  ! of the trial traction; 0 under a law, which is then evaluated at the actual position
     integer :: trouble, i, s, n
     stiffness = 100.0_DP
     if (present(law)) stiffness = merge(100.0_DP, 0.0_DP, law%behavior == BEHAVIOR_HARD)
@@ -201,7 +200,7 @@ contains
   end subroutine check_tangent
 
 
-  !> A plane of symmetry that is no global one: the normals lose a skew direction.
+  !> A symmetry plane that is no global one: the normals lose an oblique direction.
   pure subroutine lean(in_plane)
     real(DP), intent(inout) :: in_plane(:, :, :)
     real(DP), parameter :: A(3) = [0.8_DP, 0.6_DP, 0.0_DP]
@@ -212,8 +211,8 @@ contains
   end subroutine lean
 
 
-  !> With small displacements the bulk is linear: what is foreseen at u + du without the elements is what they say there, with
-  !! nodes that open and close on the way.
+  !> With small displacements the bulk is linear: the linearized evaluation at u + du equals the full one there, with nodes that
+  !! open and close.
   subroutine check_foresight()
     type(model_type) :: model
     type(equilibrium_type) :: system
@@ -252,7 +251,7 @@ contains
   end subroutine check_foresight
 
 
-  !> The products of the springs, B A + M X, are the matrix of their change.
+  !> The products of the springs, B A + M X, equal the matrix of their change.
   subroutine check_factors(name, system)
     character(*), intent(in) :: name
     type(equilibrium_type), intent(in) :: system
@@ -386,7 +385,7 @@ contains
   end subroutine start_sliding
 
 
-  !> The tangent as a matrix on the free unknowns does what the operator does.
+  !> The tangent as a matrix on the free unknowns equals the operator.
   subroutine check_matrix(name, system, seed)
     character(*), intent(in) :: name
     type(equilibrium_type), intent(in) :: system
@@ -407,7 +406,7 @@ contains
   end subroutine check_matrix
 
 
-  !> Smooth numbers without a pattern, the same in every run.
+  !> Smooth reproducible numbers without a pattern.
   subroutine fill(array, seed, amount)
     real(DP), intent(out) :: array(:, :)
     integer, intent(in) :: seed
@@ -469,7 +468,7 @@ contains
   !> Makes pairs of two plates that share nodes.
   subroutine share_nodes(model, shared)
     type(model_type), intent(inout) :: model
-    integer, intent(in) :: shared                !< 1: the other way round, before it; 2: the upper's left edge against a third body
+    integer, intent(in) :: shared                !< 1: the exchanged pair first; 2: the upper's left edge against a third body
     type(surface_type), allocatable :: surfaces(:)
     allocate (surfaces(4))
     surfaces(:2) = model%surfaces
@@ -488,7 +487,7 @@ contains
   end subroutine share_nodes
 
 
-  !> A leaning wall of one element at the left of the upper plate, which overlaps it a little.
+  !> A tilted wall of one element at the left of the upper plate, with a small overlap.
   subroutine add_wall(model)
     type(model_type), intent(inout) :: model
     integer :: n, first
@@ -523,7 +522,7 @@ contains
   end subroutine add_wall
 
 
-  !> One row of m elements; its lattice has three rows of 2 m + 1 nodes, of which 4-node elements leave the middles alone.
+  !> One row of m elements; its lattice has three rows of 2 m + 1 nodes; 4-node elements omit the middle ones.
   subroutine fill_plate(mesh, each, m, is_upper, sag, node, e)
     type(mesh_type), intent(inout) :: mesh
     integer, intent(in) :: each, m                 !< nodes of an element, elements

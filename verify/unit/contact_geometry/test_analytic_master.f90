@@ -1,4 +1,4 @@
-!> Tests of analytic masters: places on profiles against closed forms, and all derivatives against differences.
+!> Tests of analytic masters: projections on profiles against closed forms, and all derivatives against differences.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_analytic_master
   use amontons_kinds, only: DP
@@ -47,7 +47,7 @@ contains
   end subroutine carry
 
 
-  !> A turn by an angle about an axis through the origin, then a shift.
+  !> A rotation by an angle about an axis through the origin, then a translation.
   pure function moved(x, angle, shift) result(y)
     real(DP), intent(in) :: x(:, :), angle, shift(3)
     real(DP) :: y(3, size(x, 2)), R(3, 3)
@@ -56,7 +56,7 @@ contains
   end function moved
 
 
-  !> Half a ball of radius 2 about (0, 0, 0), turned about the x axis, its pole at x = -2.
+  !> Half a ball of radius 2 about (0, 0, 0), rotated about the x axis, its pole at x = -2.
   subroutine make_ball(profile)
     type(analytic_profile_type), intent(out) :: profile
     profile%kind = PROFILE_REVOLVED
@@ -65,7 +65,7 @@ contains
   end subroutine make_ball
 
 
-  !> Gap and normal of a ball that has moved are those of its centre and radius; the row of weights meets the foot.
+  !> Gap and normal of a moved ball follow from its centre and radius; the row gives the same relative position.
   subroutine check_sphere(suite)
     type(suite_type), intent(inout) :: suite
     type(analytic_profile_type) :: profile
@@ -143,7 +143,7 @@ contains
   end subroutine check_walk
 
 
-  !> A point deeper than allowed has no place, one far in front has.
+  !> A point deeper than allowed has no projection, one far in front has.
   subroutine check_deep(suite)
     type(suite_type), intent(inout) :: suite
     type(analytic_profile_type) :: profile
@@ -160,7 +160,7 @@ contains
   end subroutine check_deep
 
 
-  !> Gap, normal and weights at a place, as a list.
+  !> Gap, normal and weights at a point of the surface, as a list.
   function values_at(facets, x, f) result(values)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)
@@ -210,7 +210,7 @@ contains
   end subroutine check_derivatives
 
 
-  !> One place: the largest difference.
+  !> One point: the largest difference.
   subroutine compare(facets, x, found, worst)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)
@@ -244,7 +244,7 @@ contains
   end subroutine compare
 
 
-  !> At the pole of a ball, where the angle about the axis means nothing, the derivatives are those of a ball all the same.
+  !> At the pole of a ball, where the angle about the axis is undefined, the derivatives are those of a ball as well.
   subroutine check_pole(suite)
     type(suite_type), intent(inout) :: suite
     type(analytic_profile_type) :: profile

@@ -1,4 +1,4 @@
-!> Tests of search: no facet within the margin is missed, the order ascends, and the grid stays small.
+!> Tests of the facet search: no facet within the margin is missed, the order ascends, and the grid stays small.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_facet_search
   use amontons_kinds, only: DP
@@ -57,7 +57,7 @@ contains
   end function corner_distance
 
 
-  !> Against a loop over all facets: those with a node within the margin are in the list, none of the list is far.
+  !> Against a loop over all facets: those with a node within the margin are in the list, and no facet of the list is far.
   subroutine check_against_all(suite, kind, margin)
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind

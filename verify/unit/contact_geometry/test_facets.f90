@@ -27,7 +27,7 @@ contains
 
   include 'sample_surfaces.inc'
 
-  !> A flat grid of 3 x 3 squares: everything is known.
+  !> A flat grid of 3 x 3 squares with known topology.
   subroutine check_grid(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh

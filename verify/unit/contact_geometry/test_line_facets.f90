@@ -81,7 +81,7 @@ contains
   end subroutine wavy
 
 
-  !> Neighbours and the kinds of ends: flat, a ridge, a valley, and what is free.
+  !> Neighbours and the kinds of ends: smooth, convex, concave and free.
   subroutine check_ends()
     type(mesh_type) :: mesh
     type(facets_type) :: facets
@@ -102,7 +102,7 @@ contains
   end subroutine check_ends
 
 
-  !> An edge without length, edges that run against each other, three at a node, and a truss are told.
+  !> Errors: an edge without length, edges of opposite orientation, three at a node, and a truss.
   subroutine check_errors()
     type(mesh_type) :: mesh
     type(facets_type) :: facets
@@ -124,7 +124,7 @@ contains
   end subroutine check_errors
 
 
-  !> A point made on the ray of a known place is found again: from the far end by walking, and by the search.
+  !> A point on the ray of a known projection is found again: by a walk from the far end, and by the search.
   subroutine check_rays(kind)
     integer, intent(in) :: kind
     type(mesh_type) :: mesh
@@ -186,7 +186,7 @@ contains
   end subroutine check_circle
 
 
-  !> Beyond a free end, a ridge, in a valley.
+  !> Beyond a free end, beyond a convex crease, in a concave one.
   subroutine check_corners()
     type(mesh_type) :: mesh
     type(facets_type) :: facets
@@ -211,7 +211,7 @@ contains
   end subroutine check_corners
 
 
-  !> All derivatives against central differences, in smooth places and next to a crease.
+  !> All derivatives against central differences, at smooth points and next to a crease.
   subroutine check_derivatives(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.15_DP, -0.1_DP], H = 2.0e-5_DP

@@ -1,4 +1,4 @@
-!> Tests of gap: the projection along the smooth normal, its walk over edges and borders, and all its derivatives.
+!> Tests of the surface projection: smooth normal, walk over edges and borders, and all derivatives.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_surface_projection
   use amontons_kinds, only: DP, PI
@@ -37,9 +37,9 @@ contains
 
   include 'sample_surfaces.inc'
 
-  !> Facets with normals of their own: a node over the corner of four squares goes to the one whose triangle is nearest, and its
-  !! normal is that of this square. Squares are divided from their second to their fourth corner, so that the node over their corner
-  !! (1, 1) is nearest to the first and the last of the four, and a little above it to the last.
+  !> Facets with normals of their own: a node over the corner of four squares projects on the one whose triangle is nearest, with
+  !! the normal of this square. Squares are divided from their second to their fourth corner, so that the node over their corner (1,
+  !! 1) is nearest to the first and the last of the four, and a little above it to the last.
   subroutine check_faceted(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -69,7 +69,7 @@ contains
   end subroutine check_faceted
 
 
-  !> A surface of 4 x 3 cells: waves of height `wave`, shaken nodes, folded at x = 2 (a crease if the angle is large).
+  !> A surface of 4 x 3 cells: waves of height `wave`, perturbed nodes, folded at x = 2 (a crease if the angle is large).
   subroutine make_surface(kind, wave, noise, angle, mesh, facets)
     integer, intent(in) :: kind
     real(DP), intent(in) :: wave, noise, angle
@@ -85,7 +85,7 @@ contains
   end subroutine make_surface
 
 
-  !> A place inside a facet, number i of a sequence that fills it.
+  !> A point inside a facet, number i of a sequence that fills it.
   pure function place_inside(kind, i) result(xi)
     integer, intent(in) :: kind, i
     real(DP) :: xi(2), u(2)
@@ -99,7 +99,7 @@ contains
   end function place_inside
 
 
-  !> On a plane gap and place are plain.
+  !> On a plane gap and projection have closed forms.
   subroutine check_flat(suite, kind)
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind
@@ -122,7 +122,7 @@ contains
   end subroutine check_flat
 
 
-  !> A point made on the ray of a known place is found again from every corner of the surface: facet, place and gap.
+  !> A point on the ray of a known projection is found again from every corner of the surface: facet, point and gap.
   subroutine check_rays(suite, kind)
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind
@@ -260,7 +260,7 @@ contains
   end subroutine cross_edge
 
 
-  !> xi, g and n of the projection of a point, and in f where it ends; huge if it is not on.
+  !> xi, g and n of the projection of a point, and in f its last facet; huge unless inside.
   function values_at(facets, x, point, f) result(values)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :), point(3)
@@ -317,7 +317,7 @@ contains
   end subroutine check_derivatives
 
 
-  !> One place: the largest difference over the slave node and all stencil nodes, and the sum of all derivatives.
+  !> One point: the largest difference over the slave node and all stencil nodes, and the sum of all derivatives.
   subroutine compare_derivative(mesh, facets, f, xi, gap, worst, drift)
     type(mesh_type), intent(in) :: mesh
     type(facets_type), intent(in) :: facets
@@ -384,7 +384,7 @@ contains
   end subroutine check_excess
 
 
-  !> A node on a free edge, a hair outside, and a tenth of the facet outside is on; farther it is off.
+  !> A node on a free edge, slightly outside, and a tenth of the facet outside is inside the extension zone; farther it is not.
   subroutine check_free_edges(suite)
     type(suite_type), intent(inout) :: suite
     real(DP), parameter :: BEYOND(6) = [0.0_DP, 1.0e-9_DP, 0.09_DP, 0.11_DP, 0.55_DP, 5.0_DP]
@@ -418,7 +418,7 @@ contains
   end subroutine check_free_edges
 
 
-  !> A crease that sticks out: the facet reaches a tenth beyond it, then the other side takes over, or nothing.
+  !> A convex crease: the facet extends a tenth beyond it, then the other side takes over, or none.
   subroutine check_ridge(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -448,7 +448,7 @@ contains
   end subroutine check_ridge
 
 
-  !> A valley: the node changes sides at the crease; deep under it the nearer side holds it.
+  !> A concave crease: the node changes sides at the crease; deep under it the nearer side keeps it.
   subroutine check_valley(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -515,7 +515,7 @@ contains
   end subroutine check_find
 
 
-  !> A collapsed square: projection and derivatives stand, the double node has both weights.
+  !> A collapsed square: projection and derivatives exist, the double node has both weights.
   subroutine check_collapsed(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -540,7 +540,7 @@ contains
   end subroutine check_collapsed
 
 
-  !> The vertex normal is the area vector of its star; where there is no projection the status says so.
+  !> The vertex normal is the area vector of its star; the status reports a missing projection.
   subroutine check_far(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh

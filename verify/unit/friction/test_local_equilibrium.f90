@@ -1,4 +1,4 @@
-!> Where a compliant law and the bodies meet: in equilibrium where the node is; elsewhere its conditions; Newton's iterations of a
+!> Tests of the local equilibrium: at the actual position in equilibrium, its conditions elsewhere, and Newton's iterations of a
 !! node on springs.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_local_equilibrium
@@ -32,8 +32,8 @@ program test_local_equilibrium
 
 contains
 
-  !> Below the limit all is elastic; beyond it the force is the limit and the rest of the displacement is slip. The law where the
-  !! node is.
+  !> Below the limit all slip is elastic; beyond it the force is the limit and the rest of the displacement is slip. The law at the
+  !! actual position of the node.
   subroutine check_shear()
     type(interaction_type) :: law
     type(local_solution_type) :: met
@@ -57,7 +57,7 @@ contains
   end subroutine check_shear
 
 
-  !> A node in balance: the bodies ask for what the law gives, so both meet where it is, whatever their stiffness.
+  !> A node in equilibrium: the force of the law balances the imbalance, so the solution is the actual position for any stiffness.
   subroutine check_equilibrium()
     real(DP), parameter :: AT(5) = [-0.2_DP, 0.0_DP, 0.01_DP, 0.06_DP, 0.3_DP], SLIPS(3) = [0.0_DP, 0.005_DP, 0.4_DP], &
       STIFFNESS(3) = [1.0e-2_DP, 1.0e2_DP, 1.0e9_DP]
@@ -88,7 +88,7 @@ contains
   end subroutine check_equilibrium
 
 
-  !> Any node: A p(h') = N + c (h - h') with N what its balance wants, the shear that is wanted up to its limit.
+  !> Any node: A p(h') = N + c (h - h') with N the required normal force, the required shear up to its limit.
   subroutine check_elsewhere()
     real(DP), parameter :: AT(4) = [-0.02_DP, 0.01_DP, 0.06_DP, 0.3_DP], PULL(4) = [-30.0_DP, -1.0_DP, 0.0_DP, 5.0_DP]
     type(local_problem_type) :: asked
@@ -121,10 +121,9 @@ contains
   end subroutine check_elsewhere
 
 
-  !> A node on springs C that hold it at x0, pressed on a plane under LINEAR K: depth d of x0 gives N = C d/(1 + C/(K A)); it
-  !! slips by what
-  !! mu N leaves of its way. From a start deeper than x0 and beside its way Newton takes no more iterations for a law of 1e9 C
-  !! than for one of 1000 C.
+  !> A node on springs C that hold it at x0, pressed on a plane under LINEAR K: depth d of x0 gives N = C d/(1 + C/(K A)); it slips
+  !! by what mu N leaves of its displacement. From a start deeper than x0 and off its path Newton's method takes no more iterations
+  !! for a law of 1e9 C than for one of 1000 C.
   subroutine check_iterations()
     real(DP), parameter :: C = 3.0_DP, DEPTH = 0.2_DP, AREA = 0.7_DP, WAY(3) = [0.5_DP, -0.3_DP, 0.0_DP], STIFF(4) = [1.0_DP, &
       1.0e3_DP, 1.0e6_DP, 1.0e9_DP]
@@ -142,7 +141,7 @@ contains
       do n_done = 0, 20
         asked = place(law, -x(3), [x(1), x(2), 0.0_DP])
         asked%area = AREA
-        asked%stiffness = 2.0_DP * C                 ! not that of the springs: it only has to be of their size
+        asked%stiffness = 2.0_DP * C                 ! not that of the springs: only its order of magnitude matters
         asked%free = IDENTITY
         asked%imbalance = C * (x0 - x)
         call solve_local_problem(law, asked, met)
@@ -162,7 +161,7 @@ contains
   end subroutine check_iterations
 
 
-  !> A node at an overclosure, with a slip, on a plane along x and y; the law alone decides.
+  !> A node with an overclosure and a slip, on a plane along x and y; without stiffness.
   pure type(local_problem_type) function place(law, overclosure, slip) result(asked)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: overclosure, slip(3)

@@ -1,4 +1,4 @@
-!> Node overrides: the sequence of friction, the four fields side by side, and what each of them says.
+!> Tests of the node overrides: the sequence of friction, the four fields in combination, and the queries.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_node_overrides
   use amontons_kinds, only: DP
@@ -15,7 +15,7 @@ program test_node_overrides
 
 contains
 
-  !> Opened once, twice, released on trial, opened again: and then it stays.
+  !> Opened once, twice, released on trial, opened again: suppressed until the increment ends.
   subroutine check_friction()
     type(node_overrides_type) :: node
     call suite%that('friction: at first none', .not. is_friction_suppressed(node))
@@ -37,14 +37,14 @@ contains
   end subroutine check_friction
 
 
-  !> Each field speaks for itself, also with all of them set.
+  !> Each query depends on its own field, also with all of them set.
   subroutine check_fields()
     type(node_overrides_type) :: nodes(5)
     nodes%status = [NODE_OVERRIDE_NONE, NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_STICK_ONCE, &
       NODE_OVERRIDE_FROZEN]
     nodes%edge = [NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED]
     nodes(5)%friction = NODE_OVERRIDE_FRICTIONLESS
-    nodes(5)%edge = NODE_OVERRIDE_GIVES_WAY
+    nodes(5)%side = NODE_OVERRIDE_GIVES_WAY
     call suite%that('status: frozen, or stick once', all(is_status_imposed(nodes) .eqv. [.false., .true., .false., .true., .true.]))
     call suite%near('edge: half a facet where it is extended', norm2(edge_extension(nodes) - [0.0_DP, 0.5_DP, 0.0_DP, 0.0_DP, &
       0.5_DP]), 0.0_DP, 0.0_DP)

@@ -1,4 +1,4 @@
-!> The laws of compliant contact: closed forms, slopes against differences, energies against sums.
+!> Tests of the pressure-overclosure laws: closed forms, slopes against differences, energies against sums.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_pressure_overclosure
   use amontons_kinds, only: DP
@@ -38,8 +38,8 @@ contains
   end subroutine check_linear
 
 
-  !> p0 at zero, a hundredth of it at the gap c0, and from there its tangent down to nothing; a straight line where the
-  !! exponential would overflow.
+  !> p0 at zero, a hundredth of it at the gap c0, beyond it the tangent down to zero; a straight line where the exponential would
+  !! overflow.
   subroutine check_exponential()
     type(interaction_type) :: law
     real(DP) :: p, slope, energy
@@ -95,7 +95,7 @@ contains
   end subroutine check_derivatives
 
 
-  !> The shares of a face's nodes make one.
+  !> The area fractions of a face's nodes add up to one.
   subroutine check_shares()
     real(DP), allocatable :: share(:)
     share = nodal_area_fractions(4, 8)

@@ -1,4 +1,4 @@
-!> Tests of slip: trial traction, and the scenario table row by row with its angles, its guards, its cut and its bounds.
+!> Tests of the slip scenarios: trial traction, and the scenario table row by row with its angles, safeguards, cut and bounds.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_slip_scenarios
   use amontons_kinds, only: DP, PI
@@ -157,7 +157,7 @@ contains
   end subroutine check_rows_in_all_directions
 
 
-  !> A node on a spring: Rt = F - k s with N constant. I and II on a straight path land on balance in one step.
+  !> A node on a spring: Rt = F - k s with N constant. I and II on a straight path reach equilibrium in one step.
   subroutine check_linear_node(suite)
     type(suite_type), intent(inout) :: suite
     type(slip_result_type) :: verdict
@@ -170,7 +170,7 @@ contains
       slip = verdict%alpha * norm2(d)
       call suite%that('spring: scenario', verdict%scenario == merge(SCENARIO_II, SCENARIO_I, i == 1))
       if (verdict%scenario == SCENARIO_II) call suite%near('spring: left is mu N', 8 - 20 * slip, 3.0_DP, 1.0e-12_DP)
-      ! In I with Rt turned round the slides' formula sets t_d = t_u: a / (a + b), a = 5, b = 1
+      ! In I with opposite Rt the formula of the slides sets t_d = t_u: a / (a + b), a = 5, b = 1
       if (verdict%scenario == SCENARIO_I) call suite%near('spring: too far', verdict%alpha, 5.0_DP / 6, 1.0e-12_DP)
     end do
     d = 0.3_DP * t
@@ -179,7 +179,7 @@ contains
   end subroutine check_linear_node
 
 
-  !> Backing up never passes zero slip: the cut lands on it for every length of the step, and the node becomes stick.
+  !> Backing up never passes zero slip: the cut ends there for every length of the step, and the node becomes stick.
   subroutine check_cut(suite)
     type(suite_type), intent(inout) :: suite
     real(DP), parameter :: STEPS(6) = [0.5_DP, 1.0_DP, 1.5_DP, 2.0_DP, 2.5_DP, 40.0_DP]
@@ -204,11 +204,11 @@ contains
     call classify(point(1 * t, g), point(4 * t, g + d), d, verdict)
     call suite%that('III: not cut where it stops before', (.not. verdict%becomes_stick))
     call suite%near('III: there its own length', verdict%alpha, 2.0_DP / 3.0_DP, 1.0e-14_DP)
-    d = -1 * g                                       ! a = b, angles zero: alpha = 1/2 by the formula, half way back
+    d = -1 * g                                       ! a = b, angles zero: alpha = 1/2 by the formula, half the distance back
     call classify(point(2 * t, g), point(4 * t, g + d), d, verdict)
     call suite%that('III: half way is not zero', &
       .not. verdict%becomes_stick .and. abs(verdict%alpha - 0.5_DP) < 1.0e-14_DP)
-    ! The full step ends at zero slip exactly, and the guard gives 1.
+    ! The full step ends at zero slip exactly, and the safeguard gives 1.
     call classify(point(1 * t, g), point(1 * t, 0 * g), -1 * g, verdict)
     call suite%that('a full step that ends at zero slip is stick', &
       verdict%becomes_stick .and. abs(verdict%alpha - 1) < 1.0e-14_DP)
@@ -223,7 +223,7 @@ contains
     at_ud%status = STATUS_OPEN
     call classify(point(1 * t, g), at_ud, -1 * g, verdict)
     call suite%that('a node that opens does not become stick', verdict%scenario == SCENARIO_IV .and. .not. verdict%becomes_stick)
-    ! Moving on instead of back is never cut; the bounds hold the cut's place free.
+    ! Moving on instead of back is never cut; the bounds do not apply to the cut.
     call classify(point(1 * t, g), point(2.9_DP * t, 2 * g), g, verdict)
     call suite%that('moving on is not cut', (.not. verdict%becomes_stick))
     controls%alpha_min = 0.25_DP
@@ -275,7 +275,7 @@ contains
   end subroutine check_guards
 
 
-  !> The states that are no scenario.
+  !> The states without a scenario.
   subroutine check_states(suite)
     type(suite_type), intent(inout) :: suite
     type(slip_result_type) :: verdict
@@ -372,7 +372,7 @@ contains
   end subroutine check_limit
 
 
-  !> What the limit of a node makes of its scenario: TAUMAX, none at all, and zero (frictionless).
+  !> Effect of the friction limit on the scenario: TAUMAX, no limit, and zero (frictionless).
   subroutine check_limits_of_nodes(suite)
     type(suite_type), intent(inout) :: suite
     type(slip_result_type) :: verdict
@@ -488,7 +488,7 @@ contains
   end function unit
 
 
-  !> A unit vector across a normal.
+  !> A unit vector normal to another.
   pure function in_plane(normal, angle) result(t)
     real(DP), intent(in) :: normal(3), angle
     real(DP) :: t(3), e(3), f(3)

@@ -1,4 +1,4 @@
-!> Points at which two surfaces face each other: integrals over what they have in common, what a point faces, and its normal.
+!> Tests of the integration points on facing surfaces: integrals over the intersections, master points, and normals.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_face_integration_points
   use amontons_kinds, only: DP, PI
@@ -29,7 +29,7 @@ program test_face_integration_points
 
 contains
 
-  !> A unit square that looks down on one shifted by (0.3, 0.2) and 0.1 below: the part in common is 0.7 by 0.8.
+  !> A unit square above one shifted by (0.3, 0.2) and 0.1 below, normals opposed: the intersection is 0.7 by 0.8.
   subroutine two_sheets(kind, mesh, slave, master)
     integer, intent(in) :: kind                    !< FACET_...
     type(mesh_type), intent(out) :: mesh
@@ -59,7 +59,7 @@ contains
   end subroutine two_sheets
 
 
-  !> The same facets from below: corners the other way round, mid-side nodes between them.
+  !> The same facets seen from below: corners in the opposite sense, mid-side nodes between them.
   pure function turned(corners) result(other)
     integer, intent(in) :: corners(:, :)
     integer :: other(size(corners, 1), size(corners, 2))
@@ -89,7 +89,7 @@ contains
   end subroutine find
 
 
-  !> Where a point of a facet is.
+  !> Position of a point of a facet.
   pure function place(facets, mesh, f, xi) result(x)
     type(facets_type), intent(in) :: facets
     type(mesh_type), intent(in) :: mesh
@@ -103,7 +103,7 @@ contains
   end function place
 
 
-  !> Polynomials up to degree 5 over the part in common, and the point in front is straight below.
+  !> Polynomials up to degree 5 over the intersection; the master point is straight below.
   subroutine check_integrals(kind, name)
     integer, intent(in) :: kind
     character(*), intent(in) :: name
@@ -135,7 +135,7 @@ contains
   end subroutine check_integrals
 
 
-  !> The order of the points: four triangles about the middle of the cut, in each the middle first, then near its corners.
+  !> The order of the points: four triangles about the middle of the intersection, in each the centre first, then near its corners.
   subroutine check_order()
     type(mesh_type) :: mesh
     type(facets_type) :: slave, master
@@ -145,13 +145,13 @@ contains
     call two_sheets(FACET_QUAD4, mesh, slave, master)
     call find(mesh, slave, master, 1.0_DP, points, n)
     call suite%that('four triangles of seven points', n == 28)
-    x = place(slave, mesh, 1, points(2)%at)        ! the second point is nearest to the middle of the cut
+    x = place(slave, mesh, 1, points(2)%at)        ! the second point is nearest to the middle of the intersection
     call suite%near('second point', norm2(x(:2) - [0.65_DP, 0.6_DP]), &
       minval([(near_middle(slave, mesh, points(n)%at), n=1, 28)]), 1.0e-14_DP)
   end subroutine check_order
 
 
-  !> Distance from the middle of the cut.
+  !> Distance from the middle of the intersection.
   real(DP) function near_middle(slave, mesh, at) result(distance)
     type(facets_type), intent(in) :: slave
     type(mesh_type), intent(in) :: mesh
@@ -162,7 +162,7 @@ contains
   end function near_middle
 
 
-  !> Two masters one behind the other: only the nearer is faced.
+  !> Two masters one behind the other: only the nearer one counts.
   subroutine check_fold()
     type(mesh_type) :: mesh
     type(facets_type) :: slave, master
@@ -219,7 +219,7 @@ contains
   end subroutine check_wedge
 
 
-  !> The normal of a plane face that lies askew: its corners' cross product.
+  !> The normal of an oblique plane face: the cross product of its edges.
   subroutine check_normal(kind)
     integer, intent(in) :: kind
     type(mesh_type) :: mesh
@@ -237,7 +237,7 @@ contains
   end subroutine check_normal
 
 
-  !> Of two points that are equally near, on the two sides of a diagonal, the first, whatever the last digits say.
+  !> Of two equally near points, on the two sides of a diagonal, the first, independent of rounding.
   subroutine check_nearest()
     real(DP), parameter :: AT(2) = [0.3_DP, 0.3_DP], FAR(2) = [0.9_DP, 0.8_DP]
     real(DP) :: pair(2, 2)

@@ -1,4 +1,4 @@
-!> Cuts of polygons, dual functions on parts of faces, and the rows that they make.
+!> Tests of polygon clipping, of dual functions on parts of faces, and of the rows built from them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_mortar
   use amontons_kinds, only: DP
@@ -50,7 +50,7 @@ program test_mortar
 
 contains
 
-  !> Areas of cuts that can be told without a computer.
+  !> Areas of intersections with closed forms.
   subroutine check_cuts()
     real(DP) :: cut(2, MAX_POLYGON_CORNERS), other(2, 4), triangle(2, 3), distance
     integer :: n
@@ -78,7 +78,7 @@ contains
   end subroutine check_cuts
 
 
-  !> x^a y^b over the unit square is 1/((a + 1)(b + 1)), up to the degree that the order promises.
+  !> x^a y^b over the unit square is 1/((a + 1)(b + 1)), up to the degree of the order.
   subroutine check_rules()
     real(DP) :: at(2, MAX_CUT_POINTS), w(MAX_CUT_POINTS), place(2, MAX_CUT_POINTS)
     integer :: order, n, a, b, degree, corner(MAX_CUT_POINTS)
@@ -91,7 +91,7 @@ contains
             1.0e-14_DP)
         end do
       end do
-      do a = 1, 2                                  ! along a line, from whichever corner the rectangle begins
+      do a = 1, 2                                  ! along a line, from any first corner of the rectangle
         call set_polygon_quadrature(cshift(SQUARE, a, dim=2), .true., order, n, at, w, corner, place)
         call suite%that('the points of a line', n == 2 * order)
         do degree = 0, 2 * order - 1
@@ -110,7 +110,7 @@ contains
   end subroutine check_rules
 
 
-  !> On a part of a facet the duals are biorthogonal to its functions and add up to 1; on a sliver they find linear functions again.
+  !> On a part of a facet the duals are biorthogonal to its functions and add up to 1; on a sliver they reproduce linear functions.
   subroutine check_duals(kind, name)
     integer, intent(in) :: kind
     character(*), intent(in) :: name
@@ -219,15 +219,16 @@ contains
   end subroutine check_normal
 
 
-  !> A slave face over the square (0, 1) x (0, 1), of which a master at the distance 0.1 covers x < cover: as many rows as nodes are
-  !! over the master, each at that distance, and the forces of a pressure of 1 are the integrals of the N_k over what is covered.
+  !> A slave face over the square (0, 1) x (0, 1), of which a master at the distance 0.1 covers x < cover: as many rows as nodes
+  !! over the master, each at that distance, and the forces of a pressure of 1 are the integrals of the N_k over the covered part.
   subroutine check_overhang(kind, n, name, cover, has_touched, n_rows, reaches)
     integer, intent(in) :: kind, n                 !< of the elements, with n nodes
     character(*), intent(in) :: name
     real(DP), intent(in) :: cover                  !< [length]
-    logical, intent(in) :: has_touched             !< all slave nodes did when the increment began
+    logical, intent(in) :: has_touched             !< all slave nodes were closed at the start of the increment
     integer, intent(in) :: n_rows
-    real(DP), intent(in), optional :: reaches      !< what was known of all slave nodes in the increment; else it begins [-]
+    real(DP), intent(in), optional :: reaches  !< excess limit of all slave nodes from earlier in the increment; else a new
+                                               !! increment [-]
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
@@ -306,12 +307,12 @@ contains
   end function place_on
 
 
-  !> A cube over a floor at the distance 0.1, beside a wall that is as high as `cover`: the nodes of its edge between belong to the
-  !! side that is nearer, unless that is covered by less than half as much.
+  !> A cube over a horizontal master at the distance 0.1, beside a vertical one as high as `cover`: the nodes of the edge between
+  !! them belong to the nearer one, unless its covered fraction is less than half of the other's.
   subroutine check_crease(distance, cover, axis)
-    real(DP), intent(in) :: distance               !< of the wall [length]
-    real(DP), intent(in) :: cover                  !< how far up it goes [length]
-    integer, intent(in) :: axis                    !< of the normal there
+    real(DP), intent(in) :: distance               !< of the vertical master [length]
+    real(DP), intent(in) :: cover                  !< its height [length]
+    integer, intent(in) :: axis                    !< of the normal of that side
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
@@ -331,9 +332,9 @@ contains
     call node_coordinates(KIND_C3D8, xi)
     allocate (mesh%coordinates(3, 24))
     mesh%coordinates(:, :8) = 0.5_DP * (xi(:, :8) + 1)
-    mesh%coordinates(:, 9:16) = 3 * mesh%coordinates(:, :8) - 1                  ! the floor
+    mesh%coordinates(:, 9:16) = 3 * mesh%coordinates(:, :8) - 1                  ! the horizontal master
     mesh%coordinates(3, 9:16) = mesh%coordinates(3, :8) - 1.1_DP
-    mesh%coordinates(:, 17:) = 3 * mesh%coordinates(:, :8) - 1                   ! the wall
+    mesh%coordinates(:, 17:) = 3 * mesh%coordinates(:, :8) - 1                   ! the vertical master
     mesh%coordinates(1, 17:) = mesh%coordinates(1, :8) + 1 + distance
     mesh%coordinates(3, 17:) = cover - 2 * (1 - mesh%coordinates(3, :8))
     call finalize_mesh(mesh)
@@ -349,7 +350,7 @@ contains
   end subroutine check_crease
 
 
-  !> The mesh of n elements C3D8, each the unit cube at first.
+  !> The mesh of n elements C3D8, each the unit cube initially.
   subroutine lay_cubes(n, mesh)
     integer, intent(in) :: n
     type(mesh_type), intent(out) :: mesh
@@ -370,11 +371,11 @@ contains
 
 
   !> A slave square lies obliquely over the edge y = 0 of two masters, (-1, 0) and (0, 1) along x, its corner beyond the edge and
-  !! beside the second one. It is moved along x, by which the second master comes to be cut with it: the corner has been near it
-  !! before, so that nothing jumps.
+  !! beside the second one. It moves along x until it intersects the second master: the corner has been near it before, so that
+  !! nothing jumps.
   subroutine check_beside(is_soft)
     logical, intent(in) :: is_soft                 !< the law is compliant
-    real(DP), parameter :: HERE = 0.05_DP          !< where the second master begins to be cut [length]
+    real(DP), parameter :: HERE = 0.05_DP          !< start of the intersection with the second master [length]
     type(mesh_type) :: mesh
     type(mortar_type) :: mortar
     type(facets_type) :: master
@@ -408,8 +409,8 @@ contains
   end subroutine check_beside
 
 
-  !> Under a compliant law a slave face has its rows also where hardly anything of it is over the master: a force that goes with the
-  !! area is not cut off.
+  !> Under a compliant law a slave face has its rows also if almost none of it is over the master: a force proportional to the area
+  !! is not cut off.
   subroutine check_sliver(cover)
     real(DP), intent(in) :: cover                  !< of the face's length [length]
     type(mesh_type) :: mesh

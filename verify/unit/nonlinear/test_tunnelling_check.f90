@@ -131,7 +131,7 @@ contains
     x_new = x_old
     x_new(3, n + 2:n + 3) = -1.0_DP
     call suite%that('the first that passed', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 2)
-    slaves(2)%overrides%edge = NODE_OVERRIDE_GIVES_WAY
+    slaves(2)%overrides%side = NODE_OVERRIDE_GIVES_WAY
     call suite%that('another side watches', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 3)
     contact%is_removed(1) = .true.
     call suite%that('a pair that is out', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 0)
