@@ -1,7 +1,7 @@
 !> Ties: what binds displacements together beyond linear equations: rigid bodies, planes, lines, lengths, turns, surfaces.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The formulas stand in the room `bonds`. A rotation vector is the displacement of a node of its own, the rotation node.
+!! The formulas stand in amontons_nonlinear_mpc. A rotation vector is the displacement of a node of its own, the rotation node.
 module amontons_mpc_data
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product

@@ -1,7 +1,8 @@
 !> Cycles: what is done for slave nodes whose statuses come round and round, and for those alone.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Cycles". A cycle is found by the hash of all slave nodes (amontons_forensics) while the
+!! Theory: doc/theory/newton.md, "Active-set cycling". A
+!! cycle is found by the hash of all slave nodes (amontons_forensics) while the
 !! merit does not
 !! fall over its length. Then, for the nodes that change within it:
 !!

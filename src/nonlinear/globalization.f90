@@ -1,7 +1,7 @@
 !> Course: which direction an iteration takes: Newton's, one that carries bodies, or one that takes them on to the next balance.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Which direction is taken". What is remembered of the directions of an attempt is here alone: how
+!! Theory: doc/theory/newton.md, "Globalization". What is remembered of the directions of an attempt is here alone: how
 !! many running led to no balance, whether the last one was refused, and what part of their stiffness held nodes where bodies were
 !! carried.
 module amontons_globalization

@@ -1,7 +1,7 @@
 !> Carry: bodies that nothing holds yet are carried towards what will hold them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Bodies that nothing holds yet". Where the tangent is singular because a body has not met its
+!! Theory: doc/theory/newton.md, "Proximal step". Where the tangent is singular because a body has not met its
 !! master, a part s of the stiffness' own diagonal holds each node where it is in this iteration alone:
 !!
 !!     (K + s diag K) du = R,

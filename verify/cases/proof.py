@@ -373,7 +373,7 @@ def write_index(pages: Path) -> float:
         "",
         f"{len(cases)} cases, {sum(len(c['checks']) for c in cases)} checks, of which {failing or 'none'} fail{'' if failing > 1 else 's'}; {n_increments} increments, {n_iterations} Newton",
         f"iterations ({n_iterations / max(n_increments, 1):.2f} per increment), {n_failed} failed attempt{'' if n_failed == 1 else 's'}. An",
-        "iteration linearises the bodies once; contact and friction settle within it ([theory](../theory/newton.md#contact-settles-ahead-settle)), so that elastic bodies at small",
+        "iteration linearises the bodies once; contact and friction are solved within it ([theory](../theory/newton.md#contact-subproblem-contact_subproblem-solve_contact_subproblem)), so that elastic bodies at small",
         "displacements often need one.",
         "",
         *(["The decks of CalculiX's own suite have [a page of their own](calculix-decks.md).", ""] * has_decks),
