@@ -311,8 +311,8 @@ contains
 
   !> Tension of a spring and its derivative.
   !!
-  !! Gap: with the overclosure d = - clearance - elongation the tension is - k d (1/2 + atan(d/eps)/pi), eps = pi pull/k, so that
-  !! the tension at large gaps is `pull`, and k d when closed. Reference: CalculiX's manual, sections "GAPUNI" and "*GAP".
+  !! Gap: with the overclosure d = - clearance - elongation the tension is - k d (1/2 + atan(d/eps)/pi), eps = pi f/k with
+  !! the limit f = open_force at large gaps; k d when closed. Reference: CalculiX's manual, sections "GAPUNI" and "*GAP".
   pure subroutine evaluate_spring_law(spring, elongation, temperature, tension, slope)
     type(spring_type), intent(in) :: spring
     real(DP), intent(in) :: elongation           !< [length]

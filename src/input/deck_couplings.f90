@@ -1,8 +1,8 @@
-!> Deck bonds: the cards that bind displacements together, TRANSFORM, RIGID BODY, COUPLING, TIE, PRE-TENSION SECTION.
+!> TRANSFORM, RIGID BODY, COUPLING, TIE and PRE-TENSION SECTION to constraints.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! What is linear becomes equations (MPC TIE and PIN, DISTRIBUTING, PRE-TENSION SECTION), the rest bonds and ties.
-!! Rotations are displacements of a rotation node: ROT NODE, or one that is made beside the reference node.
+!! Linear constraints become equations (MPC TIE and PIN, DISTRIBUTING, PRE-TENSION SECTION), the rest nonlinear MPCs and ties.
+!! Rotations are displacements of a rotation node: ROT NODE, or a new node at the reference node.
 module amontons_deck_couplings
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
@@ -134,7 +134,7 @@ contains
   end subroutine single_node
 
 
-  !> All other cards of this room. Before: sets, surfaces and transforms are read.
+  !> All other cards of this module. Sets, surfaces and transforms must be read.
   subroutine read_couplings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -158,8 +158,8 @@ contains
   end subroutine read_couplings
 
 
-  !> Nodes of plane and axisymmetric elements do not leave their plane: the body that binds them alone has nothing that could hold
-  !! its reference node there, and need not bind them.
+  !> Nodes of plane and axisymmetric elements stay in their plane. A rigid body of such nodes alone provides no support of its
+  !! reference node out of plane, and need not constrain them there.
   subroutine release_out_of_plane(model)
     type(model_type), intent(inout) :: model
     integer :: i
@@ -233,7 +233,7 @@ contains
   end function rigid_surface
 
 
-  !> An analytic surface is carried by a rigid body.
+  !> An analytic surface needs a rigid body that moves it.
   subroutine check_analytic_carrier(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -258,7 +258,7 @@ contains
     character(*), parameter :: NAMES(3) = [character(8) :: 'NSET', 'PIN NSET', 'TIE NSET']
     integer, allocatable :: named(:)
     integer :: set, i, e
-    allocate (is_member(0:model%mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is told
+    allocate (is_member(0:model%mesh%n_nodes), source=.false.)   ! 0: node missing in the deck; its error is reported
     do i = 1, size(NAMES)
       if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
       call nodes_of_set(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
@@ -335,8 +335,8 @@ contains
   end subroutine read_coupling
 
 
-  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all, in CalculiX no rotations of
-  !! DISTRIBUTING.
+  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; no rows: all, in CalculiX without the rotations
+  !! of DISTRIBUTING.
   subroutine read_coupled_dofs(reader, c, is_bound, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of that card
@@ -469,7 +469,7 @@ contains
   end subroutine add_kinematic
 
 
-  !> Directions by a rule for the last bond.
+  !> Directions of a local system for the last nonlinear MPC.
   subroutine set_mpc_axes(model, rule)
     type(model_type), intent(inout) :: model
     type(coordinate_system_type), intent(in) :: rule
@@ -539,8 +539,8 @@ contains
   end subroutine add_tie
 
 
-  !> PRE-TENSION SECTION: the elements on the surface's side of it get nodes of their own there; they stand off from the old ones by
-  !! the first displacement of the pre-tension node along the normal: u_new = u_old + n u_1.
+  !> PRE-TENSION SECTION: the elements on the surface's side of it get duplicate nodes there. The offset of the new nodes is the
+  !! first displacement of the pre-tension node along the normal: u_new = u_old + n u_1.
   subroutine read_pretension(reader, model, c)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -573,7 +573,7 @@ contains
       call report_error(reader, reader%cards%cards(c)%line, 'A pre-tension section needs a surface of element faces.')
       return
     end if
-    if (any(model%mesh%nodes < 1)) return        ! an element names a node that is not there: that was told
+    if (any(model%mesh%nodes < 1)) return        ! an element with a missing node: already reported
     call read_normal(reader, model, row, surface, normal, is_ok)
     if (.not. is_ok) return
     if (any(model%mesh%nodes == pilot)) then
@@ -599,7 +599,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
-    character(*), intent(in) :: name             !< of an element, or of a set that holds one
+    character(*), intent(in) :: name             !< of an element, or of a set that contains one
     integer, intent(in) :: pilot
     logical, intent(in) :: is_ok
     type(element_kind_type) :: entry
@@ -623,7 +623,7 @@ contains
     if (.not. is_ok) return
     associate (first => model%mesh%first(e), mesh => model%mesh)
       axis = mesh%coordinates(:, mesh%nodes(first + 1)) - mesh%coordinates(:, mesh%nodes(first))
-      if (.not. norm2(axis) > 0) return          ! the audit tells it
+      if (.not. norm2(axis) > 0) return          ! the model check reports it
       allocate (partner(mesh%n_nodes), source=0)
       set = mesh%nodes(first + 1)
       call append_node(mesh, mesh%coordinates(:, set), partner(set))
@@ -725,7 +725,7 @@ contains
   end function face_nodes
 
 
-  !> CalculiX parts the elements of the faces alone: the others on that side are left out, which is told.
+  !> CalculiX separates the elements of the faces only; a note reports the other elements on that side.
   subroutine restrict_to_face_elements(reader, c, element, side)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card

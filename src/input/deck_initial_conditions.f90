@@ -1,4 +1,4 @@
-!> Deck conditions: local axes, initial conditions and the temperatures of the steps.
+!> ORIENTATION, INITIAL CONDITIONS and TEMPERATURE over the steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
@@ -21,7 +21,7 @@ module amontons_deck_initial_conditions
 
   integer, parameter :: DECK_VOIGT_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
 
-  !> The temperatures that stand at this point of the deck.
+  !> The temperatures active at this point of the deck.
   type :: active_temperatures_type
     integer :: step = 0                          !< present step
     logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
@@ -104,7 +104,7 @@ contains
   end subroutine read_axes
 
 
-  !> The DISTRIBUTION card of a name; 0 if there is none.
+  !> The DISTRIBUTION card of a name; 0: unknown name.
   integer function find_distribution(reader, name) result(c)
     type(reader_type), intent(in) :: reader
     character(*), intent(in) :: name
@@ -148,7 +148,7 @@ contains
   end subroutine read_points
 
 
-  !> ORIENTATION of the sections; a distribution gives orientations of its own, one for each of its lines.
+  !> ORIENTATION of the sections; a distribution defines one orientation for each of its lines.
   subroutine read_section_axes(reader, names, distribution, model)
     type(reader_type), intent(inout) :: reader
     type(name_table_type), intent(in) :: names
@@ -365,8 +365,8 @@ contains
   end subroutine init_temperatures
 
 
-  !> A new step: all nodes keep the temperature that they had at the end of the step before; amplitudes in total time
-  !! run on.
+  !> Starts a step: all nodes keep their temperature of the end of the last step; amplitudes in total time
+  !! continue.
   subroutine propagate_temperatures(model, period, total_time, is_step, thermal)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]

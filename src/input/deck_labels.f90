@@ -1,4 +1,4 @@
-!> Deck labels: what the text of a deck says of nodes, elements and sets by their numbers, before it is read for good.
+!> Nodes, elements and sets by label, before the generators and parts are resolved.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_labels
   use amontons_kinds, only: DP, PI
@@ -43,7 +43,7 @@ contains
   end subroutine clear_scope
 
 
-  !> What a card says of nodes, elements and sets. What is wrong in it is told later, by those who read it for good.
+  !> Reads nodes, elements and sets of a card. The final readers report errors later.
   subroutine read_mesh_card(cards, c, scope)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -82,7 +82,7 @@ contains
   end subroutine read_mesh_card
 
 
-  !> The set of a name, made if there is none yet; 0 for an empty name.
+  !> The set of a name, created if new; 0 for an empty name.
   integer function find_or_add_set(name, names, sets)
     character(*), intent(in) :: name
     type(name_table_type), intent(inout) :: names
@@ -167,7 +167,7 @@ contains
   end subroutine store_label_index
 
 
-  !> The index of a label, 0 if there is none.
+  !> The index of a label; 0: unknown label.
   pure integer function find_label_index(label, at, labels)
     integer, intent(in) :: label
     integer, intent(in) :: at(:)
@@ -282,7 +282,7 @@ contains
   end subroutine find_element
 
 
-  !> Sorts a list and takes doubles out.
+  !> Sorts a list and removes duplicates.
   subroutine sort_unique(list)
     type(integer_list_type), intent(inout) :: list
     integer, allocatable :: items(:)

@@ -1,4 +1,4 @@
-!> Deck MPC: *MPC, DISTRIBUTING COUPLING and CYCLIC SYMMETRY MODEL to bonds and equations, and what such cards share.
+!> MPC, DISTRIBUTING COUPLING and CYCLIC SYMMETRY MODEL to constraints and equations, and shared procedures of such cards.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_mpc
   use amontons_kinds, only: DP, PI
@@ -92,7 +92,7 @@ contains
     character(:), allocatable, intent(out) :: kind   !< squeezed
     integer, allocatable, intent(out) :: nodes(:)
     integer, intent(out) :: line                 !< of its first row
-    logical, intent(out) :: is_ok                !< .false.: a node is not there, which was told
+    logical, intent(out) :: is_ok                !< .false.: a node does not exist; its error is reported
     integer, allocatable :: found(:)
     integer :: i, label, status
     logical :: is_read
@@ -119,13 +119,13 @@ contains
   end subroutine read_next_mpc
 
 
-  !> The bonds of one MPC.
+  !> The nonlinear constraints of one MPC.
   subroutine add_mpc(reader, model, line, kind, given)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line
     character(*), intent(in) :: kind             !< squeezed
-    integer, intent(in) :: given(:)              !< nodes as they stand in the deck
+    integer, intent(in) :: given(:)              !< nodes as written in the deck
     type(nonlinear_mpc_type) :: bond
     integer, allocatable :: nodes(:)
     integer :: i
@@ -203,7 +203,7 @@ contains
   end function unique_nodes
 
 
-  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is fixed rigidly to the second.
+  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is rigidly attached to the second.
   subroutine add_beam(reader, model, line, nodes, bond, is_link)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -267,7 +267,7 @@ contains
   end subroutine add_mean_rotation
 
 
-  !> The rotation node of a reference node; one is made if there is none yet.
+  !> The rotation node of a reference node, created if new.
   subroutine make_rotation_node(model, reference, rotation)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: reference
@@ -339,7 +339,7 @@ contains
   end subroutine read_distributing_coupling
 
 
-  !> The node of the one DCOUP3D element of a set; 0 on trouble, which is told.
+  !> The node of the one DCOUP3D element of a set; 0 after a reported error.
   subroutine find_coupling_node(reader, c, name, reference)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -392,7 +392,7 @@ contains
     call open_card(reader, c, parameters, row)
     associate (line => reader%cards%cards(c)%line)
       call parse_integer(parameter_text(parameters, 'N'), n, status)
-      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (status /= NUMBER_OK) return            ! already reported by the check of the card
       if (n < 2) call report_error(reader, line, 'N, the number of sectors in the circle, must be at least 2.')
       if (.not. next_row(reader%cards, row)) then
         call report_error(reader, line, '*CYCLIC SYMMETRY MODEL needs a data line: two points of the axis.')
