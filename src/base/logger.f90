@@ -214,15 +214,15 @@ contains
       to_text(record%total_time), to_text(record%dt), record%n_iterations, record%n_status, &
       int(100 * fraction + 0.01_DP), ' %', duration(self%elapsed()), remaining_time(self)
     call write_line(self, trim(line))
-    if (record%n_cycles_treated > 0) call write_line(self, '        Slave nodes went in cycles, which were acted on for ' // &
-      'those nodes alone: ' // &
+    if (record%n_cycles_treated > 0) call write_line(self, '        Active-set cycling was treated at the cycling ' // &
+      'slave nodes alone: ' // &
       plural(record%n_cycles_treated, 'time') // '.')
     if (record%is_converged .and. record%n_snap_through > 0) then
-      call write_line(self, '        There was no balance near by: bodies were carried on to the next one in ' // &
+      call write_line(self, '        No equilibrium nearby: snap-through to another equilibrium in ' // &
         plural(record%n_snap_through, 'iteration') // ', work ' // to_text(record%proximal_work_increment) // '.')
     else if (record%is_converged .and. record%n_proximal > 0) then
-      call write_line(self, '        Bodies that nothing held were carried to ' // &
-        'where they touch in ' // plural(record%n_proximal, 'iteration') // ', work ' // to_text(record%proximal_work_increment) &
+      call write_line(self, '        Unsupported bodies were moved into contact ' // &
+        'by regularization in ' // plural(record%n_proximal, 'iteration') // ', work ' // to_text(record%proximal_work_increment) &
         // '.')
     end if
     if (record%is_converged .and. allocated(record%report_lines)) then

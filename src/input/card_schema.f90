@@ -225,7 +225,7 @@ contains
       call expand_parameter(entry%options(position), parameters(i), line, messages)
       call check_value(entry, entry%options(position), parameters(i), line, messages)
       if (any([(parameters(position)%key == parameters(i)%key, position=1, i - 1)])) call messages%add(line, &
-        'The parameter ' // parameters(i)%key // ' stands twice on this card.')
+        'The parameter ' // parameters(i)%key // ' appears twice on this card.')
     end do
     call check_required(entry, parameters, line, messages)
   end subroutine match_parameters

@@ -162,7 +162,7 @@ contains
       if (.not. is_card(reader, c, 'RESTART')) cycle
       call read_parameters(reader%cards, reader%cards%cards(c), parameters)
       if (has_parameter(parameters, 'READ') .and. reader%step_of_card(c) > 0) call report_error(reader, &
-        reader%cards%cards(c)%line, '*RESTART, READ must stand before the first step.')
+        reader%cards%cards(c)%line, '*RESTART, READ must be before the first step.')
       if (.not. has_parameter(parameters, 'WRITE')) cycle
       frequency = 1
       if (has_parameter(parameters, 'FREQUENCY')) then
@@ -298,15 +298,15 @@ contains
         owner = entry%key
       else if (index('|' // entry%parent // '|', '|' // owner // '|') == 0) then
         call find_entry(reader%table, first_word(entry%parent), position, is_abbreviated)
-        call report_error(reader, line, 'The card *' // entry%keyword // ' must stand in the block of a *' // &
+        call report_error(reader, line, 'The card *' // entry%keyword // ' must be in the block of a *' // &
           reader%table%entries(position)%keyword // '.')
       end if
       if (entry%scope == SCOPE_STEP .and. .not. is_in_step) call report_error(reader, line, 'The card *' // entry%keyword // &
-        ' must stand in a step, between *STEP and *END STEP.')
+        ' must be in a step, between *STEP and *END STEP.')
       if (entry%scope == SCOPE_MODEL .and. n_steps > 0) call report_error(reader, line, 'The card *' // entry%keyword // &
-        ' must stand before the first step.')
+        ' must be before the first step.')
       if (entry%scope == SCOPE_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
-        report_error(reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
+        report_error(reader, line, 'The card *BOUNDARY must be before the first step or in a step.')
     end associate
   end subroutine check_card_scope
 
@@ -379,16 +379,16 @@ contains
       if (.not. all(model%steps(:n)%is_perturbation)) then
         trouble = 'after a general step: it would show the response of the loaded body alone'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps) > 1) then
-        trouble = 'with other steps: there CalculiX goes on from a state of its own'
+        trouble = 'with other steps: CalculiX continues them from a different state'
       else if (model%steps(n)%is_nlgeom .or. model%steps(n)%has_creep .or. .not. is_linear(model)) then
         trouble = 'where contact, a material, a constraint or NLGEOM makes the step nonlinear'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps(n)%temperatures) > 0) then
-        trouble = 'with *TEMPERATURE, which CalculiX leaves out in such a step'
+        trouble = 'with *TEMPERATURE, which CalculiX ignores in such a step'
       else
         is_refused = .false.
       end if
       if (is_refused) call report_error(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
-        '. Write a general step: its loads, and all those that the step before had.')
+        '. Write a general step: its loads, and all those of the step before.')
     end do
   end subroutine check_perturbations
 

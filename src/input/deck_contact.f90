@@ -303,9 +303,9 @@ contains
       end do
       i = i + min(FIELDS, n - i)
     end do
-    if (i < n .and. is_ok) call report_error(reader, row%line, 'PROPERTIES is ' // to_text(n) // ', but there is room for only ' &
+    if (i < n .and. is_ok) call report_error(reader, row%line, 'PROPERTIES is ' // to_text(n) // ', but the data lines hold only ' &
       // &
-      to_text(i) // ' in the data lines, eight in each.')
+      to_text(i) // ', eight in each.')
   end subroutine read_properties
 
 

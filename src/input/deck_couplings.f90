@@ -311,7 +311,7 @@ contains
       if (c == reader%cards%n_cards) is_ok = .false.
       if (is_ok) is_ok = is_card(reader, c + 1, 'DISTRIBUTING')
       if (.not. is_ok) call report_error(reader, reader%cards%cards(c)%line, &
-        'Below *COUPLING must stand *KINEMATIC or *DISTRIBUTING.')
+        '*COUPLING must be followed by *KINEMATIC or *DISTRIBUTING.')
     end if
     if (.not. is_ok) return
     call read_coupled_dofs(reader, c + 1, is_bound, is_ok)

@@ -109,9 +109,9 @@ contains
       end if
     end do
     if (n == mesh%n_nodes) return
-    call report_note(reader, 0, plural(mesh%n_nodes - n, 'node') // ' of the deck stand in it more than once, ' &
+    call report_note(reader, 0, 'The deck defines ' // plural(mesh%n_nodes - n, 'node') // ' more than once, ' &
       // to_text(n_moved) // &
-      ' of them at another place, of which the last one counts.')
+      ' of them with other coordinates; the last definition counts.')
     mesh%n_nodes = n
     mesh%node_label = mesh%node_label(:n)
     mesh%coordinates = mesh%coordinates(:, :n)
@@ -351,7 +351,7 @@ contains
         do j = draft%first(e), i - 1
           if (draft%nodes%items(j) /= node) cycle
           call report_error(reader, draft%line(e), 'The element ' // to_text(draft%label(e)) // ' is degenerate: node ' // &
-            to_text(mesh%node_label(node)) // ' stands twice. Use a kind with fewer nodes.')
+            to_text(mesh%node_label(node)) // ' appears twice. Use a kind with fewer nodes.')
           cycle element
         end do
       end do

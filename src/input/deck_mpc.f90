@@ -372,7 +372,7 @@ contains
     end do
     do i = 1, size(model%ties)
       if (model%ties(i)%is_cyclic .and. .not. has_turn(i)) call report_error(reader, 0, 'The tie ''' // model%ties(i)%name // &
-        ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' tells its axis and N.')
+        ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' defines its axis and N.')
     end do
   end subroutine read_cyclic_symmetry
 

@@ -123,7 +123,7 @@ contains
         case ('ENDASSEMBLY')
           is_in_assembly = .false.
         case ('INSTANCE')
-          if (.not. is_in_assembly) call messages%add(card%line, '*INSTANCE must stand between *ASSEMBLY and *END ASSEMBLY.')
+          if (.not. is_in_assembly) call messages%add(card%line, '*INSTANCE must be between *ASSEMBLY and *END ASSEMBLY.')
           if (is_in_instance) call messages%add(card%line, 'The instance before this one has no *END INSTANCE.')
           call begin_instance(cards, c, work, messages)
           is_in_instance = .true.
@@ -134,7 +134,7 @@ contains
           is_in_instance = .false.
         case ('STEP')
           if (part > 0) call messages%add(card%line, 'The part before this step has no *END PART.')
-          if (is_in_assembly) call messages%add(card%line, 'A step must stand after *END ASSEMBLY.')
+          if (is_in_assembly) call messages%add(card%line, 'A step must be after *END ASSEMBLY.')
           if (part > 0 .or. is_in_assembly) return
         end select
       end associate
@@ -535,7 +535,7 @@ contains
       case ('BOUNDARY', 'INITIALCONDITIONS')
         if (is_rotated(scope)) then
           call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
-            'turned is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
+            'rotated is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
         text = first_row(cards, work, row, scope, merge(scope%element_shift, scope%node_shift, &

@@ -177,17 +177,17 @@ contains
       i = i + min(FIELDS, n - i)
     end do
     if (i < n .and. is_ok) call report_error(reader, reader%cards%cards(c)%line, count_name // ' is ' // to_text(n) // &
-      ', but there is room for only ' // to_text(i) // ' in the data lines, eight in each.')
+      ', but the data lines hold only ' // to_text(i) // ', eight in each.')
   end subroutine read_user_constants
 
 
-  !> Tells fields beyond the last one that is read.
+  !> Reports fields beyond the last one that is read.
   subroutine check_n_fields(reader, row, n)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     integer, intent(in) :: n                     !< fields that are read
     if (row%n > n) call report_error(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // &
-      to_text(n) // ' can stand here.')
+      to_text(n) // ' are allowed here.')
   end subroutine check_n_fields
 
 

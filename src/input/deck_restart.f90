@@ -206,8 +206,8 @@ contains
           comment = ''
           if (cards%cards(c)%key == 'HEADING') comment = '** '
           if (.not. is_one_of(cards%cards(c)%key, CARDS_BEFORE_STEPS)) call messages%add(joined%n_lines + 1, 'The card *' // &
-            cards%cards(c)%key // ' cannot stand before the steps of a deck that goes on from a restart file: the model ' // &
-            'comes from there.')
+            cards%cards(c)%key // ' is not allowed before the steps of a deck that continues from a restart file: the model ' // &
+            'comes from that file.')
           call read_parameters(cards, cards%cards(c), parameters)
           if (cards%cards(c)%key == 'AMPLITUDE' .and. parameter_text(parameters, 'DEFINITION') == 'USER') &
             call messages%add(joined%n_lines + 1, 'An amplitude of the user must be in the deck of the old job: its ' // &

@@ -596,7 +596,7 @@ contains
       if (has_parameter(parameters, 'REMOVE')) cycle       ! read with its step
       if (reader%step_of_card(c) > 0) call report_error(reader, reader%cards%cards(c)%line, &
         'Equations hold from the start of the ' // &
-        'job: *EQUATION must stand before the first step; in a step it stands with REMOVE.')
+        'job: *EQUATION must be before the first step; in a step it needs REMOVE.')
       do while (next_row(reader%cards, row))
         line = row%line
         is_ok = .true.

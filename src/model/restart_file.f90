@@ -112,7 +112,7 @@ contains
       if (status == 0) status = status_of_close
     end if
     if (status /= 0) then
-      call set_error(error, EXIT_IO, 'Cannot write the file ' // archive%path // ': there is no room, or it is not there.')
+      call set_error(error, EXIT_IO, 'Cannot write the file ' // archive%path // ': no disk space, or the file does not exist.')
       return
     end if
     archive%end = archive%end + 8_I64 * size(record, kind=I64)

@@ -216,7 +216,7 @@ contains
     select case (open_c(path // c_null_char, message, len(message), routines%handle))
     case (LIBRARY_OPENED)
     case (LIBRARY_NOT_FOUND)
-      call set_error(error, EXIT_IO, who // 'are not there: no such file.')
+      call set_error(error, EXIT_IO, who // 'do not exist: no such file.')
     case (LIBRARY_NOT_COMPILED)
       call set_error(error, EXIT_IO, who // 'do not compile:' // NEWLINE // text_before_null(message))
     case (LIBRARY_NOT_LOADED)

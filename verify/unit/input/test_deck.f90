@@ -683,7 +683,7 @@ contains
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;nix,3,1.;' // STEP_END, 'node set ''nix''')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;TOP,3,1.,2.;' // STEP_END, '4 values')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD,FOLLOWER;TOP,3,1.;' // STEP_END, 'direction')
-    call expect_error(suite, MODEL_PART // '*CLOAD;TOP,3,1.;' // STEP_PART, 'must stand in a step')
+    call expect_error(suite, MODEL_PART // '*CLOAD;TOP,3,1.;' // STEP_PART, 'must be in a step')
   end subroutine test_cload
 
 
@@ -782,7 +782,7 @@ contains
     call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC;.1,1.;' // STEP_END, 'Use *STATIC')
     call expect_error(suite, MODEL_PART // STEP_START // STEP_PART, 'no *END STEP')
     call expect_error(suite, MODEL_PART // STEP_START, 'no *END STEP')
-    call expect_error(suite, MODEL_PART // STEP_PART // STEP_END, 'must stand in a step')
+    call expect_error(suite, MODEL_PART // STEP_PART // STEP_END, 'must be in a step')
     call expect_error(suite, MODEL_PART // '*STEP,INC=0;*STATIC;' // STEP_END, 'INC must be')
     call expect_error(suite, MODEL_PART // STEP_START // '*HEADING;' // STEP_END, 'before the first step')
     call expect_error(suite, MODEL_PART // STEP_START // STEP_END // 'text;', 'takes no data', 'text')
@@ -869,7 +869,7 @@ contains
       LINE_SEARCH_NONE]))
     call expect_error(suite, MODEL_PART // STEP_START // '*LINE SEARCH;' // STEP_END, 'TYPE=')
     call expect_error(suite, MODEL_PART // STEP_START // '*LINE SEARCH, TYPE=ARMIJO;' // STEP_END, 'ARMIJO')
-    call expect_error(suite, MODEL_PART // '*LINE SEARCH, TYPE=ALL;' // STEP_PART, 'must stand in a step')
+    call expect_error(suite, MODEL_PART // '*LINE SEARCH, TYPE=ALL;' // STEP_PART, 'must be in a step')
   end subroutine test_line_search
 
 

@@ -170,7 +170,7 @@ contains
     call suite%that('all bound, with axes', all(model%nonlinear_mpcs(1)%is_bound) .and. allocated(model%nonlinear_mpcs(1)%axes))
     call read_good(COUPLING // '*DISTRIBUTING;1,4;', model)
     call suite%that('distributing', all(model%distributing_couplings(1)%is_bound .eqv. [.true., .false., .false.]))
-    call expect_error(COUPLING // '*MPC;PIN, 1, 2;', 'must stand')
+    call expect_error(COUPLING // '*MPC;PIN, 1, 2;', 'must be followed by')
     call expect_error(COUPLING // '*KINEMATIC;4,6;', 'at least one of the degrees of freedom 1 to 3')
     call expect_error(COUPLING // '*KINEMATIC;3,7;', '1 to 6')
     call expect_error('*COUPLING, REF NODE=90, SURFACE=NIX;*KINEMATIC;', 'no surface ''NIX''')
