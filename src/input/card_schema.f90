@@ -106,7 +106,7 @@ contains
   end subroutine add_card
 
 
-  !> Says of the last card where the two dialects differ.
+  !> Adds the difference between the two dialects to the last card.
   subroutine add_dialect_note(self, sentence)
     class(card_table_type), intent(inout) :: self
     character(*), intent(in) :: sentence
@@ -155,7 +155,7 @@ contains
   end subroutine add_option
 
 
-  !> Names values of the last parameter that exist in other programs but not here.
+  !> Rejects values of the last parameter that exist in other programs but not here.
   subroutine reject_words(self, words, message)
     class(card_table_type), intent(inout) :: self
     character(*), intent(in) :: words            !< separated by |
@@ -338,7 +338,7 @@ contains
   end subroutine check_word
 
 
-  !> Tells required parameters that are missing.
+  !> Reports missing required parameters.
   subroutine check_required(entry, parameters, line, messages)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(in) :: parameters(:)
@@ -492,7 +492,7 @@ contains
   end subroutine render_card_table
 
 
-  !> One card that is read and obeyed.
+  !> One supported card.
   subroutine render_card(table, entry, text)
     type(card_table_type), intent(in) :: table
     type(card_entry_type), intent(in) :: entry

@@ -313,7 +313,7 @@ contains
   end subroutine include_path
 
 
-  !> Whether including a file from another would run in a circle.
+  !> Whether including a file from another would be circular.
   pure function is_circular(cards, file, path) result(is_circle)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: file                  !< including file
@@ -474,7 +474,7 @@ contains
   end subroutine line_bounds
 
 
-  !> Moves first and last inward over blanks.
+  !> Moves first and last inward past blanks.
   pure subroutine trim_positions(text, first, last)
     character(*), intent(in) :: text
     integer(I64), intent(inout) :: first, last
@@ -732,7 +732,7 @@ contains
   end subroutine field_real
 
 
-  !> Adds a remark. Cost: amortised constant.
+  !> Adds a message. Cost: amortised constant.
   subroutine add_message(self, line, text, is_warning)
     class(deck_messages_type), intent(inout) :: self
     integer, intent(in) :: line                  !< line of the deck (all files counted through); 0: none
@@ -803,7 +803,7 @@ contains
   end function original_line
 
 
-  !> Hands one remark over, with the chain of includes that leads to it.
+  !> Publishes one message, with the chain of includes that leads to its line.
   subroutine publish_message(cards, message, diagnostics)
     type(cards_type), intent(in) :: cards
     type(deck_message_type), intent(in) :: message

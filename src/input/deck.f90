@@ -89,7 +89,7 @@ contains
   end subroutine read_deck_text
 
 
-  !> From cards to model. Names are known before they are used: the order of the cards in the model does not matter.
+  !> From cards to model. Names are collected before use: the order of the cards in the model does not matter.
   subroutine read_model(reader, options, model, diagnostics, error)
     type(reader_type), intent(inout) :: reader
     type(job_options_type), intent(in) :: options
@@ -393,7 +393,7 @@ contains
   end subroutine check_perturbations
 
 
-  !> Makes each linear step of a linear model one increment.
+  !> Solves each linear step of a linear model in one increment.
   pure subroutine set_single_increments(model)
     type(model_type), intent(inout) :: model
     integer :: i

@@ -175,7 +175,7 @@ contains
   end subroutine read_pieces
 
 
-  !> One piece, if it is one.
+  !> Reads one piece, if the row defines one.
   subroutine add_piece(reader, row, word, from, x, profile, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -208,7 +208,7 @@ contains
   end subroutine add_piece
 
 
-  !> FILLET RADIUS: corners between lines become arcs that both lines run into smoothly.
+  !> FILLET RADIUS: corners between lines become tangent arcs.
   subroutine apply_fillets(reader, c, radius, profile)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c

@@ -309,7 +309,7 @@ contains
   end subroutine read_properties
 
 
-  !> A parameter that counts; 0 if it is not there.
+  !> A counting parameter; 0 if absent.
   pure integer function parameter_count(parameters, name) result(n)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: name
@@ -588,8 +588,8 @@ contains
   end function find_pair
 
 
-  !> What a step changes: CHANGE FRICTION, CHANGE SURFACE BEHAVIOR and the cards below them, MODEL CHANGE, CONTACT
-  !! INTERFERENCE. What is changed stays so in later steps, but an interference is of one step.
+  !> Changes in a step: CHANGE FRICTION, CHANGE SURFACE BEHAVIOR and the cards below them, MODEL CHANGE, CONTACT
+  !! INTERFERENCE. Changes persist in later steps, but an interference applies to one step.
   subroutine read_contact_change(reader, model, c, interaction, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model

@@ -62,7 +62,7 @@ contains
   end subroutine read_transforms
 
 
-  !> The six coordinates of a rule, in the next row.
+  !> The six coordinates of a local system, in the next row.
   subroutine read_coordinate_system(reader, row, rule, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -424,7 +424,7 @@ contains
   end subroutine read_kinematic
 
 
-  !> The rule of an ORIENTATION card by its name.
+  !> The local system of an ORIENTATION card by its name.
   subroutine find_orientation(reader, c, name, rule, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card that names it
@@ -447,7 +447,7 @@ contains
   end subroutine find_orientation
 
 
-  !> KINEMATIC: the nodes of the surface move with the reference node in the directions bound.
+  !> KINEMATIC: the nodes of the surface move with the reference node in the constrained directions.
   subroutine add_kinematic(reader, model, c, reference, surface, is_bound)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -483,7 +483,7 @@ contains
   end subroutine set_mpc_axes
 
 
-  !> TIE: slave surface, master surface; both of them one from the start.
+  !> TIE: slave surface, master surface; tied from the start.
   subroutine read_tie(reader, model, c)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -594,7 +594,7 @@ contains
   end subroutine read_pretension
 
 
-  !> PRE-TENSION SECTION of a truss: it ends at a node of its own, off its second node along its axis.
+  !> PRE-TENSION SECTION of a truss: the truss gets a new end node, with an offset from its second node along its axis.
   subroutine pretension_truss(reader, model, c, name, pilot, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -742,7 +742,7 @@ contains
   end subroutine restrict_to_face_elements
 
 
-  !> Gives elements nodes of their own on a surface, in the order of its faces; the nodes of all surfaces follow.
+  !> Gives elements duplicate nodes on a surface, in the order of its faces; the nodes of all surfaces follow.
   subroutine split_body(model, side, surface, partner)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: side(:)               !< elements

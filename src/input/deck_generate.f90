@@ -21,7 +21,7 @@ module amontons_deck_generate
 
 contains
 
-  !> Writes the generating cards out; a deck without them stays as it is.
+  !> Expands the generating cards; a deck without them is unchanged.
   subroutine generate_mesh(cards, messages)
     type(cards_type), intent(inout) :: cards
     type(deck_messages_type), intent(inout) :: messages
@@ -61,7 +61,7 @@ contains
   end subroutine generate_mesh
 
 
-  !> One line as it is.
+  !> Copies one line unchanged.
   subroutine copy_line(cards, line, expanded)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: line
@@ -114,7 +114,7 @@ contains
   end subroutine generate
 
 
-  !> Tells parameters that the card does not have.
+  !> Reports unknown parameters.
   subroutine check_generator_parameters(cards, c, parameters, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -320,7 +320,7 @@ contains
   end subroutine copy_nodes
 
 
-  !> The reals of a row; those that are missing stay.
+  !> The reals of a row; missing ones keep their value.
   subroutine read_reals(cards, row, values)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row
@@ -505,7 +505,7 @@ contains
   end subroutine write_line
 
 
-  !> An integer of a row, or a remark.
+  !> An integer of a row, or a message.
   subroutine read_number(cards, row, i, messages, number, is_ok, default)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row
@@ -544,7 +544,7 @@ contains
   end subroutine read_node_point
 
 
-  !> A real parameter, or a remark.
+  !> A real parameter, or a message.
   subroutine read_value(cards, c, parameters, key, default, messages, value)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c

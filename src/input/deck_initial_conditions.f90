@@ -247,7 +247,7 @@ contains
   end subroutine read_initial_conditions
 
 
-  !> Rows: element or element set, seven STATEV; then eight in a line until the material of the elements has enough.
+  !> Rows: element or element set, seven STATEV; then eight in a line up to the number of the material.
   subroutine read_initial_variables(reader, row, model)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -292,7 +292,7 @@ contains
   end subroutine read_initial_variables
 
 
-  !> Row: node or node set, temperature; gradients of shells may follow and are passed over.
+  !> Row: node or node set, temperature; gradients of shells may follow and are ignored.
   subroutine read_initial_temperature(reader, row, model)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -392,7 +392,7 @@ contains
   end subroutine propagate_temperatures
 
 
-  !> What the temperatures of a step that ends early have reached.
+  !> Values of the temperatures of a step that ends early.
   subroutine truncate_temperatures(thermal, fraction)
     type(active_temperatures_type), intent(inout) :: thermal
     real(DP), intent(in) :: fraction             !< of the step that was done [-]
@@ -405,7 +405,7 @@ contains
   end subroutine truncate_temperatures
 
 
-  !> TEMPERATURE in the present step.
+  !> TEMPERATURE in the current step.
   subroutine read_temperature(reader, model, c, thermal)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -467,7 +467,7 @@ contains
   end subroutine set_temperature
 
 
-  !> The list of the present step.
+  !> The list of the current step.
   subroutine get_step_temperatures(thermal, temperatures)
     type(active_temperatures_type), intent(in) :: thermal
     type(temperature_type), allocatable, intent(out) :: temperatures(:)

@@ -23,7 +23,7 @@ module amontons_deck_loads
 
 contains
 
-  !> Tells that CalculiX loads what a set names twice two times.
+  !> Reports that CalculiX applies a load twice to a member that a set names twice.
   subroutine report_set_repeats(reader, row, names, has_repeats)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -41,7 +41,7 @@ contains
   end subroutine report_set_repeats
 
 
-  !> BOUNDARY in the model (step 0) or in the present step.
+  !> BOUNDARY in the model (step 0) or in the current step.
   subroutine read_boundary(reader, model, c, step, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -106,7 +106,7 @@ contains
   end subroutine read_boundary_row
 
 
-  !> Where a degree of freedom is: 4 to 6 of a reference node are the displacements of its rotation node.
+  !> The node and direction of a degree of freedom: 4 to 6 of a reference node are the displacements of its rotation node.
   subroutine map_dof(model, node, dof, place, dof_there)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node, dof             !< 1 to 6
@@ -185,7 +185,7 @@ contains
   end subroutine read_support_word
 
 
-  !> CLOAD in the present step.
+  !> CLOAD in the current step.
   subroutine read_cload(reader, model, c, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -226,7 +226,7 @@ contains
   end subroutine read_cload
 
 
-  !> DLOAD or DSLOAD in the present step.
+  !> DLOAD or DSLOAD in the current step.
   subroutine read_dload(reader, model, c, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -477,7 +477,7 @@ contains
   end subroutine add_region_load
 
 
-  !> The direction of a load on volumes, and for CENTRIF a point of its axis before it.
+  !> The direction of a load on volumes, preceded by a point of the axis for CENTRIF.
   subroutine read_axis(reader, model, row, place, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -527,7 +527,7 @@ contains
   end subroutine read_axis
 
 
-  !> Tells materials without a density in elements that gravity or rotation acts on.
+  !> Reports materials without a density in elements under gravity or rotation.
   subroutine check_density(reader, model, row, elements)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model

@@ -116,7 +116,7 @@ contains
   end function is_repeated_law
 
 
-  !> Whether a card is one that we do not read.
+  !> Whether a card is rejected.
   pure function is_rejected_card(reader, c) result(is_so)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -192,7 +192,7 @@ contains
   end subroutine read_user_material
 
 
-  !> DEPVAR: the number of the STATEV. Lines that name them are passed over.
+  !> DEPVAR: the number of the STATEV. Lines that name them are ignored.
   subroutine read_depvar(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -349,7 +349,7 @@ contains
   end subroutine read_elastic
 
 
-  !> Tells E and nu that are out of bounds.
+  !> Reports E and nu out of bounds.
   subroutine check_isotropic(reader, c, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -398,7 +398,7 @@ contains
   end subroutine convert_constants
 
 
-  !> Tells an elasticity matrix that is not positive definite, by Cholesky's factors.
+  !> Reports an elasticity matrix that is not positive definite, by Cholesky's factors.
   subroutine check_definite(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -522,7 +522,7 @@ contains
 
   contains
 
-    !> Puts the curve of one temperature away.
+    !> Stores the curve of one temperature.
     subroutine close_curve()
       integer :: k
       if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
@@ -580,7 +580,7 @@ contains
   end subroutine read_creep
 
 
-  !> HYPERELASTIC: constants into the order of the kind; D1 = 0 becomes 0.1/G.
+  !> HYPERELASTIC: constants in the order of the kind; D1 = 0 becomes 0.1/G.
   subroutine read_hyperelastic(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -644,7 +644,7 @@ contains
   end subroutine read_order
 
 
-  !> Checks the shear modulus at rest, and replaces a first volumetric constant of zero.
+  !> Checks the initial shear modulus, and replaces a first volumetric constant of zero.
   subroutine complete_hyperelastic(reader, c, kind, order, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c

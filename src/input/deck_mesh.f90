@@ -119,7 +119,7 @@ contains
   end subroutine merge_repeated_nodes
 
 
-  !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
+  !> One node: number, x, y, z; missing coordinates are zero. Up to three further values (a normal) are ignored.
   subroutine read_node(reader, row, system, mesh, line)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -172,7 +172,7 @@ contains
   end function count_rows
 
 
-  !> Tells numbers that are given twice.
+  !> Reports duplicate numbers.
   subroutine report_duplicate_labels(reader, table, label, line, what)
     type(reader_type), intent(inout) :: reader
     type(label_table_type), intent(in) :: table
@@ -547,7 +547,7 @@ contains
   end subroutine build_mesh
 
 
-  !> Tells elements without a section, once for each ELEMENT card.
+  !> Reports elements without a section, once for each ELEMENT card.
   subroutine report_missing_sections(reader, draft)
     type(reader_type), intent(inout) :: reader
     type(element_draft_type), intent(in) :: draft
@@ -574,7 +574,7 @@ contains
   end subroutine report_missing_sections
 
 
-  !> Elements of kinds that we do not have, card by card: a note if they are lines or faces of solids without a section,
+  !> Elements of unsupported kinds, card by card: a note if they are lines or faces of solids without a section,
   !! else an error.
   subroutine report_omitted_elements(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
@@ -621,7 +621,7 @@ contains
   end subroutine report_omitted_elements
 
 
-  !> Tells an element type that we do not have, and what to use instead.
+  !> Reports an unsupported element type, with a replacement.
   subroutine report_unsupported_type(reader, c, type)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -689,7 +689,7 @@ contains
   end function begins_with
 
 
-  !> Turns the members of the element sets from drafts to elements of the mesh.
+  !> Converts the members of the element sets from drafts to elements of the mesh.
   subroutine map_set_members(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(inout) :: mesh

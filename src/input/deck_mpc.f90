@@ -45,7 +45,7 @@ contains
   end subroutine read_mpc
 
 
-  !> How many nodes a field names: those of a set, else one.
+  !> The number of nodes that a field names: those of a set, else one.
   pure integer function count_field_nodes(reader, model, row, i) result(n)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
@@ -225,7 +225,7 @@ contains
   end subroutine add_beam
 
 
-  !> TIE, PIN: the first node moves as the second.
+  !> TIE, PIN: the first node has the displacements of the second.
   subroutine add_pin(reader, model, line, nodes)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -360,7 +360,7 @@ contains
   end subroutine find_coupling_node
 
 
-  !> Gives the ties with CYCLIC SYMMETRY their turn. Before: ties are read.
+  !> Sets the rotation of the ties with CYCLIC SYMMETRY. Ties must be read.
   subroutine read_cyclic_symmetry(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -423,7 +423,7 @@ contains
   end subroutine read_sector_card
 
 
-  !> The matrix that turns by an angle about an axis through the origin (Rodrigues).
+  !> The rotation matrix of an angle about an axis through the origin (Rodrigues).
   pure function rotation_matrix(axis, angle) result(turn)
     real(DP), intent(in) :: axis(3)              !< unit vector
     real(DP), intent(in) :: angle                !< [rad]

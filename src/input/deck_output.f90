@@ -110,7 +110,7 @@ contains
   end subroutine read_print
 
 
-  !> Which slave nodes a CONTACT PRINT is of: NSET, SLAVE, MASTER.
+  !> The slave nodes of a CONTACT PRINT: NSET, SLAVE, MASTER.
   subroutine read_contact_choice(reader, c, parameters, request)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -125,7 +125,7 @@ contains
 
   contains
 
-    !> An error if the parameter names what is not there.
+    !> Reports a parameter that names an unknown object.
     subroutine report_unknown(parameter, what, found)
       character(*), intent(in) :: parameter, what
       integer, intent(in) :: found
@@ -188,7 +188,7 @@ contains
   end subroutine read_section_print
 
 
-  !> The variables of a PRINT card; of long names such as CDISP the first four letters count.
+  !> The variables of a PRINT card; long names such as CDISP are matched by their first four letters.
   subroutine read_variables(reader, row, known, variables)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -320,7 +320,7 @@ contains
   end subroutine read_file_request
 
 
-  !> The field that a component is of: RF of RF3, S of S12.
+  !> The field of a component: RF of RF3, S of S12.
   pure function strip_digits(word) result(field)
     character(*), intent(in) :: word
     character(:), allocatable :: field
@@ -418,7 +418,7 @@ contains
   end subroutine read_times
 
 
-  !> GENERATE: first time, last time, distance; the last time is always among them.
+  !> GENERATE: first time, last time, distance; the last time is always included.
   subroutine generate_times(reader, row, times)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -454,7 +454,7 @@ contains
   end subroutine find_time_points
 
 
-  !> The times of a list that lie in a step; not allocated without a list.
+  !> The times of a list that lie in a step; unallocated without a list.
   subroutine times_in_step(reader, list, total_time, period, times)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: list                  !< index into reader%time_lists; 0: none

@@ -48,7 +48,7 @@ module amontons_deck_parts
     logical :: is_used = .false.
   end type part_type
 
-  !> The work.
+  !> The state of the flattening.
   type :: flattening_type
     type(cards_type) :: flat                     !< what is written
     type(part_type), allocatable :: parts(:)
@@ -158,7 +158,7 @@ contains
   end subroutine begin_part
 
 
-  !> A new instance: its part, and how it is moved.
+  !> A new instance: its part and its position.
   subroutine begin_instance(cards, c, work, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c                     !< its INSTANCE card
@@ -306,7 +306,7 @@ contains
   end function largest_label
 
 
-  !> Writes all cards: those of the model as they are but for INSTANCE.NUMBER, an instance with the cards of its part.
+  !> Writes all cards: those of the model unchanged except INSTANCE.NUMBER, an instance with the cards of its part.
   subroutine write_flat(cards, work, messages)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -439,7 +439,7 @@ contains
   end function is_rotated
 
 
-  !> A name or a number as the model calls it: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
+  !> A name or a number in terms of the model: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
   function qualified_reference(work, scope, text, shift) result(taken)
     type(flattening_type), intent(in) :: work
     type(instance_type), intent(in) :: scope
@@ -572,7 +572,7 @@ contains
   end function has_key
 
 
-  !> The nodes of an element type; 0 if it is not known.
+  !> The number of nodes of an element type; 0: unknown type.
   integer function n_nodes_of_type(type) result(n)
     character(*), intent(in) :: type
     type(element_kind_type) :: entry
@@ -591,7 +591,7 @@ contains
   end function n_nodes_of_type
 
 
-  !> A point of a part where the instance has it.
+  !> Transforms a point of a part to its position in the instance.
   pure function placed_point(scope, x) result(place)
     type(instance_type), intent(in) :: scope
     real(DP), intent(in) :: x(3)
@@ -668,7 +668,7 @@ contains
   end subroutine element_row
 
 
-  !> A row of numbers and names of sets; of a range the step stays.
+  !> A row of numbers and names of sets; the increment of a range is unchanged.
   function set_row(cards, work, row, scope, is_range, shift) result(text)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(in) :: work
@@ -715,7 +715,7 @@ contains
   end function first_row
 
 
-  !> The local axes of an analytic surface that begins with START: those of the part, where the instance has them.
+  !> The local axes of an analytic surface that begins with START: those of the part, transformed to the instance.
   subroutine write_axes(cards, work, c, row, scope)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -738,7 +738,7 @@ contains
   end subroutine write_axes
 
 
-  !> A row of an analytic surface: points of axes, and those of a profile in the plane, where the instance has them.
+  !> A row of an analytic surface: points of axes, and those of a profile in the plane, transformed to the instance.
   function profile_row(cards, row, scope, is_flat) result(text)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row

@@ -73,7 +73,7 @@ contains
   end function is_card
 
 
-  !> Tells an error.
+  !> Reports an error.
   subroutine report_error(reader, line, text)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< line of the deck; 0: none
@@ -82,7 +82,7 @@ contains
   end subroutine report_error
 
 
-  !> Tells a note.
+  !> Reports a note.
   subroutine report_note(reader, line, text)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< line of the deck; 0: none
@@ -121,7 +121,7 @@ contains
   end subroutine read_real
 
 
-  !> How numbers are written, for a field that is more than one.
+  !> The number format, for a field with more than one value.
   pure function suggest_commas(field) result(hint)
     character(*), intent(in) :: field
     character(:), allocatable :: hint
@@ -284,7 +284,7 @@ contains
   end subroutine find_amplitude
 
 
-  !> Tells a name that is too long.
+  !> Reports a name that is too long.
   subroutine check_name(reader, c, name)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card

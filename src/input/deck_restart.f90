@@ -119,7 +119,7 @@ contains
   end function parameter_integer
 
 
-  !> The lines and cards of a text; what it includes is in place already.
+  !> The lines and cards of a text; its includes are already in place.
   subroutine read_lines(text, cards)
     character(*), intent(in) :: text
     type(cards_type), intent(out) :: cards
@@ -175,7 +175,7 @@ contains
   end function card_line
 
 
-  !> Copies lines as they are.
+  !> Copies lines unchanged.
   subroutine copy_lines(from, first, last, shift, to)
     type(cards_type), intent(in) :: from
     integer, intent(in) :: first, last             !< lines

@@ -112,7 +112,7 @@ contains
   end subroutine resolve_family
 
 
-  !> Hands the sets over.
+  !> Moves the sets to the model.
   subroutine store_sets(family, sets)
     type(set_family_type), intent(inout) :: family
     type(set_type), allocatable, intent(out) :: sets(:)
@@ -290,7 +290,7 @@ contains
   end subroutine add_element_nodes
 
 
-  !> Rows of numbers and of names of sets, which are resolved already.
+  !> Rows of numbers and of names of sets already resolved.
   subroutine add_rows(reader, row, family, s, members)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row

@@ -200,7 +200,7 @@ contains
   end subroutine read_directions
 
 
-  !> Rows of constant, a field that is passed over, temperature.
+  !> Rows of constant, an ignored field, temperature.
   subroutine read_spring_constants(reader, row, spring, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -347,7 +347,7 @@ contains
   end subroutine read_gap_element
 
 
-  !> Reads all DIST of MPC cards. Before: nodes, sets, materials and springs are read; the elements are drafts.
+  !> Reads all DIST of MPC cards. Nodes, sets, materials and springs must be read; the elements are drafts.
   subroutine read_distance_limits(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -415,7 +415,7 @@ contains
   end function max_modulus
 
 
-  !> One more element among the drafts, with the next label.
+  !> Appends an element to the drafts, with the next label.
   subroutine append_draft(draft, c, line, nodes, spring)
     type(element_draft_type), intent(inout) :: draft
     integer, intent(in) :: c, line, nodes(2)

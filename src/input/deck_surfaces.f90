@@ -150,7 +150,7 @@ contains
   end subroutine read_amplitude_definition
 
 
-  !> The numbers of a formula as amplitude_type has them; not allocated if they are not as they should be.
+  !> The constants of a formula in the order of amplitude_type; unallocated if they are invalid.
   pure subroutine order_formula_constants(definition, numbers, amplitude)
     character(*), intent(in) :: definition       !< PERIODIC, MODULATED or DECAY
     real(DP), intent(in) :: numbers(:)
@@ -251,7 +251,7 @@ contains
   end function parameter_real
 
 
-  !> Cards with TIME DELAY get an amplitude of their own that runs later.
+  !> Gives cards with TIME DELAY a shifted copy of their amplitude.
   subroutine delay_amplitudes(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -391,7 +391,7 @@ contains
   end subroutine rename_node_surface
 
 
-  !> A surface of nodes; a second field (area) is passed over.
+  !> A surface of nodes; a second field (area) is ignored.
   subroutine read_surface_nodes(reader, mesh, c, stamp, surface)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -479,7 +479,7 @@ contains
   end subroutine read_surface_faces
 
 
-  !> A row without a face: of solids their free faces, of faces that a mesh generator wrote the element faces under them.
+  !> A row without a face: the free faces of solids; for faces written by a mesh generator the element faces under them.
   subroutine add_free_faces(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -662,7 +662,7 @@ contains
   end subroutine read_terms
 
 
-  !> Puts the nodes of the last term: one for all copies of the equation, or one for each.
+  !> Stores the nodes of the last term: one for all copies of the equation, or one for each.
   subroutine store_term_nodes(reader, line, nodes, terms, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
@@ -688,7 +688,7 @@ contains
   end subroutine store_term_nodes
 
 
-  !> Makes one equation: terms of the same degree of freedom are added up.
+  !> Builds one equation: terms of the same degree of freedom are summed.
   subroutine merge_terms(reader, terms, copy, line, equation)
     type(reader_type), intent(inout) :: reader
     type(terms_type), intent(in) :: terms
@@ -723,7 +723,7 @@ contains
   end subroutine merge_terms
 
 
-  !> Terms of transformed nodes become terms in the global directions.
+  !> Transforms terms of nodes with local directions to the global directions.
   subroutine transform_terms(model, equation)
     type(model_type), intent(in) :: model
     type(equation_type), intent(inout) :: equation

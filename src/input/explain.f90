@@ -28,7 +28,7 @@ module amontons_explain
 
 contains
 
-  !> The whole explanation. Before: the deck has been read, with or without errors.
+  !> The complete explanation. The deck must be read, with or without errors.
   subroutine explain_cards(reader, model, text)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
@@ -173,7 +173,7 @@ contains
   end subroutine explain_data
 
 
-  !> What the reader remarked of some lines.
+  !> The messages of the reader for some lines.
   subroutine explain_remarks(reader, first, last, text)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: first, last             !< lines of the deck; 0, 0: no lines
@@ -190,7 +190,7 @@ contains
   end subroutine explain_remarks
 
 
-  !> How many elements of each kind, and how they are integrated.
+  !> The number of elements of each kind, and their integration.
   subroutine explain_elements(model, text)
     type(model_type), intent(in) :: model
     character(:), allocatable, intent(inout) :: text

@@ -40,14 +40,14 @@ module amontons_load_propagation
     integer :: next = 0                          !< next load at the same place
   end type active_load_type
 
-  !> Loads by what they act on.
+  !> Loads by their target.
   type :: load_list_type
     integer :: n = 0
     type(active_load_type), allocatable :: items(:)
     integer, allocatable :: head(:)              !< (keys) first load at it, 0 none
   end type load_list_type
 
-  !> Where a load on volumes, or a traction, acts, and how.
+  !> Region, type and direction of a load on volumes or of a traction.
   type :: load_region_type
     integer :: kind = DISTRIBUTED_GRAVITY        !< DISTRIBUTED_GRAVITY, _SPIN, _BODY or _TRACTION
     character(:), allocatable :: region          !< squeezed name or number
@@ -132,7 +132,7 @@ contains
 
   contains
 
-    !> One of them.
+    !> The same for one load.
     subroutine truncate_load(load)
       type(load_type), intent(inout) :: load
       if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
@@ -158,7 +158,7 @@ contains
   end subroutine freeze_load
 
 
-  !> Keeps the loads that are not zero, and closes the gaps in the list.
+  !> Removes the zero loads, and compacts the list.
   subroutine freeze_load_list(model, period, total_time, forces)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period, total_time   !< [time]
@@ -320,7 +320,7 @@ contains
   end function is_same_region
 
 
-  !> The complete lists of what acts in the present step.
+  !> The complete lists of the loads active in the current step.
   subroutine get_step_loads(active_loads, prescribed, concentrated, distributed)
     type(active_loads_type), intent(in) :: active_loads
     type(prescribed_type), allocatable, intent(out) :: prescribed(:)

@@ -38,7 +38,7 @@ contains
   end subroutine lame_constants
 
 
-  !> Hooke's law at small strain, for every law: stress = lambda tr(strain) 1 + 2 G strain.
+  !> Hooke's law at small strain, for all elastic laws: stress = lambda tr(strain) 1 + 2 G strain.
   pure subroutine small_strain_stress(material, strain, stress, tangent, energy)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: strain(6)              !< small strain, tensor components [-]
@@ -100,7 +100,7 @@ contains
   end subroutine kirchhoff_stress
 
 
-  !> Whether a displacement gradient can be worked with.
+  !> Checks a displacement gradient: finite, bounded, not inverted.
   pure function check_gradient(H) result(status)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     integer :: status                              !< STRESS_...

@@ -20,7 +20,7 @@ module amontons_hyperelasticity
   private
   public :: principal_response_type, evaluate_rubber, evaluate_foam
 
-  !> Principal Kirchhoff stresses and what their tangent needs.
+  !> Principal Kirchhoff stresses and the data of their tangent.
   type :: principal_response_type
     real(DP) :: tau(3) = 0                         !< principal Kirchhoff stresses [stress]
     real(DP) :: slope(3, 3) = 0                    !< d tau_A/d e_B [stress]
@@ -166,7 +166,7 @@ contains
   end function power_derivatives
 
 
-  !> Arruda and Boyce's eight chains, five terms of the inverse Langevin function.
+  !> Arruda and Boyce's eight-chain model, five terms of the inverse Langevin function.
   pure subroutine differentiate_arruda_boyce(constants, i1, d)
     real(DP), intent(in) :: constants(:), i1
     type(invariant_derivatives_type), intent(inout) :: d
@@ -186,7 +186,7 @@ contains
   end subroutine differentiate_arruda_boyce
 
 
-  !> Takes the mean out of stresses and derivatives: the isochoric strains are the deviator of the strains.
+  !> Subtracts the mean from stresses and derivatives: the isochoric strains are the deviator of the strains.
   pure subroutine project_deviatoric(response)
     type(principal_response_type), intent(inout) :: response
     integer :: A

@@ -19,7 +19,7 @@ module amontons_integration_points
 
   real(DP), parameter :: TOL_SYMMETRIC = 1.0e-10_DP    !< a smaller skew part relative to the largest entry is rounding [-]
 
-  !> What is known at the integration points of one element; entries past its points are undefined. The past, the
+  !> Input and output at the integration points of one element; entries past its points are undefined. The history,
   !! temperatures and times are read only by history-dependent or user laws; plain elasticity leaves the history unchanged.
   type :: integration_points_type
     ! input: section, committed history, temperature
@@ -97,7 +97,7 @@ contains
   end subroutine split_unsymmetric_tangent
 
 
-  !> The history of a point into those of its element.
+  !> Copies the history of a point to that of its element.
   pure subroutine store_point_history(point, points, p)
     type(material_point_type), intent(in) :: point
     type(integration_points_type), intent(inout) :: points

@@ -55,7 +55,7 @@ module amontons_material_point
     real(DP) :: history(MAX_HISTORY)               !< at the end of the increment
   end type material_point_type
 
-  !> What a material is at the temperature of a point.
+  !> The material constants at the temperature of a point.
   type :: moduli_type
     real(DP) :: lambda = 0                         !< Lame's first constant of isotropic materials [stress]
     real(DP) :: G = 0                              !< shear modulus of isotropic materials [stress]
@@ -376,7 +376,7 @@ contains
   end subroutine evaluate_deformation_plasticity
 
 
-  !> The strain that is shown: ln(b)/2, or Green's under LAW_SAINT_VENANT.
+  !> The strain for output: ln(b)/2, or Green's under LAW_SAINT_VENANT.
   pure function evaluate_output_strain(material, H) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
