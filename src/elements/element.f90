@@ -28,7 +28,7 @@ module amontons_element
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of an element: the one place where each kind finds its kernel.
+  !> Internal force, point values and, if requested, the tangent of an element: selects the kernel of each kind.
   pure subroutine evaluate_element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material    !< springs and masses: not looked at

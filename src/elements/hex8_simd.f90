@@ -69,7 +69,7 @@ contains
   end function create_batch_rule
 
 
-  !> Whether an element can be computed here.
+  !> Whether this module supports an element.
   pure logical function is_batch_kind(kind, material, is_nlgeom)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material

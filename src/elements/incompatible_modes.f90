@@ -156,7 +156,7 @@ contains
   end subroutine condense_mode_amplitudes
 
 
-  !> Solves A x = b by elimination with row exchanges; both are spoiled, b becomes x.
+  !> Solves A x = b by elimination with row exchanges; A is overwritten, b becomes x.
   pure subroutine solve_with_pivoting(A, b, is_regular)
     real(DP), intent(inout) :: A(:, :), b(:, :)
     logical, intent(out) :: is_regular

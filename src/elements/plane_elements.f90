@@ -55,7 +55,7 @@ module amontons_plane_elements
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of an element.
+  !> Internal force, point values and, if requested, the tangent of an element.
   pure subroutine evaluate_plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_CPS..., KIND_CPE..., KIND_CAX...
     type(material_type), intent(in) :: material

@@ -314,7 +314,7 @@ contains
   end subroutine embedded_rule
 
 
-  !> The rule by which CalculiX integrates over the faces of elements, a facet kind or RULE_...; it has fewer points than ours
+  !> CalculiX's quadrature rule of an element face, a facet kind or RULE_...; it has fewer points than the default rule
   !! on wedges, on triangles, and on elements of reduced integration.
   pure integer function choose_face_rule(kind, facet, is_calculix) result(rule)
     integer, intent(in) :: kind                    !< KIND_... of the element

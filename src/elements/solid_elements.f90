@@ -38,7 +38,7 @@ module amontons_solid_elements
     .false., &
     .false., .false.]
 
-  !> How an element has moved: what its forces and its tangent need.
+  !> Kinematics of an element: deformation data for forces and tangent.
   type :: kinematics_type
     real(DP) :: gradient(MAX_ELEMENT_NODES, 3, MAX_ELEMENT_POINTS) !< dN_a/dx_j, current under NLGEOM [1/length]
     real(DP) :: mean(MAX_ELEMENT_NODES, 3)                 !< their mean over the (current) volume [1/length]
@@ -50,7 +50,7 @@ module amontons_solid_elements
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of an element in space.
+  !> Internal force, point values and, if requested, the tangent of a three-dimensional element.
   pure subroutine evaluate_solid_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_C3D...
     type(material_type), intent(in) :: material
@@ -168,7 +168,7 @@ contains
   end subroutine set_solid_temperature_weights
 
 
-  !> Forces, point values and, if wanted, the tangent of an element of a kind known to the compiler.
+  !> Forces, point values and, if requested, the tangent of an element of a kind known at compile time.
   pure subroutine evaluate_kernel(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind
     type(material_type), intent(in) :: material

@@ -23,7 +23,7 @@ module amontons_truss_spring_mass
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of a truss.
+  !> Internal force, point values and, if requested, the tangent of a truss.
   !!
   !! With the stretch s = |dx/dxi| / |dX/dxi| the energy is sum V W(s): force_a = sum V tau dN_a/dxi x' / |x'|^2, where
   !! tau = dW/d ln s is the Kirchhoff stress along it. Stress and strain are written as components xx, along the truss.

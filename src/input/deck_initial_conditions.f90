@@ -19,7 +19,7 @@ module amontons_deck_initial_conditions
   public :: active_temperatures_type, init_temperatures, propagate_temperatures, read_temperature, get_step_temperatures, &
     truncate_temperatures
 
-  integer, parameter :: DECK_VOIGT_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
+  integer, parameter :: DECK_VOIGT_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, the program xy yz xz
 
   !> The temperatures active at this point of the deck.
   type :: active_temperatures_type

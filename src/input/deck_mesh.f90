@@ -30,7 +30,7 @@ module amontons_deck_mesh
   type :: element_draft_type
     integer :: n = 0
     integer, allocatable :: label(:)             !< (n)
-    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: a kind that we do not have
+    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: unsupported kind
     integer, allocatable :: card(:)              !< (n) its ELEMENT card
     integer, allocatable :: line(:)              !< (n) its line
     integer, allocatable :: first(:)             !< (n + 1) start of its nodes

@@ -24,7 +24,7 @@ module amontons_logarithmic_strain
   type :: log_strain_axes_type
     real(DP) :: x(3)                               !< eigenvalues of C - 1 [-]
     real(DP) :: e(3)                               !< logarithmic strains [-]
-    real(DP) :: reference(3, 3)                    !< axes N_A in the reference placement, in columns
+    real(DP) :: reference(3, 3)                    !< axes N_A in the reference configuration, in columns
     real(DP) :: spatial_axes(3, 3)                        !< axes n_A = F N_A/lambda_A, in columns
   end type log_strain_axes_type
 

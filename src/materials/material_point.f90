@@ -294,7 +294,7 @@ contains
   end subroutine evaluate_strain_law
 
 
-  !> Turns a trial stress into the stress on the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
+  !> Returns a trial stress to the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
   !! tangent = K 1 1 + 2 G theta (I - 1 1/3) + 2 G (kappa - theta) N N, N the unit tensor along the trial deviator.
   pure subroutine return_to_yield_surface(material, moduli, point, status)
     type(material_type), intent(in) :: material
@@ -535,7 +535,7 @@ contains
   end subroutine evaluate_hencky
 
 
-  !> The return to the yield surface in principal values, as return_to_yield_surface.
+  !> Return mapping in principal values, as return_to_yield_surface.
   pure subroutine return_principal_stresses(material, moduli, e, point, response, flow, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -569,7 +569,7 @@ contains
   end subroutine return_principal_stresses
 
 
-  !> The inelastic strain after the flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
+  !> The inelastic strain after plastic flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
   pure subroutine store_inelastic_strain(principal, flow, point)
     type(principal_strains_type), intent(in) :: principal  !< of the trial b
     real(DP), intent(in) :: flow(3)                !< inelastic strains of the increment [-]
@@ -583,7 +583,7 @@ contains
   end subroutine store_inelastic_strain
 
 
-  !> The local axes of an orientation at a place. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
+  !> The local axes of an orientation at a point. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
   !! radial (global x or y where the place is on the axis).
   pure function evaluate_orientation(orientation, place) result(frame)
     type(orientation_type), intent(in) :: orientation
@@ -723,7 +723,7 @@ contains
   end subroutine evaluate_isochoric
 
 
-  !> Takes the flow out of the stress: tau = ... - (1 - theta) G dev x, with its tangent.
+  !> Subtracts the plastic flow from the stress: tau = ... - (1 - theta) G dev x, with its tangent.
   pure subroutine subtract_plastic_stress(x, G, J, back, point)
     type(principal_strains_type), intent(in) :: x          !< of J^(2/3) x
     real(DP), intent(in) :: G, J
@@ -744,7 +744,7 @@ contains
   end subroutine subtract_plastic_stress
 
 
-  !> Carries b and the back stress back to the reference placement: the history.
+  !> Pulls b and the back stress back to the reference configuration: the history.
   pure subroutine store_simo_history(F, J, b, k, point)
     real(DP), intent(in) :: F(3, 3)
     real(DP), intent(in) :: J

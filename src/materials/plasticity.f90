@@ -20,7 +20,7 @@ module amontons_plasticity
   real(DP), parameter :: TOL_YIELD = 1.0e-9_DP        !< a smaller relative excess over the yield stress is rounding [-]
   real(DP), parameter :: TOL_STRAIN_INCREMENT = 1.0e-13_DP    !< of a strain increment over its bracket [-]
 
-  !> What happens in an increment.
+  !> Result of the return mapping in an increment.
   type :: return_mapping_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
     real(DP) :: creep = 0                          !< dc, equivalent creep strain of the increment [-]
@@ -29,7 +29,7 @@ module amontons_plasticity
     real(DP) :: slope = 1                          !< kappa = 1 - 3 G d(dp + dc)/dq_trial [-]
   end type return_mapping_type
 
-  !> What flows where the elasticity is not isotropic.
+  !> Result of the return mapping with anisotropic elasticity.
   type :: anisotropic_return_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
     real(DP) :: stress(6) = 0                      !< [stress]
@@ -53,7 +53,7 @@ module amontons_plasticity
 
 contains
 
-  !> Whether a material yields or creeps.
+  !> Whether a material has plasticity or creep.
   pure function is_inelastic(material) result(is_true)
     type(material_type), intent(in) :: material
     logical :: is_true
@@ -342,7 +342,7 @@ contains
   end subroutine map_anisotropic_return
 
 
-  !> Stress and tangent after a plastic increment, and by how much it misses the yield surface.
+  !> Stress and tangent after a plastic increment, and the residual of the yield condition.
   pure subroutine evaluate_anisotropic_flow(material, C, e, temperature, p_old, p, solution, f, df)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: C(6, 6), e(6), temperature, p_old
@@ -384,7 +384,7 @@ contains
   end function deviatoric
 
 
-  !> B becomes M^-1 B, by Gauss's elimination with row exchange; M is lost.
+  !> B becomes M^-1 B, by Gaussian elimination with row exchange; M is overwritten.
   pure subroutine solve_voigt_system(M, B)
     real(DP), intent(inout) :: M(6, 6), B(6, 6)
     real(DP) :: row(6), factor

@@ -104,7 +104,7 @@ contains
   end subroutine evaluate_reduced_law
 
 
-  !> The tangent of a point that has no strain and no past: the elastic constants.
+  !> The tangent of an undeformed point without history: the elastic constants.
   pure subroutine evaluate_initial_tangent(condition, material, is_nlgeom, n, points, c)
     integer, intent(in) :: condition               !< CONDITION_...
     type(material_type), intent(in) :: material
@@ -152,7 +152,7 @@ contains
   end subroutine find_newton_correction
 
 
-  !> Takes the free strains and all shears across out of the tangent, one after the other.
+  !> Condenses the free strains and all transverse shears out of the tangent, one after the other.
   pure subroutine condense_tangent(first, c)
     integer, intent(in) :: first                   !< free are first to 3
     real(DP), intent(inout) :: c(6, 6)
@@ -170,7 +170,7 @@ contains
   end subroutine condense_tangent
 
 
-  !> The law itself.
+  !> Evaluates the law.
   pure subroutine evaluate_law(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
