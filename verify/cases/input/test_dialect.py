@@ -179,7 +179,7 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n1., 2., 3., 4.\n*END INSTANCE\n*END ASSEMBLY\n", "translation of three"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n\n0,0,0\n1.,1.,1.,1.,1.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "must differ"),
     (BRICK.replace("*END PART", "*BOUNDARY\n1, 1\n*END PART")
-     + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is turned"),
+     + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is rotated"),
     (BRICK.replace("*END PART", "*CYCLIC SYMMETRY MODEL\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
 ])
 def test_refused_parts(run_deck: Run, deck: str, told: str) -> None:
