@@ -1,4 +1,4 @@
-!> Lookup: names and labels to indices in constant time, lists that grow, and sorting of integers.
+!> Hash table of names, table of labels, growing list of integers, and integer sort.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_containers
   use amontons_kinds, only: NAME_LENGTH, I64
@@ -9,9 +9,9 @@ module amontons_containers
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
 
-  !> Names numbered 1, 2, ... in the order of their arrival; case, blanks and quotation marks do not count.
+  !> Names numbered 1, 2, ... in the order of insertion; case, blanks and quotation marks are ignored.
   type :: name_table_type
-    integer :: n = 0                                       !< names known
+    integer :: n = 0                                       !< number of names
     character(KEY_LENGTH), allocatable, private :: keys(:)
     integer, allocatable, private :: slots(:)              !< open addressing: index of a name, 0 free
   contains
@@ -23,10 +23,10 @@ module amontons_containers
     procedure, private :: double_slots
   end type name_table_type
 
-  !> Labels (positive numbers of the user) to indices 1 to n: a direct table where they lie dense, else a sorted list.
+  !> Maps labels (positive numbers of the user) to indices 1 to n: a direct table for dense labels, else a sorted list.
   type :: label_table_type
     integer, private :: low = 1                            !< label of direct(1)
-    integer, allocatable, private :: direct(:)             !< index of label low + i - 1, 0 none
+    integer, allocatable, private :: direct(:)             !< index of label low + i - 1; 0: no such label
     integer, allocatable, private :: sorted(:)             !< labels ascending
     integer, allocatable, private :: position(:)           !< their indices
   contains
@@ -76,7 +76,7 @@ contains
   end subroutine add_name
 
 
-  !> The number of a name; 0 if it is not known.
+  !> The number of a name; 0 if the table does not contain it.
   pure function find_name(self, name) result(position)
     class(name_table_type), intent(in) :: self
     character(*), intent(in) :: name
@@ -89,7 +89,7 @@ contains
   end function find_name
 
 
-  !> The position of the name that was probably meant by one that is not known; 0: none is near.
+  !> The position of the known name nearest to an unknown one; 0: no name is near.
   pure integer function nearest_name(self, name) result(best)
     class(name_table_type), intent(in) :: self
     character(*), intent(in) :: name
@@ -108,7 +108,7 @@ contains
   end function nearest_name
 
 
-  !> How a sentence about a name that is not known ends: with the name that was meant, all names if they are few, or a full stop.
+  !> The end of a sentence about an unknown name: the nearest name, all names if there are few, or a full stop.
   function suggest_names(self, name) result(text)
     class(name_table_type), intent(in) :: self
     character(*), intent(in) :: name
@@ -134,7 +134,7 @@ contains
   end function suggest_names
 
 
-  !> How many letters are to be changed, put in, left out or exchanged with their neighbour to make one word of another
+  !> Edit distance of two words: letters to change, insert, delete or exchange with their neighbour
   !! (optimal string alignment).
   pure integer function edit_distance(one, other) result(distance)
     character(*), intent(in) :: one, other
@@ -157,7 +157,7 @@ contains
   end function edit_distance
 
 
-  !> The slot that holds a key, or the free one where it belongs (FNV-1a hash, linear probing).
+  !> The slot of a key, or the free slot for it (FNV-1a hash, linear probing).
   pure function find_slot(self, key) result(slot)
     class(name_table_type), intent(in) :: self
     character(KEY_LENGTH), intent(in) :: key
@@ -175,7 +175,7 @@ contains
   end function find_slot
 
 
-  !> Doubles the slots.
+  !> Doubles the number of slots.
   subroutine double_slots(self)
     class(name_table_type), intent(inout) :: self
     integer :: i, n_slots
@@ -188,7 +188,7 @@ contains
   end subroutine double_slots
 
 
-  !> Builds the table. A label that comes twice keeps its first index.
+  !> Builds the table. A repeated label keeps its first index.
   subroutine build_labels(self, labels)
     class(label_table_type), intent(out) :: self
     integer, intent(in) :: labels(:)             !< (n) all positive
@@ -212,7 +212,7 @@ contains
   end subroutine build_labels
 
 
-  !> The index of a label; 0 if it is not known.
+  !> The index of a label; 0 if the table does not contain it.
   pure function find_label(self, label) result(position)
     class(label_table_type), intent(in) :: self
     integer, intent(in) :: label
@@ -254,7 +254,7 @@ contains
   end subroutine add_integer
 
 
-  !> The items as an array of just their number.
+  !> The items as an array of exact size.
   pure function trimmed_integers(self) result(items)
     class(integer_list_type), intent(in) :: self
     integer, allocatable :: items(:)
@@ -266,7 +266,7 @@ contains
   end function trimmed_integers
 
 
-  !> Sorts ascending, stably, by merging runs bottom-up; carries a second array along. Cost: n log n.
+  !> Stable ascending merge sort, bottom-up; a second array is permuted with the keys. Cost: n log n.
   pure subroutine sort_integers(keys, companion)
     integer, intent(inout) :: keys(:)                  !< (n)
     integer, intent(inout), optional :: companion(:)   !< (n) moved as the keys are

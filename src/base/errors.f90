@@ -1,4 +1,4 @@
-!> Errors: one error object, the exit codes, and the list in which the reader collects what is wrong with a deck.
+!> Error object, exit codes, and the list of diagnostics of the input reader.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_errors
   implicit none
@@ -10,28 +10,28 @@ module amontons_errors
   integer, parameter :: EXIT_SUCCESS = 0            !< all steps done
   integer, parameter :: EXIT_USAGE = 2           !< wrong command line
   integer, parameter :: EXIT_DECK = 3            !< the deck has errors
-  integer, parameter :: EXIT_SETUP = 4           !< the model cannot stand: found by the audit before the first step
+  integer, parameter :: EXIT_SETUP = 4           !< the model check found an invalid or unsupported model before the first step
   integer, parameter :: EXIT_NOT_CONVERGED = 5   !< cut-backs exhausted; all converged increments are on disk
   integer, parameter :: EXIT_SOLVER = 6          !< linear solver or memory
   integer, parameter :: EXIT_IO = 7              !< reading or writing a file
-  integer, parameter :: EXIT_INTERNAL = 8        !< a mistake of the program itself
+  integer, parameter :: EXIT_INTERNAL = 8        !< internal error of the program
 
-  !> What went wrong. An unallocated error means that all is well.
+  !> An error. An unallocated error means success.
   type :: error_type
     integer :: code = EXIT_INTERNAL              !< one of EXIT_... above
-    character(:), allocatable :: message         !< whole sentences for a person
+    character(:), allocatable :: message         !< complete sentences for the user
   end type error_type
 
-  !> One remark of the reader about one card.
+  !> One diagnostic of the input reader about one card.
   type :: diagnostic_type
     logical :: is_warning = .false.              !< .true.: the job may run
-    character(:), allocatable :: file            !< file in which the card stands
+    character(:), allocatable :: file            !< file that contains the card
     integer :: line = 0                          !< its line there, counted from 1; 0 if none
     character(:), allocatable :: card            !< the line as written
     character(:), allocatable :: text            !< what is wrong and what is allowed
   end type diagnostic_type
 
-  !> All remarks of the reader, in the order found.
+  !> All diagnostics of the input reader, in the order found.
   type :: diagnostic_list_type
     type(diagnostic_type), allocatable :: items(:)
     integer :: n_items = 0
@@ -47,17 +47,17 @@ contains
   subroutine set_error(error, code, message)
     type(error_type), allocatable, intent(out) :: error   !< allocated on return
     integer, intent(in) :: code                           !< one of EXIT_...
-    character(*), intent(in) :: message                   !< whole sentences
+    character(*), intent(in) :: message                   !< complete sentences
     allocate (error)
     error%code = code
     error%message = message
   end subroutine set_error
 
 
-  !> Adds a remark to the list. Cost: amortised constant.
+  !> Adds a diagnostic to the list. Cost: amortised constant.
   subroutine add_diagnostic(self, file, line, card, text, is_warning)
     class(diagnostic_list_type), intent(inout) :: self
-    character(*), intent(in) :: file              !< file in which the card stands
+    character(*), intent(in) :: file              !< file that contains the card
     integer, intent(in) :: line                   !< line counted from 1; 0 if none
     character(*), intent(in) :: card              !< the line as written
     character(*), intent(in) :: text              !< what is wrong and what is allowed

@@ -1,7 +1,7 @@
-!> Failure: why an attempt at an increment failed, as a code with nodes and numbers; words are made of it elsewhere.
+!> Failure codes: why an attempt at an increment failed, with node labels and numbers. Other modules write the text.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! What the program decides after a failure, it decides by code and family. `failure_report` finds the code and makes the words.
+!! The program decides by code and family only. `failure_report` finds the code and writes the text.
 module amontons_failure
   use amontons_kinds, only: DP
   implicit none
@@ -16,24 +16,24 @@ module amontons_failure
 
   integer, parameter :: FAILURE_NONE = 0
   integer, parameter :: FAILURE_MATERIAL = 1       !< labels: the element that is inverted, or whose material has no answer
-  integer, parameter :: FAILURE_SINGULAR = 2       !< the tangent is singular
+  integer, parameter :: FAILURE_SINGULAR = 2       !< labels: the inverted element, or the element whose material update failed
   integer, parameter :: FAILURE_NOT_FINITE = 3     !< a force is not finite
-  integer, parameter :: FAILURE_CONSTRAINTS = 4    !< detail: which constraints contradict each other where the nodes are now
-  integer, parameter :: FAILURE_FREE_PUSHED = 5    !< a body that nothing holds wherever it goes; labels: its farthest node
-  integer, parameter :: FAILURE_FREE_FLYING = 6    !< a body moves by many sizes of the model; labels: its farthest node
-  integer, parameter :: FAILURE_FREE_OPEN = 7      !< no slave node is closed, and nothing else holds a body
-  integer, parameter :: FAILURE_FREE_MOTION = 8    !< detail: the rigid motion that supports and closed contact leave free
-  integer, parameter :: FAILURE_LEFT_MASTER = 9    !< labels: slave nodes that ran off their master
-  integer, parameter :: FAILURE_CYCLE = 10         !< length, labels: slave nodes whose statuses or facets return
-  integer, parameter :: FAILURE_FLIP = 11          !< the same where only stick and slip change
+  integer, parameter :: FAILURE_CONSTRAINTS = 4    !< detail: the constraints in conflict in the current configuration
+  integer, parameter :: FAILURE_FREE_PUSHED = 5    !< unsupported body without equilibrium; labels: its farthest node
+  integer, parameter :: FAILURE_FREE_FLYING = 6    !< a body moves by many times the size of the model; labels: its farthest node
+  integer, parameter :: FAILURE_FREE_OPEN = 7      !< an unsupported body, and no slave node is closed
+  integer, parameter :: FAILURE_FREE_MOTION = 8    !< detail: the rigid body motion that supports and closed contact leave free
+  integer, parameter :: FAILURE_LEFT_MASTER = 9    !< labels: slave nodes that left their master surface
+  integer, parameter :: FAILURE_CYCLE = 10         !< active-set cycling; length, labels: slave nodes that cycle
+  integer, parameter :: FAILURE_FLIP = 11          !< the same where only stick and slip alternate
   integer, parameter :: FAILURE_UNSETTLED = 12     !< labels: slave nodes whose status or facet still changes
-  integer, parameter :: FAILURE_PASSED_THROUGH = 13   !< labels: the slave node that passed through its master
-  integer, parameter :: FAILURE_DEEP = 14          !< labels: slave nodes that went deep into their master at once
+  integer, parameter :: FAILURE_PASSED_THROUGH = 13   !< labels: the slave node that passed through its master (tunnelling)
+  integer, parameter :: FAILURE_DEEP = 14          !< labels: slave nodes with a sudden deep penetration
   integer, parameter :: FAILURE_LIMIT_POINT = 15   !< the stiffness is not positive
-  integer, parameter :: FAILURE_CONTACT_LIMIT = 16   !< contact finds no balance near by; labels: closed nodes least in balance
-  integer, parameter :: FAILURE_GROWING = 17       !< the imbalance grows from iteration to iteration
-  integer, parameter :: FAILURE_SLOW = 18          !< the imbalance does not fall any more
-  integer, parameter :: FAILURE_USER_ROUTINE = 19  !< number: PNEWDT that a user routine asked for
+  integer, parameter :: FAILURE_CONTACT_LIMIT = 16   !< no contact equilibrium nearby; labels: closed nodes of largest residual
+  integer, parameter :: FAILURE_GROWING = 17       !< the residual grows from iteration to iteration
+  integer, parameter :: FAILURE_SLOW = 18          !< the residual no longer decreases
+  integer, parameter :: FAILURE_USER_ROUTINE = 19  !< number: PNEWDT returned by a user routine
   integer, parameter :: FAILURE_SIGNAL = 20        !< a signal stopped the job
   integer, parameter :: N_FAILURES = 20
 
@@ -53,12 +53,12 @@ module amontons_failure
     integer :: length = 0                          !< of a cycle [iterations]
     integer :: n_slipping = 0                      !< closed slave nodes if all of them slip and there is more than one, else 0
     real(DP) :: number = 0                         !< PNEWDT of FAILURE_USER_ROUTINE [-]
-    character(:), allocatable :: detail            !< what was said where it was found; shown, never searched
+    character(:), allocatable :: detail            !< text from the place of detection; for output only, never parsed
   end type failure_type
 
 contains
 
-  !> The kind of trouble that a failure belongs to.
+  !> The family of a failure code.
   elemental integer function family_of(failure) result(family)
     type(failure_type), intent(in) :: failure
     family = FAMILIES(failure%code)

@@ -1,4 +1,4 @@
-!> Kinds: the number kinds of the whole program, and a few constants of mathematics.
+!> Number kinds, pi and the longest name of the deck.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_kinds
   use, intrinsic :: iso_fortran_env, only: int8, int64, real32, real64
@@ -6,8 +6,8 @@ module amontons_kinds
   private
   public :: DP, SP, I8, I64, PI, NAME_LENGTH
 
-  integer, parameter :: DP = real64           !< every real number of the program but those of a preconditioner
-  integer, parameter :: SP = real32           !< of a preconditioner: it need not be exact
+  integer, parameter :: DP = real64           !< all real numbers except those of preconditioners
+  integer, parameter :: SP = real32           !< for preconditioners, which need no full precision
   integer, parameter :: I8 = int8             !< bytes
   integer, parameter :: I64 = int64           !< sizes, clocks, row pointers of large matrices
   real(DP), parameter :: PI = 3.141592653589793_DP

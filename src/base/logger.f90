@@ -1,8 +1,8 @@
-!> Journal: the one place that writes for people: sentences, warnings, progress, the table at the end.
+!> Console output: messages, diagnostics, progress lines and the final summary.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A failure is a line that starts with `*ERROR`, a warning one that starts with `*WARNING`: programs that start us look
-!! for these words, so a job that ends well never shows the first of them, whatever its deck says.
+!! A failure is a line that starts with `*ERROR`, a warning one that starts with `*WARNING`. Calling programs search for these
+!! words; so a job that succeeds never prints the first of them, whatever its deck contains.
 module amontons_logger
   use, intrinsic :: iso_c_binding, only: c_int
   use, intrinsic :: iso_fortran_env, only: output_unit
@@ -15,43 +15,43 @@ module amontons_logger
   private
   public :: logger_type, log_sink_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
 
-  integer, parameter :: PROGRESS_AUTO = 0       !< a line per increment, and a live line if a person looks at a terminal
+  integer, parameter :: PROGRESS_AUTO = 0       !< a line per increment, and a live line if the output is a terminal
   integer, parameter :: PROGRESS_PLAIN = 1      !< a line per increment
   integer, parameter :: PROGRESS_NONE = 2       !< no line per increment
 
   integer, parameter :: MAX_ECHO_LENGTH = 1000         !< characters of a line of the deck that are shown
-  integer, parameter :: MAX_DIAGNOSTICS_SHOWN = 500  !< more than these are only counted
+  integer, parameter :: MAX_DIAGNOSTICS_SHOWN = 500  !< diagnostics beyond this number are only counted
   integer, parameter :: LIVE_WIDTH = 79         !< a live line must not wrap
   character(*), parameter :: ESCAPE = achar(27), RETURN_KEY = achar(13)
 
-  !> Hears the lines of a journal instead of the screen.
+  !> Receives the lines of the logger instead of the output unit.
   type, abstract :: log_sink_type
   contains
     procedure(write_lines_interface), deferred :: write_lines
   end type log_sink_type
 
   abstract interface
-    !> Lines that the journal would write.
+    !> Receives lines of the logger.
     subroutine write_lines_interface(self, text)
       import :: log_sink_type
       implicit none
       class(log_sink_type), intent(inout) :: self
-      character(*), intent(in) :: text         !< one line, or several parted by NEWLINE
+      character(*), intent(in) :: text         !< one line, or several separated by NEWLINE
     end subroutine write_lines_interface
   end interface
 
-  !> Where and how much is written; one for each job.
+  !> Output unit and verbosity; one for each job.
   type :: logger_type
     private
     integer :: unit = output_unit
-    class(log_sink_type), allocatable :: sink   !< hears the lines instead of the unit
+    class(log_sink_type), allocatable :: sink   !< receives the lines instead of the unit
     logical :: is_quiet = .true.                !< only failures are written
     logical :: is_terminal = .false.            !< colour
-    logical :: is_live = .false.                !< a line that is written over again and again
+    logical :: is_live = .false.                !< a line that is overwritten repeatedly
     logical :: has_increments = .false.         !< a line per increment
-    logical :: has_header = .false.               !< the head above the lines of the increments is written
-    logical :: has_live_line = .false.          !< a live line stands on the screen
-    integer(I64) :: start = 0                   !< reading of the clock when the journal was opened
+    logical :: has_header = .false.               !< the header above the lines of the increments is written
+    logical :: has_live_line = .false.          !< a live line is on the screen
+    integer(I64) :: start = 0                   !< clock reading when the logger was opened
     real(DP) :: fraction = 0                    !< of the whole job done at the last increment [-]
   contains
     procedure, public :: say
@@ -77,7 +77,7 @@ module amontons_logger
 
 contains
 
-  !> Opens a journal and starts its clock. A journal that was never opened is quiet.
+  !> Opens a logger and starts its clock. A logger that was never opened is quiet.
   subroutine open_logger(logger, is_quiet, progress, unit, listener)
     type(logger_type), intent(out) :: logger
     logical, intent(in) :: is_quiet            !< .true.: only failures are written
@@ -98,7 +98,7 @@ contains
   end subroutine open_logger
 
 
-  !> Seconds since the journal was opened.
+  !> Seconds since the logger was opened.
   function elapsed(self) result(seconds)
     class(logger_type), intent(in) :: self
     real(DP) :: seconds
@@ -108,7 +108,7 @@ contains
   end function elapsed
 
 
-  !> Whole sentences; lines are parted by NEWLINE.
+  !> Prints complete sentences, separated by NEWLINE.
   subroutine say(self, text)
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text
@@ -116,7 +116,7 @@ contains
   end subroutine say
 
 
-  !> Something a person should know, though the job goes on.
+  !> Prints a warning; the job continues.
   subroutine warn(self, text)
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text
@@ -125,8 +125,8 @@ contains
   end subroutine warn
 
 
-  !> The end of a job that failed. The first line of the text comes last, after its other lines: programs that start us
-  !! read the last line.
+  !> Prints the error that ends a job. The first line of the text is printed last, because calling programs read the
+  !! last line.
   subroutine fail(self, text)
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text
@@ -138,7 +138,7 @@ contains
   end subroutine fail
 
 
-  !> All remarks of the reader: file, line, what is wrong and what is allowed, and below it the card as written.
+  !> Prints all diagnostics of the reader: file, line, what is wrong and what is allowed, and below it the card as written.
   subroutine complain(self, diagnostics)
     class(logger_type), intent(inout) :: self
     type(diagnostic_list_type), intent(in) :: diagnostics
@@ -160,7 +160,7 @@ contains
   end subroutine complain
 
 
-  !> One remark of the reader.
+  !> Prints one diagnostic of the reader.
   subroutine write_diagnostic(logger, diagnostic)
     class(logger_type), intent(inout) :: logger
     type(diagnostic_type), intent(in) :: diagnostic
@@ -184,11 +184,11 @@ contains
   end subroutine write_diagnostic
 
 
-  !> A report: one sentence and the lines that explain it, set in.
+  !> Prints a report: one sentence and the indented lines that explain it.
   subroutine explain(self, text, lines)
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text           !< what happened
-    character(*), intent(in) :: lines(:)       !< what a person can do with it
+    character(*), intent(in) :: lines(:)       !< remedies
     integer :: i
     call write_line(self, sanitized(text))
     do i = 1, size(lines)
@@ -197,7 +197,7 @@ contains
   end subroutine explain
 
 
-  !> One attempt at an increment: what it cost, the status of the slave nodes, how far the job is.
+  !> Prints one attempt at an increment: cost, status of the slave nodes, progress of the job.
   subroutine show_increment(self, record, fraction)
     class(logger_type), intent(inout) :: self
     type(increment_record_type), intent(in) :: record
@@ -214,15 +214,15 @@ contains
       to_text(record%total_time), to_text(record%dt), record%n_iterations, record%n_status, &
       int(100 * fraction + 0.01_DP), ' %', duration(self%elapsed()), remaining_time(self)
     call write_line(self, trim(line))
-    if (record%n_cycles_treated > 0) call write_line(self, '        Slave nodes went in cycles, which were acted on for ' // &
-      'those nodes alone: ' // &
+    if (record%n_cycles_treated > 0) call write_line(self, '        Active-set cycling was treated at the cycling ' // &
+      'slave nodes alone: ' // &
       plural(record%n_cycles_treated, 'time') // '.')
     if (record%is_converged .and. record%n_snap_through > 0) then
-      call write_line(self, '        There was no balance near by: bodies were carried on to the next one in ' // &
+      call write_line(self, '        No equilibrium nearby: snap-through to another equilibrium in ' // &
         plural(record%n_snap_through, 'iteration') // ', work ' // to_text(record%proximal_work_increment) // '.')
     else if (record%is_converged .and. record%n_proximal > 0) then
-      call write_line(self, '        Bodies that nothing held were carried to ' // &
-        'where they touch in ' // plural(record%n_proximal, 'iteration') // ', work ' // to_text(record%proximal_work_increment) &
+      call write_line(self, '        Unsupported bodies were moved into contact ' // &
+        'by regularization in ' // plural(record%n_proximal, 'iteration') // ', work ' // to_text(record%proximal_work_increment) &
         // '.')
     end if
     if (record%is_converged .and. allocated(record%report_lines)) then
@@ -239,7 +239,7 @@ contains
   end subroutine show_increment
 
 
-  !> One iteration, on the live line of a terminal; elsewhere nothing is written.
+  !> Shows one iteration on the live line of a terminal; no output elsewhere.
   subroutine show_iteration(self, record)
     class(logger_type), intent(inout) :: self
     type(iteration_record_type), intent(in) :: record
@@ -255,10 +255,10 @@ contains
   end subroutine show_iteration
 
 
-  !> The table at the end: the cost by phase, iterations, scenarios, contact, the balance of forces.
+  !> Prints the final summary: cost by phase, iterations, scenarios, contact, force balance.
   subroutine show_summary(self, records)
     class(logger_type), intent(inout) :: self
-    type(increment_record_type), intent(in) :: records(:)   !< all attempts of the job in their order
+    type(increment_record_type), intent(in) :: records(:)   !< all attempts of the job, in order
     if (self%is_quiet .or. size(records) == 0) return
     call write_line(self, '')
     call write_counts(self, records)
@@ -301,7 +301,7 @@ contains
   end subroutine write_count
 
 
-  !> Seconds by phase and their share.
+  !> Seconds by phase and their share of the total.
   subroutine write_phase_times(logger, records)
     class(logger_type), intent(inout) :: logger
     type(increment_record_type), intent(in) :: records(:)
@@ -330,7 +330,7 @@ contains
   end subroutine write_phase_times
 
 
-  !> Scenarios of the line search, summed over all nodes and iterations, and the last status of the slave nodes.
+  !> Scenarios of the line search, summed over all nodes and iterations, and the final status of the slave nodes.
   subroutine write_contact_summary(logger, records)
     class(logger_type), intent(inout) :: logger
     type(increment_record_type), intent(in) :: records(:)
@@ -355,7 +355,7 @@ contains
   end subroutine write_contact_summary
 
 
-  !> The largest force imbalance of a converged increment, and where it was.
+  !> The largest force imbalance of a converged increment, and its increment.
   subroutine write_force_balance(logger, records)
     class(logger_type), intent(inout) :: logger
     type(increment_record_type), intent(in) :: records(:)
@@ -369,11 +369,11 @@ contains
   end subroutine write_force_balance
 
 
-  !> Writes whole lines, after the live line is wiped out.
+  !> Erases the live line and writes whole lines.
   subroutine write_line(logger, text)
     class(logger_type), intent(inout) :: logger
     character(*), intent(in) :: text
-    integer :: unused                          ! a screen that is gone or full must not end the job
+    integer :: unused                          ! a closed or full output must not end the job
     if (allocated(logger%sink)) then
       call logger%sink%write_lines(text)
       return
@@ -385,7 +385,7 @@ contains
   end subroutine write_line
 
 
-  !> A word in colour if a person looks at a terminal.
+  !> A word in colour if the output is a terminal.
   pure function colored_word(logger, word, colour) result(text)
     class(logger_type), intent(in) :: logger
     character(*), intent(in) :: word
@@ -396,8 +396,8 @@ contains
   end function colored_word
 
 
-  !> The text with every `*ERROR` in it made `* ERROR`, and a question mark for what would steer a terminal: no echo of a
-  !! deck may look like a failure, or do anything.
+  !> The text with each `*ERROR` replaced by `* ERROR`, and each control character by a question mark: echoed deck lines
+  !! must not look like a failure or control the terminal.
   pure function sanitized(text) result(safe)
     character(*), intent(in) :: text
     character(:), allocatable :: safe
@@ -416,7 +416,7 @@ contains
   end function sanitized
 
 
-  !> The rest of the job by the rule of three: elapsed time over the fraction done.
+  !> The estimated remaining time, proportional: elapsed time over the fraction done.
   function remaining_time(logger) result(text)
     class(logger_type), intent(in) :: logger
     character(:), allocatable :: text

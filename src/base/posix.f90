@@ -1,4 +1,4 @@
-!> Posix: what only the operating system can do: files that survive a power cut, signals, and the end of the process.
+!> Operating-system services: atomic file writes, signals, memory limits, process lock.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_posix
   use, intrinsic :: iso_c_binding, only: c_double, c_char, c_int, c_int64_t, c_null_char
@@ -11,7 +11,7 @@ module amontons_posix
     is_status_requested, set_exit_handler, restart_passive_threads
   public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
 
-  !> The turn of a thread to deal with words (posix_shim.c tells why): a procedure that has taken it gives it back at its end.
+  !> The process lock of a thread around text output and formatting (reason in posix_shim.c); a procedure holds it until its end.
   type :: process_lock_type
     private
     logical :: is_locked = .false.
@@ -60,27 +60,27 @@ module amontons_posix
     subroutine release_lock_c() bind(C, name='amontons_end_turn')
     end subroutine release_lock_c
 
-    !> Gives the turn away while something without words takes its time; the number is for resume_lock.
+    !> Releases the lock during long work without text; the number is for resume_lock.
     function suspend_lock() bind(C, name='amontons_leave_turn') result(before)
       import :: c_int
       integer(c_int) :: before
     end function suspend_lock
 
-    !> Takes it again, if it was there.
+    !> Takes the lock again if it was held.
     subroutine resume_lock(before) bind(C, name='amontons_resume_turn')
       import :: c_int
       integer(c_int), value :: before
     end subroutine resume_lock
 
-    !> Starts the program again with threads that soon sleep when they wait; see posix_shim.c. For the main program only.
+    !> Restarts the program with threads that sleep soon when they wait; see posix_shim.c. For the main program only.
     subroutine restart_passive_threads() bind(C, name='amontons_begin_again')
     end subroutine restart_passive_threads
 
-    !> SIGINT, SIGTERM and SIGUSR1 are noted from now on. For the main program only.
+    !> Starts recording SIGINT, SIGTERM and SIGUSR1. For the main program only.
     subroutine install_signal_handlers() bind(C, name='amontons_watch_signals')
     end subroutine install_signal_handlers
 
-    !> The number of the signal that asked for a stop; 0: none, or nobody watches.
+    !> The number of the signal that requested a stop; 0: no signal, or signals are not recorded.
     function pending_stop_signal() bind(C, name='amontons_stop_signal') result(number)
       import :: c_int
       integer(c_int) :: number
@@ -97,19 +97,19 @@ module amontons_posix
       integer(c_int) :: has
     end function has_memory_c
 
-    !> Megabytes that the process can still take.
+    !> Memory still available to the process [megabytes].
     function available_megabytes() bind(C, name='amontons_available_megabytes') result(megabytes)
       import :: c_double
       real(c_double) :: megabytes
     end function available_megabytes
 
-    !> Megabytes that the machine and the limits allow the process in all, whatever others have.
+    !> Memory limit of the process by machine and limits, whatever other processes use [megabytes].
     function total_megabytes() bind(C, name='amontons_whole_megabytes') result(megabytes)
       import :: c_double
       real(c_double) :: megabytes
     end function total_megabytes
 
-    !> The most memory that the process has had in the machine so far [megabytes].
+    !> Peak resident memory of the process so far [megabytes].
     function peak_megabytes() bind(C, name='amontons_peak_megabytes') result(megabytes)
       import :: c_double
       real(c_double) :: megabytes
@@ -123,8 +123,8 @@ module amontons_posix
 
 contains
 
-  !> Writes a file under a temporary name, brings it to the medium and renames it: at any moment the old file or the new
-  !! one is there, whole.
+  !> Writes a file under a temporary name, flushes it to the storage device and renames it (atomic): at any moment the complete old
+  !! or the complete new file exists.
   subroutine write_whole_file(path, words, error)
     character(*), intent(in) :: path
     integer(I64), intent(in) :: words(:)             !< contents
@@ -134,7 +134,7 @@ contains
   end subroutine write_whole_file
 
 
-  !> Brings a file that is being written to the medium.
+  !> Flushes a file that is open for writing to the storage device.
   subroutine sync_file(path, error)
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error
@@ -142,7 +142,7 @@ contains
   end subroutine sync_file
 
 
-  !> Cuts a file off at a length. Errors: it is not there, or shorter.
+  !> Truncates a file to a length. Errors: the file does not exist or is shorter.
   subroutine truncate_file(path, length, error)
     character(*), intent(in) :: path
     integer(I64), intent(in) :: length               !< [bytes]
@@ -158,7 +158,7 @@ contains
   end subroutine truncate_file
 
 
-  !> A number that changes if any of the words changes or moves.
+  !> Checksum of words; it depends on their values and their order.
   pure function checksum_of_words(words) result(sum)
     integer(I64), intent(in) :: words(:)
     integer(I64) :: sum
@@ -166,7 +166,7 @@ contains
   end function checksum_of_words
 
 
-  !> The same of a text.
+  !> The same for a text.
   pure function checksum_of_text(text) result(sum)
     character(*), intent(in) :: text
     integer(I64) :: sum
@@ -174,7 +174,7 @@ contains
   end function checksum_of_text
 
 
-  !> What the operating system says of an error number, e.g. 'No space left on device'.
+  !> The operating system's text for an error number, e.g. 'No space left on device'.
   function errno_text(number) result(text)
     integer, intent(in) :: number                    !< errno
     character(:), allocatable :: text
@@ -184,39 +184,39 @@ contains
   end function errno_text
 
 
-  !> Whether SIGUSR1 has come since the last call.
+  !> Whether SIGUSR1 arrived since the last call.
   logical function is_status_requested()
     is_status_requested = status_requested_c() /= 0
   end function is_status_requested
 
 
-  !> Whether so much memory can be had at once.
+  !> Whether so much memory is available at once.
   logical function has_memory(megabytes)
     integer, intent(in) :: megabytes
     has_memory = has_memory_c(int(megabytes, I64) * 1048576_I64) /= 0
   end function has_memory
 
 
-  !> From now on an end of the process that is not ours gives an exit code of ours and a line that starts with *ERROR;
-  !! .false. says that the end that comes is ours. For the main program only.
+  !> After .true., an unexpected end of the process gives an exit code of this program and a line that starts with *ERROR;
+  !! .false. announces a regular end. For the main program only.
   subroutine set_exit_handler(is_on)
     logical, intent(in) :: is_on
     call set_exit_handler_c(merge(1_c_int, 0_c_int, is_on))
   end subroutine set_exit_handler
 
 
-  !> Makes an error of an error number.
+  !> Makes an error from an error number.
   subroutine set_posix_error(doing, path, status, error)
     character(*), intent(in) :: doing                !< e.g. 'write'
     character(*), intent(in) :: path
-    integer, intent(in) :: status                    !< errno; 0: all is well
+    integer, intent(in) :: status                    !< errno; 0: success
     type(error_type), allocatable, intent(out) :: error
     if (status /= 0) call set_error(error, EXIT_IO, 'Cannot ' // doing // ' the file ' // path // ': ' // &
       errno_text(status) // '.')
   end subroutine set_posix_error
 
 
-  !> Waits for the turn; it ends with the procedure to which the variable belongs.
+  !> Waits for the process lock; finalization of the variable releases it.
   subroutine acquire_lock(turn)
     type(process_lock_type), intent(inout) :: turn
     if (turn%is_locked) return
@@ -225,7 +225,7 @@ contains
   end subroutine acquire_lock
 
 
-  !> The turn of a variable that ceases to be.
+  !> Finalizer: releases the lock.
   subroutine release_lock(turn)
     type(process_lock_type), intent(inout) :: turn
     if (turn%is_locked) call release_lock_c()

@@ -1,9 +1,9 @@
-/* POSIX shim: files that survive a power cut, signals, and the exit of a program that ended itself, for posix.f90.
+/* POSIX shim for posix.f90: atomic file writes, signals, and the exit code after an abort by a run-time library.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * The flags below are the only variables of the whole program that outlive a call: a signal handler has no argument
- * by which it could be told whose flag to set, and signals belong to the process, not to a job
- * (doc/developer/decisions/0008). They stay 0 unless the main program asks for them; the library never does. */
+ * The flags below are the only variables of the whole program that persist between calls: a signal handler has no
+ * argument, and signals belong to the process, not to a job (doc/developer/decisions/0008). They stay 0 unless the main
+ * program installs the handlers; the library never does. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -17,11 +17,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM has come */
-static volatile sig_atomic_t n_status_asked = 0; /* SIGUSR1 has come and was not answered */
+static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM arrived */
+static volatile sig_atomic_t n_status_asked = 0; /* SIGUSR1 arrived and was not answered */
 static volatile sig_atomic_t is_watching_end = 0;
 
-/* A second SIGINT or SIGTERM kills as if nobody listened. An iteration may last minutes, so the first is answered at once. */
+/* A second SIGINT or SIGTERM kills the process. An iteration may last minutes, so the first signal is answered at once. */
 static void note_stop(int number)
 {
   static const char answer[] = "\namontons: the job ends after this iteration; a second signal ends it at once.\n";
@@ -31,7 +31,7 @@ static void note_stop(int number)
     raise(number);
   }
   stop_signal = number;
-  if (write(STDERR_FILENO, answer, sizeof answer - 1) < 0) errno = before; /* nobody listens */
+  if (write(STDERR_FILENO, answer, sizeof answer - 1) < 0) errno = before; /* no reader */
   errno = before;
 }
 
@@ -41,7 +41,7 @@ static void note_status(int number)
   n_status_asked = 1;
 }
 
-/* From now on SIGINT, SIGTERM and SIGUSR1 are noted. A signal that the caller ignores (nohup, a shell's &) stays so. */
+/* Starts recording SIGINT, SIGTERM and SIGUSR1. A signal that the caller ignores (nohup, a shell's &) stays ignored. */
 void amontons_watch_signals(void)
 {
   const int stops[] = {SIGINT, SIGTERM};
@@ -51,16 +51,16 @@ void amontons_watch_signals(void)
     if (sigaction(stops[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(stops[i], &action, NULL);
   action.sa_handler = note_status;
   sigaction(SIGUSR1, &action, NULL);
-  signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error of the write, not a kill */
+  signal(SIGXFSZ, SIG_IGN); /* the file size limit gives a write error, not a kill */
 }
 
-/* The number of the signal that asked for a stop; 0: none. */
+/* The number of the signal that requested a stop; 0: none. */
 int amontons_stop_signal(void)
 {
   return stop_signal;
 }
 
-/* 1 if a status was asked for since the last call. */
+/* 1 if a status was requested since the last call. */
 int amontons_status_asked(void)
 {
   int asked = n_status_asked;
@@ -68,10 +68,10 @@ int amontons_status_asked(void)
   return asked;
 }
 
-/* One thread at a time deals with words. gfortran keeps the length of a string that a function gives (character(:),
- * allocatable) in a static variable of the place where it is called, so two threads that call it there at once would take each
- * other's lengths. A verb of the library holds the turn; solving, which takes the time and has no words, gives it away. A thread
- * may take it again while it has it. */
+/* The process lock serializes text operations. gfortran stores the length of a string function result (character(:),
+ * allocatable) in a static variable of the calling statement, so two threads there at the same time would exchange their lengths.
+ * A procedure of the library holds the lock; the solution phase, long and without text, releases it. The lock is
+ * recursive: a thread may take it again. */
 static pthread_mutex_t words = PTHREAD_MUTEX_INITIALIZER;
 static _Thread_local int depth = 0;
 
@@ -85,7 +85,7 @@ void amontons_end_turn(void)
   if (--depth == 0) pthread_mutex_unlock(&words);
 }
 
-/* Gives the turn away for a while, if this thread has it; what comes back is for amontons_resume_turn. */
+/* Releases the lock if this thread holds it; the result is the argument of amontons_resume_turn. */
 int amontons_leave_turn(void)
 {
   int before = depth;
@@ -100,8 +100,8 @@ void amontons_resume_turn(int before)
   depth = before;
 }
 
-/* Runs when the process ends. If our main program did not say so before, a run-time library has ended it after a
- * message of its own, with an exit code that is not ours: most often memory is at its end. */
+/* Runs when the process ends. Unless the main program announced a regular end, a run-time library has ended the process after
+ * its own message and with its own exit code: most often memory is exhausted. */
 static void give_exit_code(void)
 {
   const char no_memory[] = "*ERROR: There is not enough memory for this job.\n";
@@ -116,17 +116,17 @@ static void give_exit_code(void)
   _exit(is_memory ? 6 : is_room ? 7 : 8);
 }
 
-/* Begins to watch over the end of the process (is_on = 1), or says that the end that comes is ours (0). */
+/* Starts monitoring the end of the process (is_on = 1), or announces a regular end (0). */
 void amontons_watch_end(int is_on)
 {
   if (is_on && !is_watching_end) atexit(give_exit_code);
   is_watching_end = is_on;
 }
 
-/* Starts the program again, with its arguments, so that its threads ask SPINS times for each other (half a millisecond) before they
- * sleep: libgomp reads this before the program begins, and its own choice (some 15 ms) makes two threads on a machine with other
- * work several times slower than one. Returns, and nothing is changed, where the environment says how to wait, or where the system
- * does not tell what was started (only Linux does). */
+/* Restarts the program with its arguments, so that its threads spin SPINS times (half a millisecond) before they
+ * sleep: libgomp reads this setting before the program begins, and its default (some 15 ms) makes two threads on a busy machine
+ * several times slower than one. Returns without change if the environment sets the wait policy, or if the system
+ * does not report the executable (only Linux does). */
 void amontons_begin_again(void)
 {
   static const char SPINS[] = "10000";
@@ -149,7 +149,7 @@ void amontons_begin_again(void)
   free(arguments);
 }
 
-/* 1 if so much memory can be had at once. */
+/* 1 if so much memory is available at once. */
 int amontons_has_memory(int64_t n_bytes)
 {
   void *memory = malloc((size_t)n_bytes);
@@ -157,7 +157,7 @@ int amontons_has_memory(int64_t n_bytes)
   return memory != NULL;
 }
 
-/* The number after a word of a file like /proc/meminfo; a word of no letters: the first number; -1 if it is not there. */
+/* The number after a word of a file like /proc/meminfo; with an empty word: the first number; -1 if not found. */
 static double number_in(const char *path, const char *word)
 {
   char line[256];
@@ -173,8 +173,8 @@ static double number_in(const char *path, const char *word)
   return number;
 }
 
-/* The most memory that the process has had in the machine so far, in megabytes of 10^6 bytes; 0: not told. getrusage counts
-   what the process had before it became this program, too, and is asked only where there is no /proc. */
+/* Peak resident memory of the process, in megabytes of 10^6 bytes; 0: unknown. getrusage includes the memory of the process
+   before it became this program; it is used only without /proc. */
 double amontons_peak_megabytes(void)
 {
   double kilobytes = number_in("/proc/self/status", "VmHWM:");
@@ -188,8 +188,8 @@ double amontons_peak_megabytes(void)
 #endif
 }
 
-/* Megabytes that the process can still take: what the system has, what its group may have, and its own limit of addresses.
-   1e9 where the system does not tell. */
+/* Memory available to the process [megabytes]: limited by the system, the control group and the limit of the address space.
+   1e9 if the system does not report it. */
 double amontons_available_megabytes(void)
 {
   double least = 1e9, found = number_in("/proc/meminfo", "MemAvailable:");
@@ -205,8 +205,8 @@ double amontons_available_megabytes(void)
   return least > 0 ? least : 0;
 }
 
-/* The same without what others have taken: what the machine, the group and the limit of the process allow in all. It is the same
-   whenever it is asked. */
+/* The same without the use of other processes: the limit by machine, control group and process. It is constant during
+   a run. */
 double amontons_whole_megabytes(void)
 {
   double least = 1e9, found = number_in("/proc/meminfo", "MemTotal:"), group = number_in("/sys/fs/cgroup/memory.max", "");
@@ -218,7 +218,7 @@ double amontons_whole_megabytes(void)
   return least;
 }
 
-/* Brings the entry of a file in its folder to the medium. */
+/* Flushes the directory entry of a file to the storage device. */
 static void sync_folder(const char *path)
 {
   char *folder = strdup(path);
@@ -246,8 +246,8 @@ static int write_all(int descriptor, const char *from, size_t size)
   return 0;
 }
 
-/* Writes a file under a temporary name, syncs it, and renames it: at any moment the old file or the new one is there,
- * whole. 0: done, else errno. */
+/* Writes a file under a temporary name, syncs it, and renames it (atomic): at any moment the complete old file or the
+ * complete new one exists. 0: done, else errno. */
 int amontons_write_whole(const char *path, const char *temporary, const void *bytes, int64_t n_bytes)
 {
   int descriptor = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -261,7 +261,7 @@ int amontons_write_whole(const char *path, const char *temporary, const void *by
   return status;
 }
 
-/* Brings a file to the medium. 0: done, else errno. */
+/* Flushes a file to the storage device. 0: done, else errno. */
 int amontons_sync_file(const char *path)
 {
   int descriptor = open(path, O_RDONLY | O_CLOEXEC);
@@ -271,7 +271,7 @@ int amontons_sync_file(const char *path)
   return status;
 }
 
-/* Cuts a file off at a length that it has. 0: done, else errno; EINVAL if it is shorter. */
+/* Truncates a file to a length. 0: done, else errno; EINVAL if it is shorter. */
 int amontons_cut_file(const char *path, int64_t length)
 {
   struct stat status;
@@ -280,7 +280,7 @@ int amontons_cut_file(const char *path, int64_t length)
   return truncate(path, (off_t)length) < 0 ? errno : 0;
 }
 
-/* The sentence of an errno, cut off to the room there is. */
+/* The text of an errno, cut to the length of the buffer. */
 void amontons_reason(int number, char *text, int room)
 {
   char buffer[256];
@@ -288,7 +288,7 @@ void amontons_reason(int number, char *text, int room)
   snprintf(text, (size_t)room, "%s", reason);
 }
 
-/* A 64-bit checksum: each word is mixed into a running sum, so that order counts (after MurmurHash3's finalizer). */
+/* A 64-bit checksum: each word is mixed into a running sum, so that the order matters (after MurmurHash3's finalizer). */
 uint64_t amontons_checksum(const void *bytes, int64_t n_bytes)
 {
   const unsigned char *from = bytes;

@@ -1,4 +1,4 @@
-!> Tensor: 3x3 and Voigt algebra: determinant, inverse, eigenvalues of a symmetric matrix, packing.
+!> Algebra of 3x3 matrices and Voigt vectors: inverse, invariants, eigenvalues.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Voigt order is xx yy zz xy yz xz, always; a Voigt vector holds tensor components (no factor 2 at the shears).
@@ -46,7 +46,7 @@ contains
   end function determinant
 
 
-  !> det(1 + H) - 1 without cancellation: the three invariants of H added up.
+  !> det(1 + H) - 1 without cancellation: the sum of the three invariants of H.
   pure function determinant_minus_one(H) result(j)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     real(DP) :: j
@@ -58,7 +58,7 @@ contains
 
 
   !> Inverse and determinant of a 3x3 matrix by the adjugate. A zero determinant gives an inverse of zeros: the caller
-  !! tests.
+  !! tests the determinant.
   pure subroutine invert(A, inverse, det)
     real(DP), intent(in) :: A(3, 3)
     real(DP), intent(out) :: inverse(3, 3)
@@ -123,10 +123,10 @@ contains
   !> Eigenvalues and orthonormal eigenvectors of a symmetric 3x3 matrix, unordered; exact to rounding of the
   !! deviator's size, also for (nearly) equal eigenvalues.
   !!
-  !! The eigenvalue that stands apart from the two others by at least sqrt(3) of the scaled deviator is the root beta of
+  !! The eigenvalue separated from the two others by at least sqrt(3) of the scaled deviator is the root beta of
   !! beta^3 - 3 beta - 2 h = 0, found by Newton's method from above, and its eigenvector a column of the adjugate:
-  !! both are well conditioned. The other two follow from the 2x2 matrix on the plane across by one Jacobi rotation,
-  !! which does not mind equal eigenvalues. Cost: about 150 operations, no trigonometry.
+  !! both are well conditioned. The other two follow from the 2x2 matrix on the orthogonal plane by one Jacobi rotation,
+  !! which tolerates equal eigenvalues. Cost: about 150 operations, no trigonometry.
   !! Reference: D. Eberly, A robust eigensolver for 3x3 symmetric matrices, Geometric Tools (2014), sections 2 to 4.
   pure subroutine symmetric_eigen(A, values, vectors)
     real(DP), intent(in) :: A(6)                   !< Voigt vector
@@ -156,7 +156,7 @@ contains
   end subroutine symmetric_eigen
 
 
-  !> The unit eigenvector of a deviator whose eigenvalue stands apart from the two others.
+  !> The unit eigenvector of a deviator for the eigenvalue that is separated from the two others.
   pure function isolated_eigenvector(d) result(v)
     real(DP), intent(in) :: d(6)                   !< deviator, scaled: largest component 1
     real(DP) :: v(3)
@@ -196,7 +196,7 @@ contains
   end function largest_adjugate_column
 
 
-  !> Two unit vectors across v and across each other.
+  !> Two unit vectors orthogonal to v and to each other.
   pure subroutine complete_basis(v, u, w)
     real(DP), intent(in) :: v(3)                   !< of length 1
     real(DP), intent(out) :: u(3), w(3)
@@ -219,7 +219,7 @@ contains
   end function multiply_voigt_vector
 
 
-  !> The tangent of the Jacobi rotation that makes ((a, b), (b, c)) diagonal; the smaller angle of the two.
+  !> The tangent of the Jacobi rotation that diagonalizes ((a, b), (b, c)); the smaller of the two angles.
   pure function jacobi_tangent(a, b, c) result(t)
     real(DP), intent(in) :: a, b, c
     real(DP) :: t
@@ -230,7 +230,7 @@ contains
   end function jacobi_tangent
 
 
-  !> a b'.
+  !> The dyadic product a b'.
   pure function outer_product(a, b) result(c)
     real(DP), intent(in) :: a(3), b(3)
     real(DP) :: c(3, 3)

@@ -1,11 +1,11 @@
-!> Text: the text of a file as plain lines, numbers from text and to text, and words compared as a deck compares them.
+!> String handling: words, numbers to text and back, reading text files.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A row of numbers in the columns of a .frd file is made ten times as fast as by formatted writes, with six digits correctly
-!! rounded: the same characters as the format (' -1', i10, 1p, 6e12.5) gives (text_shim.c).
+!! Rows of numbers in the columns of a .frd file are formatted by text_shim.c, ten times as fast as by formatted writes. The six
+!! digits are correctly rounded: the same characters as by the format (' -1', i10, 1p, 6e12.5).
 !!
-!! A mark of the byte order is taken off; UTF-16, which some editors and shells of Windows write, is brought to single bytes; where
-!! lines end with carriage returns alone these become line ends. (A carriage return before a line end is blank to all who read on.)
+!! File contents are normalized. A byte order mark is removed. UTF-16, which some editors and shells of Windows write, becomes
+!! single bytes. Lines that end with carriage returns alone get line feeds. (A carriage return before a line feed counts as blank.)
 module amontons_text
   use amontons_kinds, only: DP, I64
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
@@ -19,13 +19,13 @@ module amontons_text
 
   integer, parameter :: NUMBER_OK = 0            !< a number
   integer, parameter :: NUMBER_EMPTY = 1         !< nothing but blanks
-  integer, parameter :: NUMBER_INVALID = 2           !< not a number of the kind asked for, or too large an integer
+  integer, parameter :: NUMBER_INVALID = 2           !< not a number of the requested kind, or too large an integer
   integer, parameter :: NUMBER_NOT_FINITE = 3    !< NaN, infinity, or 1e301 and more
 
   character(1), parameter :: NEWLINE = achar(10)
   character(3), parameter :: BLANK_CHARACTERS = ' ' // achar(9) // achar(13)   !< blank, tab, carriage return
 
-  integer, parameter :: MAX_DECIMAL_EXPONENT = 301     !< 1e301 and more is refused
+  integer, parameter :: MAX_DECIMAL_EXPONENT = 301     !< 1e301 and more is rejected
   integer, parameter :: MAX_INTEGER_POWER = 18             !< 10**18 is the largest power of ten in a 64-bit integer
   integer(I64), parameter :: INTEGER_POWERS_OF_TEN(0:MAX_INTEGER_POWER) = [1_I64, 10_I64, 100_I64, 1000_I64, 10000_I64, &
     100000_I64, &
@@ -54,8 +54,8 @@ module amontons_text
   end interface
 
   integer(I64), parameter :: READ_BLOCK_SIZE = 16777216_I64   !< bytes read at once
-  character(2), parameter :: BOM_UTF16_LE = char(255) // char(254), BOM_UTF16_BE = char(254) // char(255)   !< marks of UTF-16
-  character(3), parameter :: BOM_UTF8 = char(239) // char(187) // char(191)   !< the mark of UTF-8
+  character(2), parameter :: BOM_UTF16_LE = char(255) // char(254), BOM_UTF16_BE = char(254) // char(255)   !< UTF-16 BOM
+  character(3), parameter :: BOM_UTF8 = char(239) // char(187) // char(191)   !< mark of UTF-8
 
 contains
 
@@ -74,7 +74,7 @@ contains
   end function upper_case
 
 
-  !> The text in upper case without any blank or quotation mark: how names and keywords are compared.
+  !> The text in upper case without blanks and quotation marks: names and keywords are compared in this form.
   pure function name_key(string) result(key)
     character(*), intent(in) :: string
     character(:), allocatable :: key
@@ -122,7 +122,7 @@ contains
   end function nth_word
 
 
-  !> Whether a word stands in a list 'A|B|C', compared without case and blanks.
+  !> Whether a list 'A|B|C' contains a word, compared without case and blanks.
   pure function is_one_of(word, list) result(is_member)
     character(*), intent(in) :: word
     character(*), intent(in) :: list             !< words separated by |
@@ -136,7 +136,7 @@ contains
   end function is_one_of
 
 
-  !> A list 'A|B|C' as a person writes it: 'A, B or C'.
+  !> A list 'A|B|C' as text: 'A, B or C'.
   pure function joined_words(list) result(text)
     character(*), intent(in) :: list             !< words separated by |
     character(:), allocatable :: text
@@ -206,7 +206,7 @@ contains
   end function text_of_real
 
 
-  !> 1.50000 becomes 1.5 and 3.0000 becomes 3.
+  !> Removes trailing zeros: 1.50000 becomes 1.5 and 3.0000 becomes 3.
   pure function strip_trailing_zeros(digits) result(text)
     character(*), intent(in) :: digits           !< with a decimal point
     character(:), allocatable :: text
@@ -218,7 +218,7 @@ contains
   end function strip_trailing_zeros
 
 
-  !> +007 becomes 7 and -006 becomes -6.
+  !> Removes leading zeros of an exponent: +007 becomes 7 and -006 becomes -6.
   pure function shorten_exponent(digits) result(text)
     character(*), intent(in) :: digits           !< sign and three digits
     character(:), allocatable :: text
@@ -260,8 +260,8 @@ contains
   !!
   !! Method: digits are gathered in a 64-bit integer; where it and the power of ten are exact in double precision, one
   !! multiplication or division rounds correctly (W. D. Clinger, How to read floating point numbers accurately, PLDI
-  !! 1990); else a long division of integers does; all other numbers go through the compiler's library. NaN, infinity
-  !! and magnitudes of 1e301 and more are refused.
+  !! 1990); else a long division of integers does; all other numbers are read by the compiler's library. NaN, infinity
+  !! and magnitudes of 1e301 and more are rejected.
   pure subroutine parse_real(field, value, status)
     character(*), intent(in) :: field
     real(DP), intent(out) :: value               !< 0 unless NUMBER_OK
@@ -283,7 +283,7 @@ contains
     if (magnitude > MAX_DECIMAL_EXPONENT) then
       status = NUMBER_NOT_FINITE
     else if (magnitude < -MAX_DECIMAL_EXPONENT) then
-      return                                     ! too small to matter: zero
+      return                                     ! underflow: zero
     else if (is_exact .and. mantissa <= MAX_EXACT_MANTISSA .and. abs(power) <= MAX_EXACT_POWER) then
       value = real(mantissa, DP)
       if (power < 0) value = value / REAL_POWERS_OF_TEN(-power)
@@ -298,8 +298,8 @@ contains
   end subroutine parse_real
 
 
-  !> A quotient of integers, correctly rounded: long division, some bits at a time, until all bits of a real, a rounding
-  !! bit and one more are there; a remainder that is left sets the last bit, so that no tie is taken for one.
+  !> A quotient of integers, correctly rounded: long division, several bits at a time, until all bits of a real, a rounding
+  !! bit and one more are known; a nonzero remainder sets the last bit, so that it is not taken for a tie.
   pure function rounded_quotient(numerator, divisor) result(value)
     integer(I64), intent(in) :: numerator        !< positive
     integer(I64), intent(in) :: divisor          !< 1 to 10**18
@@ -308,7 +308,7 @@ contains
     integer :: shift, n_bits
     whole = numerator / divisor
     rest = numerator - whole * divisor
-    n_bits = min(8, leadz(divisor) - 1)          ! rest < divisor: rest * 2**n_bits does not overflow
+    n_bits = min(8, leadz(divisor) - 1)          ! remainder < divisor: remainder * 2**n_bits does not overflow
     shift = 0
     do while (whole < 2 * MAX_EXACT_MANTISSA)
       rest = shiftl(rest, n_bits)
@@ -328,7 +328,7 @@ contains
     integer(I64), intent(out) :: mantissa        !< the digits without the point, at most 18 of them
     integer, intent(out) :: power                !< power of ten that belongs to the mantissa
     integer, intent(out) :: n_digits             !< digits seen; 0: not a number
-    logical, intent(out) :: is_exact             !< no digit was left out
+    logical, intent(out) :: is_exact             !< no digit was dropped
     integer :: digit
     logical :: has_point
     mantissa = 0
@@ -388,7 +388,7 @@ contains
   end subroutine scan_exponent
 
 
-  !> The slow, always correct way.
+  !> Reads a number by the compiler's library: slow, always correct.
   pure subroutine read_by_runtime(field, mark, value, status)
     character(*), intent(in) :: field            !< a number that has passed the scan
     integer, intent(in) :: mark                  !< where the exponent starts, or after the end
@@ -435,7 +435,7 @@ contains
   end function is_blank
 
 
-  !> The part of a field without the blanks around it; first > last if nothing is left.
+  !> The range of a field without surrounding blanks; first > last if the field is blank.
   pure subroutine trim_bounds(field, first, last)
     character(*), intent(in) :: field
     integer, intent(out) :: first, last
@@ -452,8 +452,8 @@ contains
   end subroutine trim_bounds
 
 
-  !> Rows of ' -1', a label in ten columns and values in twelve each, with an end of line between them. Values beyond 9.9e99 are cut
-  !! off there, those below 1e-99 are 0: the exponent has two digits.
+  !> Rows of ' -1', a label in ten columns and values in twelve each, separated by line ends. Values above 9.9e99 are limited
+  !! to it, values below 1e-99 become 0: the exponent has two digits.
   function format_value_rows(labels, values) result(text)
     integer, intent(in) :: labels(:)               !< (n) positive
     real(DP), intent(in) :: values(:, :)           !< (width, n) no NaN
@@ -507,7 +507,7 @@ contains
   end subroutine read_blocks
 
 
-  !> Reads a file of unknown size, a pipe, to its end.
+  !> Reads a file of unknown size (a pipe) to its end.
   subroutine read_bytes(unit, text, is_read)
     integer, intent(in) :: unit
     character(:), allocatable, intent(out) :: text
@@ -534,7 +534,7 @@ contains
   end subroutine read_bytes
 
 
-  !> Single bytes without a mark, and lines that end with line ends.
+  !> Normalizes text to single bytes without byte order mark, with line feeds at line ends.
   pure subroutine normalize_encoding(text)
     character(:), allocatable, intent(inout) :: text
     integer(I64) :: i
@@ -551,10 +551,10 @@ contains
   end subroutine normalize_encoding
 
 
-  !> UTF-16 behind its mark with one byte for each character; what is not ASCII becomes a question mark.
+  !> Converts UTF-16 after its byte order mark to one byte for each character; non-ASCII characters become question marks.
   pure function decode_utf16(text, low) result(plain)
     character(*), intent(in) :: text
-    integer(I64), intent(in) :: low              !< place of the low byte in a pair: 0 or 1
+    integer(I64), intent(in) :: low              !< position of the low byte in a pair: 0 or 1
     character(:), allocatable :: plain
     integer(I64) :: i, n
     n = len(text, I64) / 2 - 1
@@ -566,7 +566,7 @@ contains
   end function decode_utf16
 
 
-  !> Reads a file named in another one: beside that one first, then as it stands.
+  !> Reads a file named in another one: relative to that one first, then the path as written.
   subroutine read_relative_file(including, path, text, is_read)
     character(*), intent(in) :: including        !< path of the including file
     character(:), allocatable, intent(inout) :: path   !< as written; as opened on return

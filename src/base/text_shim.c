@@ -1,8 +1,8 @@
-/* Digits shim: rows of numbers in the columns of Fortran's 1PE12.5, ten times as fast as formatted writes, for frd.f90.
+/* Text shim for text.f90: rows of numbers in the columns of Fortran's 1PE12.5, ten times as fast as formatted writes.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * A double times a power of ten in long double (64 bits of mantissa) is right to 1e-17; six digits need 1e-6. Where the
- * remainder is so near to a half that the product's own rounding could decide, printf does. It is C for long double. */
+ * A double times a power of ten in long double (64 bits of mantissa) is accurate to 1e-17; six digits need 1e-6. If the
+ * remainder is so close to a half that the rounding of the product decides, printf is used. It is C for long double. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@ enum { WIDTH = 12, WORTH_THREADS = 1000 };
 static const double LOG10_OF_2 = 0.30102999566398120;
 static const double NEAR_HALF = 1.0e-9; /* of a unit of the sixth digit */
 
-/* A power of ten in long double, from a few that are exact. */
+/* A power of ten in long double, from a table of exact ones. */
 static long double power(int k)
 {
   static const long double SMALL[28] = {1e0L, 1e1L, 1e2L, 1e3L, 1e4L, 1e5L, 1e6L, 1e7L, 1e8L, 1e9L, 1e10L, 1e11L, 1e12L,
@@ -37,8 +37,8 @@ static void put(char *text, int is_negative, long digits, int exponent)
   text[11] = (char)('0' + exponent % 10);
 }
 
-/* Writes n values side by side, twelve characters each. Beyond 9.9e99 they are cut off, below 1e-99 they are 0. As in CalculiX's
- * files a number that single precision can hold is rounded to it first: it may move the sixth digit of one that is near to a half. */
+/* Writes n values side by side, twelve characters each. Values above 9.9e99 are limited to it, below 1e-99 they are 0. As in
+ * CalculiX's files, numbers in the range of single precision are rounded to it first: this may change a sixth digit near a half. */
 static void put_digits(const double *values, int n, char *text)
 {
   for (int i = 0; i < n; i++, text += WIDTH) {

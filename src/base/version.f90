@@ -1,4 +1,4 @@
-!> Version: the number of this version, one place for the program, the result files and the manual.
+!> Version number of the program, for result files and documentation.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_version
   implicit none

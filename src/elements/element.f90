@@ -1,8 +1,8 @@
-!> Element: internal forces, tangent, body force and pressure of one element or facet, of every kind.
+!> Dispatcher over the element kinds: internal force, tangent, volume, body force, and pressure on facets.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory and symbols: doc/theory/elements.md. Here each kind finds its kernel: solids in space in `solid`, plane and axisymmetric
-!! elements in `plane`, trusses and springs in `discrete`. The pressure on a facet is the same for all solids.
+!! Theory and symbols: doc/theory/elements.md. Kernels: `solid_elements` in three dimensions, `plane_elements` for plane and
+!! axisymmetric elements, `truss_spring_mass` for the rest. The pressure on a facet is the same for all solids.
 module amontons_element
   use amontons_kinds, only: DP
   use amontons_truss_spring_mass, only: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, &
@@ -28,7 +28,7 @@ module amontons_element
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of an element: the one place where each kind finds its kernel.
+  !> Internal force, point values and, if requested, the tangent of an element: selects the kernel of each kind.
   pure subroutine evaluate_element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material    !< springs and masses: not looked at
@@ -37,7 +37,7 @@ contains
     logical, intent(in) :: is_nlgeom               !< .true.: finite displacements
     real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< internal force, zero past the nodes [force]
     type(integration_points_type), intent(inout) :: points     !< in: the past; out: the point values
-    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
+    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK the other output is invalid
     real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u, symmetric (C3D8I:
                                                                                                  !! plus skew)
     select case (kind)
@@ -67,13 +67,13 @@ contains
     real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u, symmetric (C3D8I: plus
                                                                                        !! skew), to 3 * nodes
     type(integration_points_type), intent(inout) :: points     !< in: the past; out: the point values
-    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK nothing else is to be used
+    integer, intent(out) :: status                 !< ELEMENT_...; if not ELEMENT_OK the other output is invalid
     real(DP) :: force(3, MAX_ELEMENT_NODES)
     call evaluate_element_forces(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
   end subroutine evaluate_element_tangent
 
 
-  !> Volume of an element in the coordinates given, and whether it is positive everywhere. Springs and masses have none.
+  !> Volume of an element in given coordinates, and whether it is positive everywhere. Springs and masses have zero volume.
   pure subroutine evaluate_element_volume(kind, X, section, volume, status)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
@@ -87,7 +87,7 @@ contains
   end subroutine evaluate_element_volume
 
 
-  !> The volume that each integration point of an element stands for.
+  !> The volume of each integration point of an element.
   pure subroutine evaluate_point_volumes(kind, X, section, n, volumes, status)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
@@ -135,7 +135,7 @@ contains
   end subroutine integrate_body_force
 
 
-  !> Weights of the nodal temperatures at the points of any kind; springs and masses have none.
+  !> Weights of the nodal temperatures at the integration points of any kind; springs and masses have no points.
   pure subroutine set_temperature_weights(kind, weight)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-]
@@ -163,7 +163,7 @@ contains
     real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d x, zero past 3 * nodes
     real(DP), intent(in), optional :: profile(:)   !< factors of the pressure at the points of the facet; absent: 1 [-]
-    integer, intent(in), optional :: rule          !< the kind of facet whose points are taken; absent: its own
+    integer, intent(in), optional :: rule          !< the facet kind whose quadrature is used; absent: its own
     type(facet_kind_type) :: facet
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
     real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn_matrix(3, 3)

@@ -1,10 +1,10 @@
-!> Batch: eight hexahedra side by side, of a plain material: forces, tangent and point values, one element in each lane of a vector.
+!> Vectorized (SIMD) evaluation of eight C3D8 elements at a time: forces, tangent and point values.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The same numbers as in the room element, for the kinds C3D8 with full integration (small displacements, and Saint-Venant's law
-!! under NLGEOM) and C3D8 with mean dilatation (small displacements). The first index of every array is the element, so that each
-!! statement is a vector instruction. With g_a the gradient of a shape function, F the deformation gradient, S the stress of Piola
-!! and Kirchhoff, q_a = F g_a and b = F F', Hooke's law gives (doc/theory/elements.md, "Batches")
+!! Linear isotropic elasticity only. Results agree with `element` for C3D8 with full integration (small displacements, and Saint
+!! Venant's law under NLGEOM) and with mean dilatation (small displacements). The first index of every array is the element: each
+!! statement is a vector instruction. With g_a the gradient of a shape function, F the deformation gradient, S the second
+!! Piola-Kirchhoff stress, q_a = F g_a and b = F F', Hooke's law gives (doc/theory/elements.md, "Batches")
 !!
 !!     force_a = sum of w F S g_a
 !!     K_ab    = sum of w (g_a . S g_b 1 + lambda q_a q_b' + G q_b q_a' + G (g_a . g_b) b)
@@ -32,12 +32,12 @@ module amontons_hex8_simd
     real(DP) :: w(N)                               !< [-]
   end type batch_rule_type
 
-  !> Eight elements. Lanes that are not wanted hold a copy of another element.
+  !> Eight elements. Unused lanes hold a copy of another element.
   type :: batch_type
     real(DP) :: X(BATCH_WIDTH, 3, N)                     !< reference coordinates [length]
     real(DP) :: u(BATCH_WIDTH, 3, N)                     !< displacements [length]
     real(DP) :: lambda(BATCH_WIDTH), G(BATCH_WIDTH)            !< Lame's constants [stress]
-    logical :: is_sound                            !< .false.: an element is inverted or not finite: nothing below is to be used
+    logical :: is_sound                            !< .false.: an element is inverted or not finite: the output below is invalid
     real(DP) :: force(BATCH_WIDTH, 3, N)                 !< [force]
     real(DP) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)    !< block of each pair [force/length]
     real(DP) :: stress(BATCH_WIDTH, 6, N)                !< Cauchy's [stress]
@@ -69,7 +69,7 @@ contains
   end function create_batch_rule
 
 
-  !> Whether an element can be computed here.
+  !> Whether this module supports an element.
   pure logical function is_batch_kind(kind, material, is_nlgeom)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material
@@ -141,7 +141,7 @@ contains
   end subroutine evaluate_batch_forces
 
 
-  !> The part of the mean dilatation leaves the stress of a point: it acts on the mean gradients.
+  !> Removes the part of the mean dilatation from the stress of a point: it acts on the mean gradients.
   pure subroutine subtract_mean_pressure(pressure, P)
     real(DP), intent(in) :: pressure(BATCH_WIDTH)        !< [stress]
     real(DP), intent(inout) :: P(BATCH_WIDTH, 3, 3)      !< [stress]
@@ -178,7 +178,7 @@ contains
   end subroutine evaluate_batch_tangent
 
 
-  !> Gradients, volumes and displacement gradients of one point. Displacements count from node 1: a translation gives nothing.
+  !> Gradients, volumes and displacement gradients of one point. Displacements are relative to node 1: a translation gives zero.
   pure subroutine evaluate_batch_point(batch, rule, k, is_nlgeom, point)
     type(batch_type), intent(inout) :: batch       !< volume of the point and is_sound are set
     type(batch_rule_type), intent(in) :: rule
@@ -333,7 +333,7 @@ contains
   end subroutine evaluate_green_stress
 
 
-  !> Green's strain, formed so that nothing cancels: the symmetric part of H, and half of H'H.
+  !> Green's strain without cancellation: the symmetric part of H, and half of H'H.
   pure subroutine evaluate_green_strain(H, e)
     real(DP), intent(in) :: H(BATCH_WIDTH, 3, 3)
     real(DP), intent(out) :: e(BATCH_WIDTH, 6)

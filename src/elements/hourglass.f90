@@ -1,19 +1,19 @@
-!> Hourglass: the stiffness that one integration point leaves out, for hexahedra and plane squares.
+!> Hourglass control of elements with one integration point: physical stabilization or Flanagan-Belytschko stiffness.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A hexahedron with one point feels the mean of its strain alone; its hourglass modes (four in space, one in the plane,
-!! in each direction) would be free. They are held by an energy of their own ("physical stabilisation"),
+!! A hexahedron with one point resists only its mean strain; its hourglass modes (four in three dimensions, one in the plane,
+!! in each direction) have no stiffness. A stabilization energy controls them ("physical stabilisation"),
 !!
 !!     W = 1/2 sum M_(i alpha)(j beta) p_i alpha p_j beta,   p_alpha = F^T q_alpha,   q_alpha = sum_a gamma_a alpha u_a
 !!
 !! with the vectors gamma of Flanagan and Belytschko, which are orthogonal to all linear fields, so that the patch test
-!! is passed; with F the mean deformation gradient, so that a rotation costs nothing; and with M the elastic energy of
-!! the strains that vary linearly over the element, those that make hexahedra lock left out, as assumed strain and
-!! incompatible modes do. Force and tangent are the exact derivatives of W. No parameter is to be chosen.
+!! is passed; with F the mean deformation gradient, so that a rigid rotation has zero energy; and with M the elastic energy of
+!! the strains that vary linearly over the element, without those that lock, as in assumed strain and
+!! incompatible mode elements. Force and tangent are the exact derivatives of W. There is no user parameter.
 !!
-!! CalculiX takes Flanagan and Belytschko's artificial stiffness instead, W = k/2 sum |sum_a 8 gamma_a alpha u_a|^2 with
-!! k = 0.0005 E V sum |grad N_a|^2, which is far softer; so does the calculix dialect. (Release 2.20 leaves the first two
-!! coordinates out where it makes the vectors gamma orthogonal to linear fields; ours are orthogonal to all.)
+!! The calculix dialect uses Flanagan and Belytschko's artificial stiffness, as CalculiX: W = k/2 sum |sum_a 8 gamma_a alpha u_a|^2
+!! with k = 0.0005 E V sum |grad N_a|^2, which is far softer. (CalculiX 2.20 omits the first two coordinates in the
+!! orthogonalization of gamma to linear fields; here gamma is orthogonal to all.)
 !!
 !! References: D. P. Flanagan, T. Belytschko, A uniform strain hexahedron and quadrilateral with orthogonal hourglass
 !! control, Int. J. Numer. Meth. Engng 17 (1981) 679-706; T. Belytschko, L. P. Bindeman, Assumed strain stabilization of
@@ -87,8 +87,8 @@ contains
   end subroutine set_physical_hourglass
 
 
-  !> Puts CalculiX's stiffness in place of M. A plane element is a hexahedron of one layer there: its mode moves both sides
-  !! alike, and it has gradients across.
+  !> Replaces M by CalculiX's stiffness. CalculiX models a plane element as a hexahedron of one layer: its mode moves both sides
+  !! equally, and it has gradients across.
   pure subroutine set_artificial_hourglass(hourglass, volume, c, thickness_gradients, n_sectors)
     type(hourglass_type), intent(inout) :: hourglass
     real(DP), intent(in) :: volume                 !< [length^3]
@@ -185,7 +185,7 @@ contains
   end function natural_tangent
 
 
-  !> The part of a tangent for three strains when a fourth makes its own stress zero and the rest are zero.
+  !> The modulus of three strains when a fourth has zero stress and the rest are zero.
   pure function condense_strain(c, free, kept) result(block)
     real(DP), intent(in) :: c(6, 6)
     integer, intent(in) :: free, kept(3)
@@ -199,7 +199,7 @@ contains
   end function condense_strain
 
 
-  !> The modulus of one normal strain when the other two make their own stresses zero.
+  !> The modulus of one normal strain when the stresses of the other two are zero.
   pure real(DP) function uniaxial_modulus(c, i, k, l) result(modulus)
     real(DP), intent(in) :: c(6, 6)
     integer, intent(in) :: i, k, l

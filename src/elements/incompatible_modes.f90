@@ -1,7 +1,7 @@
-!> Enhanced: the incompatible modes of the hexahedron C3D8I: their gradients, and how they leave the element again.
+!> Incompatible modes of C3D8I: gradients, Newton update of their amplitudes, static condensation.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Three more shape functions, 1 - xi_m^2, whose amplitudes belong to the element alone. With their gradients taken by
+!! Three additional shape functions, 1 - xi_m^2, with amplitudes local to the element. With their gradients formed with
 !! the Jacobian of the centre and scaled by the ratio of the determinants,
 !!
 !!     G_m = xi_m (j_0 / j) J_0^-T e_m,
@@ -23,13 +23,13 @@ module amontons_incompatible_modes
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
 
-  real(DP), parameter :: MIN_STEP_LENGTH = 0.05_DP        !< a correction that is cut shorter is taken [-]
+  real(DP), parameter :: MIN_STEP_LENGTH = 0.05_DP        !< a correction shortened below this is accepted [-]
   real(DP), parameter :: TOL_AMPLITUDE_ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
 
   !> The search for the amplitudes of an element.
   type :: mode_iteration_type
     real(DP) :: correction(3, N_MODES) = 0         !< the last [length]
-    real(DP) :: share = 0                          !< what was taken of it [-]
+    real(DP) :: share = 0                          !< fraction of the correction applied [-]
     real(DP) :: slope = 0                          !< of the energy along it, where it began [energy]
   end type mode_iteration_type
 
@@ -55,8 +55,8 @@ contains
   end subroutine evaluate_mode_gradients
 
 
-  !> Better amplitudes: a Newton correction, or, where the last one went past the least energy, back to where the secant has it.
-  !! Without that an element that flows and unloads in turn would go to and fro.
+  !> Updates the amplitudes: a Newton correction, or, if the last one passed the energy minimum, a secant step back.
+  !! Without the secant step an element that yields and unloads in turn would oscillate.
   pure subroutine update_mode_amplitudes(iteration, n, force, stiffness, u, is_exact, is_regular)
     type(mode_iteration_type), intent(inout) :: iteration
     integer, intent(in) :: n                       !< nodes of the element
@@ -105,7 +105,7 @@ contains
   end subroutine find_mode_correction
 
 
-  !> Adds what an unsymmetric law brings: the sum of V B' w B over the points, B the strains of nodes and modes.
+  !> Adds the contribution of an unsymmetric law: the sum of V B' w B over the points, B the strains of nodes and modes.
   pure subroutine add_mode_skew_part(n, gradients, volume, w, stiffness)
     integer, intent(in) :: n                       !< nodes and modes
     real(DP), intent(in) :: gradients(:, :, :)     !< (>= n, 3, >= points) of the present configuration [1/length]
@@ -156,7 +156,7 @@ contains
   end subroutine condense_mode_amplitudes
 
 
-  !> Solves A x = b by elimination with row exchanges; both are spoiled, b becomes x.
+  !> Solves A x = b by elimination with row exchanges; A is overwritten, b becomes x.
   pure subroutine solve_with_pivoting(A, b, is_regular)
     real(DP), intent(inout) :: A(:, :), b(:, :)
     logical, intent(out) :: is_regular

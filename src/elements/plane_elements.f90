@@ -1,14 +1,14 @@
-!> Plane: plane stress, plane strain and axisymmetric elements in two dimensions, and the pressure on their edges.
+!> Plane stress, plane strain and axisymmetric elements with B-bar/F-bar, and the pressure on their edges.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The law of the material works in space: here the strains of the plane are put into it, xx yy zz xy, with zz
+!! The material law is three-dimensional: the plane strains enter it as xx yy zz xy, with zz
 !!
 !!     plane strain    zero
-!!     plane stress    such that the stress zz is zero                         (condition)
+!!     plane stress    such that the stress zz is zero                         (`zero_stress_condition`)
 !!     axisymmetric    the hoop strain, u_x / X; x is the radius, y the axis
 !!
-!! so that every law serves every kind. With B of four rows the rest is that of the solids, mean dilatation of CPE4 and
-!! CAX4 included. Integrals are over the thickness, or over the full circle (2 pi X): so are all forces.
+!! so that every law works for every kind. With B of four rows the rest equals that of the solids, including mean dilatation of
+!! CPE4 and CAX4. Integrals are over the thickness, or over the full circle (2 pi X), and so are all forces.
 !! Theory: doc/theory/elements.md, section "Plane and axisymmetric elements".
 module amontons_plane_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -55,7 +55,7 @@ module amontons_plane_elements
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of an element.
+  !> Internal force, point values and, if requested, the tangent of an element.
   pure subroutine evaluate_plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_CPS..., KIND_CPE..., KIND_CAX...
     type(material_type), intent(in) :: material
@@ -94,7 +94,7 @@ contains
   end function is_one_point
 
 
-  !> Gradients, hoop terms and volumes in the reference configuration. A kind of one point takes their mean over the
+  !> Gradients, hoop terms and volumes in the reference configuration. A kind with one point uses their mean over the
   !! element, by the rule of four points.
   pure subroutine set_reference(kind, entry, X, section, geometry, status)
     integer, intent(in) :: kind
@@ -304,7 +304,7 @@ contains
   end subroutine evaluate_stresses
 
 
-  !> Plane stress leaves the normal strain across free.
+  !> Plane stress: the normal strain across the thickness is free.
   pure integer function stress_condition(entry)
     type(element_kind_type), intent(in) :: entry
     stress_condition = merge(CONDITION_PLANE_STRESS, CONDITION_NONE, entry%family == FAMILY_PLANE_STRESS)
@@ -394,7 +394,7 @@ contains
   end subroutine add_geometric
 
 
-  !> Folds the terms of the mean dilatation into tangent and stress (both times the volumes), and gives what is left:
+  !> Adds the terms of the mean dilatation to tangent and stress (both times the volumes), and returns the remainder:
   !! r and k of  mean r^T + r mean^T + k mean mean^T.
   pure subroutine fold_mean_dilatation(geometry, B, tau, c, r, factor)
     type(plane_geometry_type), intent(in) :: geometry
@@ -433,7 +433,7 @@ contains
   end subroutine fold_mean_dilatation
 
 
-  !> Force, energy and stiffness of the hourglass mode of a kind with one point. The energy goes to that point.
+  !> Force, energy and stiffness of the hourglass mode of a kind with one point. The energy is assigned to that point.
   pure subroutine add_hourglass_control(entry, material, X, u, is_nlgeom, geometry, force, points, stiffness)
     type(element_kind_type), intent(in) :: entry
     type(material_type), intent(in) :: material

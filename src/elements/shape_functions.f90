@@ -1,8 +1,8 @@
-!> Shapes: shape functions, quadrature and extrapolation of the elements, and shape functions of the facets.
+!> Shape functions, quadrature rules and extrapolation matrices of elements and facets.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Natural coordinates: hexahedra -1..1 in xi, eta, zeta; tetrahedra 0..1 with node 1 at the origin; wedges 0..1 in the
-!! triangle (xi, eta), -1..1 along zeta; plane squares and triangles as their facets, trusses -1..1 in xi, the rest
+!! triangle (xi, eta), -1..1 along zeta; plane quadrilaterals and triangles as their facets, trusses -1..1 in xi, the rest
 !! zero. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
 module amontons_shape_functions
   use amontons_kinds, only: DP
@@ -18,7 +18,7 @@ module amontons_shape_functions
   public :: facet_shapes, facet_quadrature, facet_node_coordinates, facet_shape_kind
   public :: MAX_FACET_POINTS
 
-  integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the kinds of facets
+  integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the facet kinds
   integer, parameter :: MAX_FACET_POINTS = 9       !< most integration points of a facet
 
   ! Corners of the hexahedron, then the middles of its edges, as signs.
@@ -77,7 +77,7 @@ contains
       call hex20_shapes(xi, N, dN)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_shapes(kind, xi, N, dN)
-    case default                                   ! no such kind: nothing is set
+    case default                                   ! unknown kind: nothing is set
     end select
   end subroutine shape_functions
 
@@ -226,7 +226,7 @@ contains
   !!
   !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8, C3D8I and C3D20R 2x2x2 (degree 3 each way), C3D8R 1 point,
   !!   C3D10 4 points (degree 2), C3D15 3 points times 3 (degree 2 in the triangle, 5 along it),
-  !!   C3D20 3x3x3 (degree 5 each way); plane kinds: triangles 1 or 3 points, squares 1, 2x2 or 3x3; trusses 1 or 2
+  !!   C3D20 3x3x3 (degree 5 each way); plane kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3; trusses 1 or 2
   pure subroutine quadrature(kind, n, xi, w)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< number of points
@@ -266,7 +266,7 @@ contains
       call tensor_product_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
-    case default                                   ! no such kind: nothing is set
+    case default                                   ! unknown kind: nothing is set
     end select
   end subroutine quadrature
 
@@ -314,7 +314,7 @@ contains
   end subroutine embedded_rule
 
 
-  !> The rule by which CalculiX integrates over the faces of elements, a facet kind or RULE_...; it has fewer points than ours
+  !> CalculiX's quadrature rule of an element face, a facet kind or RULE_...; it has fewer points than the default rule
   !! on wedges, on triangles, and on elements of reduced integration.
   pure integer function choose_face_rule(kind, facet, is_calculix) result(rule)
     integer, intent(in) :: kind                    !< KIND_... of the element
@@ -382,12 +382,12 @@ contains
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call facet_node_coordinates(facet_shape_kind(kind), flat)
       xi(:2, :MAX_FACE_NODES) = flat
-    case default                                   ! no such kind: nothing is set
+    case default                                   ! unknown kind: nothing is set
     end select
   end subroutine node_coordinates
 
 
-  !> The matrix that carries values at the integration points to the nodes, as CalculiX does: nodes = matrix * points.
+  !> Extrapolation matrix from the integration points to the nodes, as in CalculiX: nodes = matrix * points.
   !!
   !! | kind            | to the corners                                      | to the mid-side nodes |
   !! |-----------------|-----------------------------------------------------|-----------------------|
@@ -567,7 +567,7 @@ contains
       N(:3) = [0.5_DP * xi(1) * (xi(1) - 1), 0.5_DP * xi(1) * (xi(1) + 1), 1 - xi(1)**2]
       dN(1, :3) = [xi(1) - 0.5_DP, xi(1) + 0.5_DP, -2 * xi(1)]
       ddN(1, :3) = [1.0_DP, 1.0_DP, -2.0_DP]
-    case default                                   ! no such kind: nothing is set
+    case default                                   ! unknown kind: nothing is set
     end select
   end subroutine facet_shapes
 
@@ -695,7 +695,7 @@ contains
       n = 3
       xi(1, :3) = GAUSS_3_POINTS
       w(:3) = GAUSS_3_WEIGHTS
-    case default                                   ! no such kind: nothing is set
+    case default                                   ! unknown kind: nothing is set
     end select
   end subroutine facet_quadrature
 
@@ -727,7 +727,7 @@ contains
       xi = QUAD_NODES
     case (FACET_LINE2, FACET_LINE3)
       xi(1, :2) = [-1.0_DP, 1.0_DP]
-    case default                                   ! no such kind: nothing is set
+    case default                                   ! unknown kind: nothing is set
     end select
   end subroutine facet_node_coordinates
 

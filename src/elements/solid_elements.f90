@@ -1,9 +1,9 @@
-!> Solid: elements in space: plain, B-bar or F-bar, with incompatible modes, with one point.
+!> Three-dimensional solid elements: full and reduced integration, B-bar/F-bar, incompatible modes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory and symbols: doc/theory/elements.md. Force and tangent are the first and second derivative of the element's
-!! strain energy, so the tangent is symmetric, at finite strain and with mean dilatation too. Inside, arrays run over
-!! the nodes first: that is the loop the compiler turns into vector instructions.
+!! strain energy: the tangent is symmetric, also at finite strain and with mean dilatation. The first array index is the
+!! node, for vectorization.
 module amontons_solid_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
@@ -38,7 +38,7 @@ module amontons_solid_elements
     .false., &
     .false., .false.]
 
-  !> How an element has moved: what its forces and its tangent need.
+  !> Kinematics of an element: deformation data for forces and tangent.
   type :: kinematics_type
     real(DP) :: gradient(MAX_ELEMENT_NODES, 3, MAX_ELEMENT_POINTS) !< dN_a/dx_j, current under NLGEOM [1/length]
     real(DP) :: mean(MAX_ELEMENT_NODES, 3)                 !< their mean over the (current) volume [1/length]
@@ -50,7 +50,7 @@ module amontons_solid_elements
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of an element in space.
+  !> Internal force, point values and, if requested, the tangent of a three-dimensional element.
   pure subroutine evaluate_solid_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind                    !< KIND_C3D...
     type(material_type), intent(in) :: material
@@ -61,7 +61,7 @@ contains
     type(integration_points_type), intent(inout) :: points     !< in: the past; out: the point values
     integer, intent(out) :: status                 !< ELEMENT_...
     real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u [force/length]
-    select case (kind)                             ! constants here make loops of known length there
+    select case (kind)                             ! constant arguments give loops of known length
     case (KIND_C3D4)
       call evaluate_kernel(KIND_C3D4, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_C3D6)
@@ -82,7 +82,7 @@ contains
   end subroutine evaluate_solid_element
 
 
-  !> The volume that each integration point stands for.
+  !> The volume of each integration point.
   pure subroutine evaluate_solid_volumes(kind, X, n, volumes, status)
     integer, intent(in) :: kind                    !< KIND_C3D...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
@@ -97,7 +97,7 @@ contains
   end subroutine evaluate_solid_volumes
 
 
-  !> The kind whose points see the whole of an element: C3D8R has the mean of eight.
+  !> The kind whose points cover the whole element: C3D8R uses the mean of eight points.
   pure integer function full_integration_kind(kind)
     integer, intent(in) :: kind                    !< a solid in space
     full_integration_kind = merge(KIND_C3D8_FULL, kind, kind == KIND_C3D8R)
@@ -168,7 +168,7 @@ contains
   end subroutine set_solid_temperature_weights
 
 
-  !> Forces, point values and, if wanted, the tangent of an element of a kind known to the compiler.
+  !> Forces, point values and, if requested, the tangent of an element of a kind known at compile time.
   pure subroutine evaluate_kernel(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     integer, intent(in) :: kind
     type(material_type), intent(in) :: material
@@ -194,10 +194,10 @@ contains
   end subroutine evaluate_kernel
 
 
-  !> C3D8I: the amplitudes of the incompatible modes are found anew each time, so that their forces are zero; then they
-  !! leave force and tangent by condensation. So force and tangent are derivatives of the least energy, and nothing is
-  !! to be remembered. Cost: one correction where stress and strain are proportional, else two to five, more where plastic
-  !! flow turns.
+  !> C3D8I: the amplitudes of the incompatible modes are solved anew each time, so that their forces are zero; static
+  !! condensation eliminates them. Force and tangent are derivatives of the minimum energy, and no amplitude is
+  !! stored. Cost: one correction for a linear law, else two to five, more where plastic flow
+  !! changes direction.
   pure subroutine evaluate_incompatible_modes(material, X, u, is_nlgeom, force, points, status, stiffness)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)
@@ -280,8 +280,8 @@ contains
   end subroutine evaluate_modes
 
 
-  !> C3D8R: the mean of the gradients stands for all points; the hourglass modes have an energy of their own, which is
-  !! written with that of the point.
+  !> C3D8R: the mean of the gradients replaces those of all points; the energy of the hourglass modes is added
+  !! to that of the point.
   pure subroutine evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)
@@ -377,7 +377,7 @@ contains
 
 
   !> Displacement gradients; under NLGEOM current gradients and volumes; with mean dilatation the mean gradients and
-  !! F-bar. Displacements count from node 1, so that a translation gives exactly nothing.
+  !! F-bar. Displacements are relative to node 1, so that a translation gives exactly zero.
   pure subroutine update_kinematics(kind, u, is_nlgeom, kinematics, status)
     integer, intent(in) :: kind
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
@@ -667,7 +667,7 @@ contains
   end subroutine scatter_block
 
 
-  !> Folds the terms of the mean dilatation into tangent and stress (both times the volumes), and gives what is left:
+  !> Adds the terms of the mean dilatation to tangent and stress (both times the volumes), and returns the rest:
   !! remainder r and factor k of  gbar r^T + r gbar^T + k gbar gbar^T.
   !! Derivation: doc/theory/elements.md, section "Mean dilatation: the tangent".
   pure subroutine fold_mean_dilatation(n, n_rule, kinematics, tau, tangent, remainder, factor)

@@ -1,8 +1,8 @@
-!> Discrete: trusses, springs and masses: elements that are lines and points.
+!> Trusses, springs, unidirectional gaps and point masses.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A truss carries uniaxial stress by the law of its material; its cross-section changes as the law says, and under
-!! NLGEOM it turns freely. A spring has a constant, or a law of its own. A mass resists nothing; it has weight.
+!! A truss has uniaxial stress by its material law; its cross-section changes by the law, and under
+!! NLGEOM it rotates freely. A spring has a constant or a law of its own. A mass has no stiffness, only weight.
 !! Theory: doc/theory/elements.md, section "Trusses, springs, gaps and masses".
 module amontons_truss_spring_mass
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -23,7 +23,7 @@ module amontons_truss_spring_mass
 
 contains
 
-  !> Internal force, point values and, if wanted, the tangent of a truss.
+  !> Internal force, point values and, if requested, the tangent of a truss.
   !!
   !! With the stretch s = |dx/dxi| / |dX/dxi| the energy is sum V W(s): force_a = sum V tau dN_a/dxi x' / |x'|^2, where
   !! tau = dW/d ln s is the Kirchhoff stress along it. Stress and strain are written as components xx, along the truss.
@@ -95,8 +95,8 @@ contains
   end subroutine evaluate_truss_element
 
 
-  !> Under the calculix dialect the middle node of a straight bar of three nodes is held on its chord as by the bending of a hinged
-  !! bar of square section, 48 E I / L^3 with I = A^2/12: there it is a solid. A curved one keeps the freedom that a chain has.
+  !> Under the calculix dialect the middle node of a straight bar of three nodes is supported on its chord by the bending stiffness
+  !! of a hinged bar of square section, 48 E I / L^3 with I = A^2/12: CalculiX models it as a solid. A curved one remains free.
   pure subroutine add_chord_stiffness(X, u, rigidity, force, stiffness)
     real(DP), intent(in) :: X(:, :)                !< (3, 3) reference coordinates; the middle is the third [length]
     real(DP), intent(in) :: u(:, :)                !< (3, 3) displacements [length]
@@ -125,7 +125,7 @@ contains
 
 
   !> factor * dN_a dN_b (c n n + tau 1): the change of V tau dN_a x'/|x'|^2. (tau changes by c + 2 tau with ln s, the
-  !! denominator by -2 tau; what is left of n n is c.)
+  !! denominator by -2 tau; the factor of n n that remains is c.)
   pure subroutine add_truss_stiffness(n_nodes, factor, tau, c, axis, slope, stiffness)
     integer, intent(in) :: n_nodes
     real(DP), intent(in) :: factor                 !< V / |x'|^2 [length]
@@ -311,8 +311,8 @@ contains
 
   !> Tension of a spring and its derivative.
   !!
-  !! Gap: with the overclosure d = - clearance - elongation the tension is - k d (1/2 + atan(d/eps)/pi), eps = pi pull/k, so that
-  !! far away pull is left of it, and k d when closed. Reference: CalculiX's manual, sections "GAPUNI" and "*GAP".
+  !! Gap: with the overclosure d = - clearance - elongation the tension is - k d (1/2 + atan(d/eps)/pi), eps = pi f/k with
+  !! the limit f = open_force at large gaps; k d when closed. Reference: CalculiX's manual, sections "GAPUNI" and "*GAP".
   pure subroutine evaluate_spring_law(spring, elongation, temperature, tension, slope)
     type(spring_type), intent(in) :: spring
     real(DP), intent(in) :: elongation           !< [length]

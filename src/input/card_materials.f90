@@ -1,4 +1,4 @@
-!> Card materials: the entries of the card table for materials, directions, initial conditions and temperatures.
+!> Entries of the card table for materials, sections, orientations and initial conditions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_materials
   use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, ENTRY_REJECTED, &

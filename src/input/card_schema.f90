@@ -1,4 +1,4 @@
-!> Card form: what an entry of the card table looks like, and how a card of a deck is compared with it.
+!> Schema of keyword cards and the check of parameters against it.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_schema
   use amontons_kinds, only: DP
@@ -13,11 +13,11 @@ module amontons_card_schema
   public :: SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
   public :: VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, VALUE_OPTIONAL_REAL
 
-  integer, parameter :: SCOPE_MODEL = 1, SCOPE_STEP = 2, SCOPE_BOTH = 3        !< where a card may stand
+  integer, parameter :: SCOPE_MODEL = 1, SCOPE_STEP = 2, SCOPE_BOTH = 3        !< where a card is allowed
   integer, parameter :: ENTRY_SUPPORTED = 1         !< read and obeyed
   integer, parameter :: ENTRY_IGNORED = 2        !< cannot change the solution: read past, with a note
   integer, parameter :: ENTRY_REJECTED = 3      !< an error with its own message
-  integer, parameter :: VALUE_NONE = 0          !< stands alone
+  integer, parameter :: VALUE_NONE = 0          !< without value
   integer, parameter :: VALUE_NAME = 1          !< name of a set, surface, ...
   integer, parameter :: VALUE_TEXT = 2          !< anything
   integer, parameter :: VALUE_INTEGER = 3
@@ -34,10 +34,10 @@ module amontons_card_schema
     integer :: kind = VALUE_NONE                !< VALUE_...
     integer :: status = ENTRY_SUPPORTED
     character(:), allocatable :: allowed        !< words separated by |
-    character(:), allocatable :: refused        !< words that get the message
-    character(:), allocatable :: default        !< 'required', or what holds without it
-    character(:), allocatable :: description       !< what it does; for refused ones the message
-    character(:), allocatable :: message        !< for refused words
+    character(:), allocatable :: refused        !< words rejected with the message
+    character(:), allocatable :: default        !< 'required', or the value by default
+    character(:), allocatable :: description       !< what it does; for rejected ones the message
+    character(:), allocatable :: message        !< for rejected words
   end type parameter_schema_type
 
   !> One card.
@@ -45,10 +45,10 @@ module amontons_card_schema
     character(:), allocatable :: keyword        !< as printed: 'END STEP'
     character(:), allocatable :: key            !< squeezed: 'ENDSTEP'
     integer :: scope = SCOPE_MODEL                 !< IN_...
-    character(:), allocatable :: parent         !< key of the card whose block it belongs to; empty if none
+    character(:), allocatable :: parent         !< key of the card whose block it belongs to; empty: none
     integer :: status = ENTRY_SUPPORTED
-    character(:), allocatable :: description       !< what it does; for refused ones the message
-    character(:), allocatable :: data           !< its data lines in words; empty: it has none
+    character(:), allocatable :: description       !< what it does; for rejected ones the message
+    character(:), allocatable :: data           !< its data lines in words; empty: no data lines
     character(:), allocatable :: dialects       !< where the two dialects differ; empty: nowhere
     integer :: n_options = 0
     type(parameter_schema_type), allocatable :: options(:)
@@ -69,7 +69,7 @@ module amontons_card_schema
 
 contains
 
-  !> Adds a card; the options that follow belong to it.
+  !> Adds a card; the following options belong to it.
   subroutine add_card(self, keyword, where, sentence, data, parent, status)
     class(card_table_type), intent(inout) :: self
     character(*), intent(in) :: keyword
@@ -106,7 +106,7 @@ contains
   end subroutine add_card
 
 
-  !> Says of the last card where the two dialects differ.
+  !> Adds the difference between the two dialects to the last card.
   subroutine add_dialect_note(self, sentence)
     class(card_table_type), intent(inout) :: self
     character(*), intent(in) :: sentence
@@ -134,7 +134,7 @@ contains
     integer, intent(in) :: kind                  !< VALUE_...
     character(*), intent(in) :: sentence
     character(*), intent(in), optional :: allowed   !< words separated by |
-    character(*), intent(in), optional :: default   !< 'required', or what holds without it
+    character(*), intent(in), optional :: default   !< 'required', or the value by default
     integer, intent(in), optional :: status      !< default ENTRY_SUPPORTED
     type(parameter_schema_type) :: option
     integer :: i
@@ -155,7 +155,7 @@ contains
   end subroutine add_option
 
 
-  !> Names values of the last parameter that exist in other programs but not here.
+  !> Rejects values of the last parameter that exist in other programs but not here.
   subroutine reject_words(self, words, message)
     class(card_table_type), intent(inout) :: self
     character(*), intent(in) :: words            !< separated by |
@@ -167,7 +167,7 @@ contains
   end subroutine reject_words
 
 
-  !> The entry of a keyword: exact, or the only one that it abbreviates; 0 if there is none.
+  !> The entry of a keyword: exact, or its unique abbreviation; 0: unknown keyword.
   subroutine find_entry(table, key, position, is_abbreviated)
     type(card_table_type), intent(in) :: table
     character(*), intent(in) :: key              !< squeezed keyword
@@ -196,8 +196,8 @@ contains
   end function starts_with
 
 
-  !> Compares the parameters of a card with its entry: expands abbreviations in place and, if remarks are wanted, tells
-  !! unknown, doubled, missing, refused ones and wrong values.
+  !> Compares the parameters of a card with its entry: expands abbreviations in place and, if messages are requested, reports
+  !! unknown, duplicate, missing and rejected ones and wrong values.
   subroutine match_parameters(entry, parameters, line, is_lenient, messages)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(inout) :: parameters(:)
@@ -225,14 +225,14 @@ contains
       call expand_parameter(entry%options(position), parameters(i), line, messages)
       call check_value(entry, entry%options(position), parameters(i), line, messages)
       if (any([(parameters(position)%key == parameters(i)%key, position=1, i - 1)])) call messages%add(line, &
-        'The parameter ' // parameters(i)%key // ' stands twice on this card.')
+        'The parameter ' // parameters(i)%key // ' appears twice on this card.')
     end do
     call check_required(entry, parameters, line, messages)
   end subroutine match_parameters
 
 
-  !> The option of a name: exact, or the only one that it abbreviates, or the first of those if the others begin with it; 0 if there
-  !! is none.
+  !> The option of a name: exact, or its unique abbreviation, or the first of those if the others begin with it; 0: unknown
+  !! name.
   subroutine find_option(entry, key, position, is_abbreviated)
     type(card_entry_type), intent(in) :: entry
     character(*), intent(in) :: key
@@ -258,7 +258,7 @@ contains
   end subroutine find_option
 
 
-  !> Puts the full name of a parameter, and of its value where that is an abbreviated word of a list.
+  !> Expands the name of a parameter, and its value if that abbreviates a word of a list.
   subroutine expand_parameter(option, parameter, line, messages)
     type(parameter_schema_type), intent(in) :: option
     type(parameter_type), intent(inout) :: parameter
@@ -285,7 +285,7 @@ contains
   end subroutine expand_parameter
 
 
-  !> Tells a parameter that is noted or refused, and a value that does not fit.
+  !> Reports a parameter that is noted or rejected, and an invalid value.
   subroutine check_value(entry, option, parameter, line, messages)
     type(card_entry_type), intent(in) :: entry
     type(parameter_schema_type), intent(in) :: option
@@ -322,7 +322,7 @@ contains
   end subroutine check_value
 
 
-  !> Tells a word that is not in the list.
+  !> Reports a word that is not in the list.
   subroutine check_word(option, parameter, line, messages)
     type(parameter_schema_type), intent(in) :: option
     type(parameter_type), intent(in) :: parameter
@@ -338,7 +338,7 @@ contains
   end subroutine check_word
 
 
-  !> Tells required parameters that are missing.
+  !> Reports missing required parameters.
   subroutine check_required(entry, parameters, line, messages)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(in) :: parameters(:)
@@ -431,7 +431,7 @@ contains
   end function parameter_syntax
 
 
-  !> Whether a parameter is given (names matched, see match_parameters).
+  !> Whether a parameter is given (names expanded, see match_parameters).
   pure function has_parameter(parameters, name) result(is_given)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: name
@@ -469,7 +469,7 @@ contains
   end function parameter_word
 
 
-  !> The whole table as text for a person.
+  !> The whole table as readable text.
   subroutine render_card_table(table, text)
     type(card_table_type), intent(in) :: table
     character(:), allocatable, intent(out) :: text
@@ -492,7 +492,7 @@ contains
   end subroutine render_card_table
 
 
-  !> One card that is read and obeyed.
+  !> One supported card.
   subroutine render_card(table, entry, text)
     type(card_table_type), intent(in) :: table
     type(card_entry_type), intent(in) :: entry
@@ -531,7 +531,7 @@ contains
   end subroutine render_option
 
 
-  !> One card that is noted or refused; those that share a sentence share a paragraph.
+  !> One card that is noted or rejected; cards with the same sentence share a paragraph.
   subroutine render_line(entry, last, text)
     type(card_entry_type), intent(in) :: entry
     character(:), allocatable, intent(inout) :: last   !< sentence of the card before

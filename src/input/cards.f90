@@ -1,7 +1,7 @@
-!> Cards: the text of a deck with its includes, cut into cards, data rows and fields, every one with file and line.
+!> Tokenizer of the deck: includes, keyword cards, data rows, fields, and messages with file and line.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The whole deck stands in one text; lines, cards and fields are positions in it, so that reading costs no copies.
+!! The whole deck is one text; lines, cards and fields are positions in it, so that reading makes no copies.
 module amontons_cards
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_IO
@@ -52,7 +52,7 @@ module amontons_cards
     integer, private :: end = 0
   end type data_row_type
 
-  !> What the reader has to say, by line of the deck; ordered only when it is published.
+  !> Messages of the reader by line of the deck; sorted only on publication.
   type :: deck_message_type
     integer :: line = 0
     logical :: is_warning = .false.
@@ -85,7 +85,7 @@ module amontons_cards
 
 contains
 
-  !> Reads a deck from a file. Tries the path as it stands, then with .inp after it.
+  !> Reads a deck from a file. Tries the path as written, then with .inp appended.
   subroutine open_cards(path, cards, messages, error)
     character(*), intent(in) :: path
     type(cards_type), intent(out) :: cards
@@ -112,7 +112,7 @@ contains
   !> Takes a deck from memory; its includes are relative to the working directory.
   subroutine open_cards_text(text, name, cards, messages)
     character(*), intent(in) :: text
-    character(*), intent(in) :: name            !< stands for the file name in messages
+    character(*), intent(in) :: name            !< replaces the file name in messages
     type(cards_type), intent(out) :: cards
     type(deck_messages_type), intent(inout) :: messages
     call start_deck_text(cards)
@@ -121,7 +121,7 @@ contains
   end subroutine open_cards_text
 
 
-  !> An empty deck with room for some lines.
+  !> An empty deck with memory for some lines.
   subroutine start_deck_text(cards)
     type(cards_type), intent(out) :: cards
     allocate (character(65536) :: cards%text)
@@ -135,7 +135,7 @@ contains
     type(cards_type), intent(inout) :: cards
     type(deck_messages_type), intent(inout) :: messages
     character(*), intent(in) :: path, text
-    integer, intent(in) :: parent               !< index of the including file, 0 if none
+    integer, intent(in) :: parent               !< index of the including file, 0: none
     integer, intent(in) :: parent_line          !< line number there
     integer :: here, number, mark
     integer(I64) :: first, last, n, start
@@ -198,7 +198,7 @@ contains
   end function is_include
 
 
-  !> A keyword line with the lines on which it goes on.
+  !> A keyword line with its continuation lines.
   pure function card_with_continuations(text, first, last) result(card)
     character(*), intent(in) :: text
     integer(I64), intent(in) :: first, last     !< of the keyword line
@@ -214,7 +214,7 @@ contains
   end function card_with_continuations
 
 
-  !> Whether a line is a card whose data lines are in a file: NODE, ELEMENT or EQUATION with INPUT.
+  !> Whether the data lines of a card are in a file: NODE, ELEMENT or EQUATION with INPUT.
   pure function has_input_file(line, mark) result(has_it)
     character(*), intent(in) :: line
     integer, intent(in) :: mark                 !< its first character that is not blank
@@ -230,7 +230,7 @@ contains
   end function has_input_file
 
 
-  !> Follows an INCLUDE card or an INPUT; the continuation lines of the card are taken over as it is.
+  !> Reads the file of an INCLUDE card or an INPUT; the continuation lines of the card are copied unchanged.
   recursive subroutine include_file(cards, messages, text, here, first, last, number, has_data)
     type(cards_type), intent(inout) :: cards
     type(deck_messages_type), intent(inout) :: messages
@@ -299,7 +299,7 @@ contains
   end function line_end
 
 
-  !> The file name of an INCLUDE card; empty if there is none.
+  !> The file name of an INCLUDE card; empty if it has none.
   subroutine include_path(card, path)
     character(*), intent(in) :: card
     character(:), allocatable, intent(out) :: path
@@ -313,7 +313,7 @@ contains
   end subroutine include_path
 
 
-  !> Whether including a file from another would run in a circle.
+  !> Whether including a file from another would be circular.
   pure function is_circular(cards, file, path) result(is_circle)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: file                  !< including file
@@ -358,7 +358,7 @@ contains
   end subroutine append_line
 
 
-  !> Makes room for more characters.
+  !> Allocates memory for more characters.
   subroutine reserve_text(cards, n_more)
     type(cards_type), intent(inout) :: cards
     integer(I64), intent(in) :: n_more
@@ -370,7 +370,7 @@ contains
   end subroutine reserve_text
 
 
-  !> Doubles the room for lines.
+  !> Doubles the memory for lines.
   subroutine reserve_lines(cards)
     type(cards_type), intent(inout) :: cards
     integer(I64), allocatable :: start(:)
@@ -438,8 +438,8 @@ contains
   end function is_keyword_line
 
 
-  !> The line of the last continuation of a keyword line. A keyword line that ends with a comma goes on in the next
-  !! line, unless that one is a card or starts like a number (some decks close a keyword line with a comma).
+  !> The last continuation of a keyword line. A keyword line that ends with a comma continues in the next
+  !! line, unless that one is a card or starts like a number (some decks end a keyword line with a comma).
   pure function last_keyword_line(cards, line) result(last_line)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: line
@@ -474,7 +474,7 @@ contains
   end subroutine line_bounds
 
 
-  !> Moves first and last inward over blanks.
+  !> Moves first and last inward past blanks.
   pure subroutine trim_positions(text, first, last)
     character(*), intent(in) :: text
     integer(I64), intent(inout) :: first, last
@@ -618,7 +618,7 @@ contains
   end subroutine start_rows
 
 
-  !> Steps to the next data row; .false. if there is none. Comments and blank lines are no rows, a line of commas is.
+  !> Advances to the next data row; .false. at the end. Comments and blank lines are skipped; a line of commas is a row.
   function next_row(cards, row) result(is_row)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(inout) :: row
@@ -664,7 +664,7 @@ contains
   end subroutine split_fields
 
 
-  !> Doubles the room for fields.
+  !> Doubles the memory for fields.
   subroutine double_fields(row)
     type(data_row_type), intent(inout) :: row
     integer(I64), allocatable :: wider(:)
@@ -732,7 +732,7 @@ contains
   end subroutine field_real
 
 
-  !> Adds a remark. Cost: amortised constant.
+  !> Adds a message. Cost: amortised constant.
   subroutine add_message(self, line, text, is_warning)
     class(deck_messages_type), intent(inout) :: self
     integer, intent(in) :: line                  !< line of the deck (all files counted through); 0: none
@@ -755,7 +755,7 @@ contains
   end subroutine add_message
 
 
-  !> One remark, in the order in which they were made.
+  !> One message, in the order of creation.
   pure subroutine get_message(self, i, line, is_warning, text)
     class(deck_messages_type), intent(in) :: self
     integer, intent(in) :: i                     !< 1 to n
@@ -794,7 +794,7 @@ contains
   end subroutine publish_messages
 
 
-  !> A line as it stands in the deck: cards that became comments when they were read are cards again.
+  !> A line as written in the deck: cards converted to comments by the reader are restored.
   pure function original_line(line) result(text)
     character(*), intent(in) :: line
     character(:), allocatable :: text
@@ -803,7 +803,7 @@ contains
   end function original_line
 
 
-  !> Hands one remark over, with the chain of includes that leads to it.
+  !> Publishes one message, with the chain of includes that leads to its line.
   subroutine publish_message(cards, message, diagnostics)
     type(cards_type), intent(in) :: cards
     type(deck_message_type), intent(in) :: message

@@ -1,8 +1,8 @@
-!> Deck: reads a deck into the model; the order of the work, where cards may stand, and the dialect.
+!> Reads the deck into the model: order of the readers, scope of the cards, dialect.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Whole steps: where nothing in a model is nonlinear, neither motion nor material nor contact nor constraint, CalculiX solves
-!! once, for the loads at the end of the step, and prints once; a list of TIME POINTS is not met either. Under its dialect so do we.
+!! Linear models (no nonlinearity in motion, material, contact or constraints): CalculiX solves once, for the loads at the end of
+!! the step, and prints once; a list of TIME POINTS is ignored. The calculix dialect does the same.
 module amontons_deck
   use amontons_cards, only: data_row_type, parameter_type, deck_messages_type, open_cards, open_cards_text, publish_messages, &
     line_text, &
@@ -54,7 +54,7 @@ contains
   end subroutine read_deck
 
 
-  !> What is made of each card of a deck, for people; also of a deck with errors. Errors: EXIT_IO, EXIT_DECK.
+  !> The explanation of each card of a deck; also for a deck with errors. Errors: EXIT_IO, EXIT_DECK.
   subroutine explain_deck(options, text, error)
     type(job_options_type), intent(in) :: options          !< with deck and dialect
     character(:), allocatable, intent(out) :: text
@@ -89,7 +89,7 @@ contains
   end subroutine read_deck_text
 
 
-  !> From cards to model. Names are known before they are used: the order of the cards in the model does not matter.
+  !> From cards to model. Names are collected before use: the order of the cards in the model does not matter.
   subroutine read_model(reader, options, model, diagnostics, error)
     type(reader_type), intent(inout) :: reader
     type(job_options_type), intent(in) :: options
@@ -152,7 +152,7 @@ contains
   end subroutine read_model
 
 
-  !> RESTART, WRITE: which states are kept, from the step of the card on; the checkpoint stays when the job is done.
+  !> RESTART, WRITE: which states are written, from the step of the card on; the checkpoint is kept when the job is done.
   subroutine read_restart(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -162,7 +162,7 @@ contains
       if (.not. is_card(reader, c, 'RESTART')) cycle
       call read_parameters(reader%cards, reader%cards%cards(c), parameters)
       if (has_parameter(parameters, 'READ') .and. reader%step_of_card(c) > 0) call report_error(reader, &
-        reader%cards%cards(c)%line, '*RESTART, READ must stand before the first step.')
+        reader%cards%cards(c)%line, '*RESTART, READ must be before the first step.')
       if (.not. has_parameter(parameters, 'WRITE')) cycle
       frequency = 1
       if (has_parameter(parameters, 'FREQUENCY')) then
@@ -178,7 +178,7 @@ contains
   end subroutine read_restart
 
 
-  !> The dialect: what the job says, else a comment '** dialect: calculix' before the first card that is not HEADING.
+  !> The dialect: from the job, else from a comment '** dialect: calculix' before the first card that is not HEADING.
   subroutine choose_dialect(reader, options)
     type(reader_type), intent(inout) :: reader
     type(job_options_type), intent(in) :: options
@@ -234,7 +234,7 @@ contains
   end subroutine check_cards
 
 
-  !> Tells text that stands before the first card.
+  !> Reports text before the first card.
   subroutine report_text_before_cards(reader)
     type(reader_type), intent(inout) :: reader
     character(:), allocatable :: text
@@ -251,7 +251,7 @@ contains
   end subroutine report_text_before_cards
 
 
-  !> Finds the entry of a card in the table; tells a card that is not there, refused or noted.
+  !> Finds the entry of a card in the table; reports a card that is unknown, rejected or noted.
   subroutine look_up_card(reader, c)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -282,7 +282,7 @@ contains
   end subroutine look_up_card
 
 
-  !> Tells a card that stands in the wrong place. Cards that we do not read end no block.
+  !> Reports a card in the wrong place. Unsupported cards do not end a block.
   subroutine check_card_scope(reader, c, is_in_step, n_steps, owner)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -298,15 +298,15 @@ contains
         owner = entry%key
       else if (index('|' // entry%parent // '|', '|' // owner // '|') == 0) then
         call find_entry(reader%table, first_word(entry%parent), position, is_abbreviated)
-        call report_error(reader, line, 'The card *' // entry%keyword // ' must stand in the block of a *' // &
+        call report_error(reader, line, 'The card *' // entry%keyword // ' must be in the block of a *' // &
           reader%table%entries(position)%keyword // '.')
       end if
       if (entry%scope == SCOPE_STEP .and. .not. is_in_step) call report_error(reader, line, 'The card *' // entry%keyword // &
-        ' must stand in a step, between *STEP and *END STEP.')
+        ' must be in a step, between *STEP and *END STEP.')
       if (entry%scope == SCOPE_MODEL .and. n_steps > 0) call report_error(reader, line, 'The card *' // entry%keyword // &
-        ' must stand before the first step.')
+        ' must be before the first step.')
       if (entry%scope == SCOPE_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
-        report_error(reader, line, 'The card *BOUNDARY must stand before the first step or in a step.')
+        report_error(reader, line, 'The card *BOUNDARY must be before the first step or in a step.')
     end associate
   end subroutine check_card_scope
 
@@ -319,7 +319,7 @@ contains
   end function first_word
 
 
-  !> Tells what is wrong with the parameters of a card, and data lines of a card that takes none.
+  !> Reports errors in the parameters of a card, and data lines of a card that takes none.
   subroutine check_parameters(reader, c)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -338,7 +338,7 @@ contains
   end subroutine check_parameters
 
 
-  !> The parameters of the cards that are resolved before all others: what they refuse is told, notes on them are not.
+  !> Checks the parameters of cards resolved before all others: errors are reported, notes are not.
   subroutine check_assembly(reader)
     type(reader_type), intent(inout) :: reader
     type(parameter_type), allocatable :: parameters(:)
@@ -360,8 +360,8 @@ contains
   end subroutine check_assembly
 
 
-  !> PERTURBATION: a step that shows what its loads alone do. That of a body at rest which is linear is what we have; CalculiX goes
-  !! on from it in ways of its own, so there it must be the only one.
+  !> PERTURBATION: a step with the response to its loads alone. A linear step from rest is equivalent. CalculiX continues from it
+  !! differently; so under its dialect the step must be the only one.
   subroutine check_perturbations(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -379,21 +379,21 @@ contains
       if (.not. all(model%steps(:n)%is_perturbation)) then
         trouble = 'after a general step: it would show the response of the loaded body alone'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps) > 1) then
-        trouble = 'with other steps: there CalculiX goes on from a state of its own'
+        trouble = 'with other steps: CalculiX continues them from a different state'
       else if (model%steps(n)%is_nlgeom .or. model%steps(n)%has_creep .or. .not. is_linear(model)) then
         trouble = 'where contact, a material, a constraint or NLGEOM makes the step nonlinear'
       else if (reader%dialect == DIALECT_CALCULIX .and. size(model%steps(n)%temperatures) > 0) then
-        trouble = 'with *TEMPERATURE, which CalculiX leaves out in such a step'
+        trouble = 'with *TEMPERATURE, which CalculiX ignores in such a step'
       else
         is_refused = .false.
       end if
       if (is_refused) call report_error(reader, reader%cards%cards(c)%line, 'PERTURBATION is not supported ' // trouble // &
-        '. Write a general step: its loads, and all those that the step before had.')
+        '. Write a general step: its loads, and all those of the step before.')
     end do
   end subroutine check_perturbations
 
 
-  !> Makes each linear step of a linear model one increment.
+  !> Solves each linear step of a linear model in one increment.
   pure subroutine set_single_increments(model)
     type(model_type), intent(inout) :: model
     integer :: i

@@ -1,4 +1,4 @@
-!> Deck profiles: analytic surfaces (SURFACE, TYPE=SEGMENTS, CYLINDER, REVOLUTION), and the nodes that carry them.
+!> Analytic surfaces (SEGMENTS, CYLINDER, REVOLUTION) and their rigid-body carrier nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_analytic_surfaces
   use amontons_kinds, only: DP
@@ -74,7 +74,7 @@ contains
   end subroutine read_profile
 
 
-  !> The lines before START: points a and b, then for CYLINDER point c. They may be left out, or blank.
+  !> The lines before START: points a and b, then for CYLINDER point c. They may be absent or blank.
   subroutine read_axes(reader, row, n_axes, axes, has_row, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -175,7 +175,7 @@ contains
   end subroutine read_pieces
 
 
-  !> One piece, if it is one.
+  !> Reads one piece, if the row defines one.
   subroutine add_piece(reader, row, word, from, x, profile, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -208,7 +208,7 @@ contains
   end subroutine add_piece
 
 
-  !> FILLET RADIUS: corners between lines become arcs that both lines run into smoothly.
+  !> FILLET RADIUS: corners between lines become tangent arcs.
   subroutine apply_fillets(reader, c, radius, profile)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -276,7 +276,7 @@ contains
   end function start_direction
 
 
-  !> RIGID BODY, ANALYTICAL SURFACE: the nodes that carry the surface are made at the reference node and beside it, and bound.
+  !> RIGID BODY, ANALYTICAL SURFACE: creates the carrier nodes at and near the reference node, and constrains them to it.
   subroutine attach_profile(model, surface, body)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: surface               !< index of the surface
@@ -284,7 +284,7 @@ contains
     type(nonlinear_mpc_type) :: bond
     real(DP) :: x(3)
     integer :: k
-    if (.not. allocated(model%surfaces(surface)%profile%piece_length)) return   ! what is wrong with it is told
+    if (.not. allocated(model%surfaces(surface)%profile%piece_length)) return   ! its error is reported
     associate (profile => model%surfaces(surface)%profile)
       profile%n_carrier_nodes = merge(3, 4, profile%kind == PROFILE_PLANAR)
       profile%anchor = model%mesh%coordinates(:, body%reference)

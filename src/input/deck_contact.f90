@@ -1,4 +1,4 @@
-!> Deck contact: the cards of interactions and contact pairs to the model, and what steps change of them.
+!> Surface interactions, contact pairs, clearances and their changes in steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_contact
   use amontons_kinds, only: DP
@@ -21,7 +21,7 @@ module amontons_deck_contact
   ! CalculiX's defaults, in terms of Young's modulus E of the first material
   real(DP), parameter :: DEFAULT_STIFFNESS_RATIO = 50.0_DP        !< K/E [1/length]
   real(DP), parameter :: TENSION = 1.0_DP / 70000.0_DP   !< sigma_inf/E [-]
-  real(DP), parameter :: MIN_REPORTED_STRAIN = 1.0e-3_DP             !< a strain that is seen [-]
+  real(DP), parameter :: MIN_REPORTED_STRAIN = 1.0e-3_DP             !< a strain of this size is reported [-]
   real(DP), parameter :: REACH = 1.0e-3_DP               !< c0 over the root of the area [-]
   real(DP), parameter :: STICK_SLOPE = 0.5_DP            !< lambda/E [1/length]
   ! The ratio of two of them, which has no unit
@@ -71,7 +71,7 @@ contains
   end subroutine read_interactions
 
 
-  !> Young's modulus of the first material, by which CalculiX scales its defaults; 0 if there is none.
+  !> Young's modulus of the first material, which scales CalculiX's defaults; 0: no such modulus.
   pure real(DP) function first_modulus(model) result(modulus)
     type(model_type), intent(in) :: model
     modulus = 0.0_DP
@@ -159,7 +159,7 @@ contains
   end subroutine read_behavior
 
 
-  !> HARD as CalculiX takes it: LINEAR with 50 times Young's modulus of the first material, for its mortar pairs too.
+  !> HARD as in CalculiX: LINEAR with 50 times Young's modulus of the first material, for its mortar pairs too.
   subroutine replace_hard_by_linear(reader, model, c, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -175,8 +175,8 @@ contains
   end subroutine replace_hard_by_linear
 
 
-  !> LINEAR and TIED: K, sigma_inf, c0, the last two and a K that is missing by CalculiX's defaults. Under the abaqus dialect there
-  !! is no tension unless it is given: K h, and nothing outside contact.
+  !> LINEAR and TIED: K, sigma_inf, c0; the last two and a missing K by CalculiX's defaults. Under the abaqus dialect the tension
+  !! is zero unless given: K h, and nothing outside contact.
   subroutine read_linear(reader, model, row, has_row, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -204,7 +204,7 @@ contains
   end subroutine read_linear
 
 
-  !> The tension that CalculiX takes where none is given; said where it would pull a soft body out by a thousandth.
+  !> CalculiX's default tension limit; a note if it would stretch a soft body by a thousandth.
   subroutine set_default_tension(reader, model, line, law)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -303,13 +303,13 @@ contains
       end do
       i = i + min(FIELDS, n - i)
     end do
-    if (i < n .and. is_ok) call report_error(reader, row%line, 'PROPERTIES is ' // to_text(n) // ', but there is room for only ' &
+    if (i < n .and. is_ok) call report_error(reader, row%line, 'PROPERTIES is ' // to_text(n) // ', but the data lines hold only ' &
       // &
-      to_text(i) // ' in the data lines, eight in each.')
+      to_text(i) // ', eight in each.')
   end subroutine read_properties
 
 
-  !> A parameter that counts; 0 if it is not there.
+  !> A counting parameter; 0 if absent.
   pure integer function parameter_count(parameters, name) result(n)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: name
@@ -374,7 +374,7 @@ contains
   end subroutine read_friction
 
 
-  !> What FRICTION says of the slip of nodes that stick has no effect, but has to make sense: one way to say it, above zero.
+  !> Checks the stick slope of FRICTION where it has no effect: only one definition, above zero.
   subroutine check_elastic_slip(reader, parameters, line)
     type(reader_type), intent(inout) :: reader
     type(parameter_type), intent(in) :: parameters(:)
@@ -415,7 +415,7 @@ contains
   end subroutine read_second_value
 
 
-  !> CONTACT PAIR: slave, master; several rows give several pairs.
+  !> CONTACT PAIR: slave, master; several rows define several pairs.
   subroutine read_pairs(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -534,7 +534,7 @@ contains
   end subroutine set_analytic_master
 
 
-  !> CLEARANCE: the gap of a pair at the start, whatever the mesh says.
+  !> CLEARANCE: the initial gap of a pair, in place of that of the mesh.
   subroutine read_clearances(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -561,7 +561,7 @@ contains
   end subroutine read_clearances
 
 
-  !> Whether CalculiX leaves CLEARANCE of a pair out: that of springs at slave nodes.
+  !> Whether CalculiX ignores CLEARANCE of a pair: a pair with springs at slave nodes.
   pure logical function ignores_clearance(reader, model, pair)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
@@ -571,7 +571,7 @@ contains
   end function ignores_clearance
 
 
-  !> The pair of two surfaces; tells it if there is none.
+  !> The pair of two surfaces; reports a missing pair.
   integer function find_pair(reader, model, slave, master, line) result(pair)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -588,8 +588,8 @@ contains
   end function find_pair
 
 
-  !> What a step changes: CHANGE FRICTION, CHANGE SURFACE BEHAVIOR and the cards below them, MODEL CHANGE, CONTACT
-  !! INTERFERENCE. What is changed stays so in later steps, but an interference is of one step.
+  !> Changes in a step: CHANGE FRICTION, CHANGE SURFACE BEHAVIOR and the cards below them, MODEL CHANGE, CONTACT
+  !! INTERFERENCE. Changes persist in later steps, but an interference applies to one step.
   subroutine read_contact_change(reader, model, c, interaction, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -643,7 +643,7 @@ contains
   end subroutine change_law
 
 
-  !> MODEL CHANGE, TYPE=CONTACT PAIR: takes pairs out or puts them back.
+  !> MODEL CHANGE, TYPE=CONTACT PAIR: removes pairs or adds them again.
   subroutine change_pairs(reader, model, c, parameters, row, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -666,7 +666,7 @@ contains
   end subroutine change_pairs
 
 
-  !> CONTACT INTERFERENCE: an overclosure that is allowed at the start of the step and gone at its end.
+  !> CONTACT INTERFERENCE: an overclosure allowed at the start of the step and removed by its end.
   subroutine read_interference(reader, model, c, parameters, row, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model

@@ -1,8 +1,8 @@
-!> Deck bonds: the cards that bind displacements together, TRANSFORM, RIGID BODY, COUPLING, TIE, PRE-TENSION SECTION.
+!> TRANSFORM, RIGID BODY, COUPLING, TIE and PRE-TENSION SECTION to constraints.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! What is linear becomes equations (MPC TIE and PIN, DISTRIBUTING, PRE-TENSION SECTION), the rest bonds and ties.
-!! Rotations are displacements of a rotation node: ROT NODE, or one that is made beside the reference node.
+!! Linear constraints become equations (MPC TIE and PIN, DISTRIBUTING, PRE-TENSION SECTION), the rest nonlinear MPCs and ties.
+!! Rotations are displacements of a rotation node: ROT NODE, or a new node at the reference node.
 module amontons_deck_couplings
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
@@ -62,7 +62,7 @@ contains
   end subroutine read_transforms
 
 
-  !> The six coordinates of a rule, in the next row.
+  !> The six coordinates of a local system, in the next row.
   subroutine read_coordinate_system(reader, row, rule, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -134,7 +134,7 @@ contains
   end subroutine single_node
 
 
-  !> All other cards of this room. Before: sets, surfaces and transforms are read.
+  !> All other cards of this module. Sets, surfaces and transforms must be read.
   subroutine read_couplings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -158,8 +158,8 @@ contains
   end subroutine read_couplings
 
 
-  !> Nodes of plane and axisymmetric elements do not leave their plane: the body that binds them alone has nothing that could hold
-  !! its reference node there, and need not bind them.
+  !> Nodes of plane and axisymmetric elements stay in their plane. A rigid body of such nodes alone provides no support of its
+  !! reference node out of plane, and need not constrain them there.
   subroutine release_out_of_plane(model)
     type(model_type), intent(inout) :: model
     integer :: i
@@ -233,7 +233,7 @@ contains
   end function rigid_surface
 
 
-  !> An analytic surface is carried by a rigid body.
+  !> An analytic surface needs a rigid body that moves it.
   subroutine check_analytic_carrier(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -258,7 +258,7 @@ contains
     character(*), parameter :: NAMES(3) = [character(8) :: 'NSET', 'PIN NSET', 'TIE NSET']
     integer, allocatable :: named(:)
     integer :: set, i, e
-    allocate (is_member(0:model%mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is told
+    allocate (is_member(0:model%mesh%n_nodes), source=.false.)   ! 0: node missing in the deck; its error is reported
     do i = 1, size(NAMES)
       if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
       call nodes_of_set(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
@@ -311,7 +311,7 @@ contains
       if (c == reader%cards%n_cards) is_ok = .false.
       if (is_ok) is_ok = is_card(reader, c + 1, 'DISTRIBUTING')
       if (.not. is_ok) call report_error(reader, reader%cards%cards(c)%line, &
-        'Below *COUPLING must stand *KINEMATIC or *DISTRIBUTING.')
+        '*COUPLING must be followed by *KINEMATIC or *DISTRIBUTING.')
     end if
     if (.not. is_ok) return
     call read_coupled_dofs(reader, c + 1, is_bound, is_ok)
@@ -335,8 +335,8 @@ contains
   end subroutine read_coupling
 
 
-  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; none: all, in CalculiX no rotations of
-  !! DISTRIBUTING.
+  !> The degrees of freedom below KINEMATIC or DISTRIBUTING: rows first, last; no rows: all, in CalculiX without the rotations
+  !! of DISTRIBUTING.
   subroutine read_coupled_dofs(reader, c, is_bound, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of that card
@@ -424,7 +424,7 @@ contains
   end subroutine read_kinematic
 
 
-  !> The rule of an ORIENTATION card by its name.
+  !> The local system of an ORIENTATION card by its name.
   subroutine find_orientation(reader, c, name, rule, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card that names it
@@ -447,7 +447,7 @@ contains
   end subroutine find_orientation
 
 
-  !> KINEMATIC: the nodes of the surface move with the reference node in the directions bound.
+  !> KINEMATIC: the nodes of the surface move with the reference node in the constrained directions.
   subroutine add_kinematic(reader, model, c, reference, surface, is_bound)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -469,7 +469,7 @@ contains
   end subroutine add_kinematic
 
 
-  !> Directions by a rule for the last bond.
+  !> Directions of a local system for the last nonlinear MPC.
   subroutine set_mpc_axes(model, rule)
     type(model_type), intent(inout) :: model
     type(coordinate_system_type), intent(in) :: rule
@@ -483,7 +483,7 @@ contains
   end subroutine set_mpc_axes
 
 
-  !> TIE: slave surface, master surface; both of them one from the start.
+  !> TIE: slave surface, master surface; tied from the start.
   subroutine read_tie(reader, model, c)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -539,8 +539,8 @@ contains
   end subroutine add_tie
 
 
-  !> PRE-TENSION SECTION: the elements on the surface's side of it get nodes of their own there; they stand off from the old ones by
-  !! the first displacement of the pre-tension node along the normal: u_new = u_old + n u_1.
+  !> PRE-TENSION SECTION: the elements on the surface's side of it get duplicate nodes there. The offset of the new nodes is the
+  !! first displacement of the pre-tension node along the normal: u_new = u_old + n u_1.
   subroutine read_pretension(reader, model, c)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -573,7 +573,7 @@ contains
       call report_error(reader, reader%cards%cards(c)%line, 'A pre-tension section needs a surface of element faces.')
       return
     end if
-    if (any(model%mesh%nodes < 1)) return        ! an element names a node that is not there: that was told
+    if (any(model%mesh%nodes < 1)) return        ! an element with a missing node: already reported
     call read_normal(reader, model, row, surface, normal, is_ok)
     if (.not. is_ok) return
     if (any(model%mesh%nodes == pilot)) then
@@ -594,12 +594,12 @@ contains
   end subroutine read_pretension
 
 
-  !> PRE-TENSION SECTION of a truss: it ends at a node of its own, off its second node along its axis.
+  !> PRE-TENSION SECTION of a truss: the truss gets a new end node, with an offset from its second node along its axis.
   subroutine pretension_truss(reader, model, c, name, pilot, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
-    character(*), intent(in) :: name             !< of an element, or of a set that holds one
+    character(*), intent(in) :: name             !< of an element, or of a set that contains one
     integer, intent(in) :: pilot
     logical, intent(in) :: is_ok
     type(element_kind_type) :: entry
@@ -623,7 +623,7 @@ contains
     if (.not. is_ok) return
     associate (first => model%mesh%first(e), mesh => model%mesh)
       axis = mesh%coordinates(:, mesh%nodes(first + 1)) - mesh%coordinates(:, mesh%nodes(first))
-      if (.not. norm2(axis) > 0) return          ! the audit tells it
+      if (.not. norm2(axis) > 0) return          ! the model check reports it
       allocate (partner(mesh%n_nodes), source=0)
       set = mesh%nodes(first + 1)
       call append_node(mesh, mesh%coordinates(:, set), partner(set))
@@ -725,7 +725,7 @@ contains
   end function face_nodes
 
 
-  !> CalculiX parts the elements of the faces alone: the others on that side are left out, which is told.
+  !> CalculiX separates the elements of the faces only; a note reports the other elements on that side.
   subroutine restrict_to_face_elements(reader, c, element, side)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -742,7 +742,7 @@ contains
   end subroutine restrict_to_face_elements
 
 
-  !> Gives elements nodes of their own on a surface, in the order of its faces; the nodes of all surfaces follow.
+  !> Gives elements duplicate nodes on a surface, in the order of its faces; the nodes of all surfaces follow.
   subroutine split_body(model, side, surface, partner)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: side(:)               !< elements

@@ -1,4 +1,4 @@
-!> Deck faces: element faces by their corner nodes: the free faces of a body, those of a mesh generator, one side of inner faces.
+!> Search of element faces by corner nodes: free, shared and one-sided faces.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
@@ -56,12 +56,12 @@ contains
   end function corner_nodes
 
 
-  !> The faces whose corners are some nodes: how many there are, and the first one.
+  !> The element faces with given corner nodes: their number, and the first one.
   subroutine match_face(faces, mesh, corners, n, element, face, excluded)
     type(node_elements_type), intent(in) :: faces        !< indexed
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: corners(:)
-    integer, intent(out) :: n, element, face     !< 0, 0, 0 if there is none
+    integer, intent(out) :: n, element, face     !< 0, 0, 0 if not found
     integer, intent(in), optional :: excluded     !< element that does not count
     type(element_kind_type) :: entry
     integer, allocatable :: found(:)
@@ -114,7 +114,7 @@ contains
     type(element_kind_type) :: entry
     integer :: i, k, n, e, f
     allocate (element(0), face(0))
-    if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
+    if (any(mesh%nodes < 1)) return              ! an element with a missing node: already reported
     call index_faces(faces, mesh)
     do i = 1, size(members)
       entry = element_kind(mesh%kind(members(i)))
@@ -130,7 +130,7 @@ contains
   end subroutine find_free_faces
 
 
-  !> The element faces on which elements lie that were left out (faces or edges that a mesh generator wrote with the body).
+  !> The element faces covered by dropped elements (faces or edges that a mesh generator wrote with the body).
   subroutine find_omitted_faces(reader, faces, mesh, members, element, face, n_without)
     type(reader_type), intent(in) :: reader
     type(node_elements_type), intent(inout) :: faces
@@ -142,7 +142,7 @@ contains
     integer :: i, n, e, f, n_corners
     allocate (element(0), face(0))
     n_without = 0
-    if (any(mesh%nodes < 1)) return              ! an element names a node that is not there: that was told
+    if (any(mesh%nodes < 1)) return              ! an element with a missing node: already reported
     call index_faces(faces, mesh)
     do i = 1, size(members)
       associate (nodes => reader%omitted_nodes(reader%omitted_first(members(i)):reader%omitted_first(members(i) + 1) - 1))
@@ -164,13 +164,13 @@ contains
   end subroutine find_omitted_faces
 
 
-  !> The elements on that side of some faces inside a body on which the faces were named, those that touch the faces with no more
-  !! than an edge or a corner too. Faces that hold a node of the given ones lead from element to element, the given ones do not.
+  !> The elements on the side of interior faces on which the faces were named, including those that touch the faces by an
+  !! edge or a corner only. The search crosses other faces with nodes of the given faces, never the given faces.
   subroutine find_side_elements(mesh, element, face, side, is_cut_through)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: element(:), face(:)   !< the given faces
     integer, allocatable, intent(out) :: side(:) !< elements
-    logical, intent(out) :: is_cut_through       !< .false.: the way leads around the edge of the faces to their other side
+    logical, intent(out) :: is_cut_through       !< .false.: a path leads around the edge of the faces to their other side
     type(node_elements_type) :: faces
     type(integer_list_type) :: reached
     type(element_kind_type) :: entry

@@ -1,8 +1,8 @@
-!> Deck generate: the cards NGEN, NFILL, NCOPY, ELGEN and ELCOPY written out as the nodes and elements that they stand for.
+!> Expands NGEN, NFILL, NCOPY, ELGEN and ELCOPY.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! It is done on the text, before parts are written flat, card by card in the order of the deck: what a card speaks of must
-!! stand before it. A part starts from nothing; the assembly and the model know their own nodes.
+!! The expansion works on the text, before parts are flattened, card by card in the order of the deck: a card may refer to
+!! earlier cards only. Each part has its own scope; assembly and model have theirs.
 module amontons_deck_generate
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
@@ -21,7 +21,7 @@ module amontons_deck_generate
 
 contains
 
-  !> Writes the generating cards out; a deck without them stays as it is.
+  !> Expands the generating cards; a deck without them is unchanged.
   subroutine generate_mesh(cards, messages)
     type(cards_type), intent(inout) :: cards
     type(deck_messages_type), intent(inout) :: messages
@@ -61,7 +61,7 @@ contains
   end subroutine generate_mesh
 
 
-  !> One line as it is.
+  !> Copies one line unchanged.
   subroutine copy_line(cards, line, expanded)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: line
@@ -70,7 +70,7 @@ contains
   end subroutine copy_line
 
 
-  !> The lines of a generating card as comments, so that the deck kept with the results tells where the mesh is from.
+  !> The lines of a generating card as comments, so that the deck stored with the results shows the origin of the mesh.
   subroutine copy_comment(cards, c, expanded)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -114,7 +114,7 @@ contains
   end subroutine generate
 
 
-  !> Tells parameters that the card does not have.
+  !> Reports unknown parameters.
   subroutine check_generator_parameters(cards, c, parameters, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -283,7 +283,7 @@ contains
   end subroutine fill_between
 
 
-  !> NCOPY, SHIFT: copies of a set, moved and turned.
+  !> NCOPY, SHIFT: copies of a set, translated and rotated.
   subroutine copy_nodes(cards, c, parameters, scope, messages, generated)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -320,7 +320,7 @@ contains
   end subroutine copy_nodes
 
 
-  !> The reals of a row; those that are missing stay.
+  !> The reals of a row; missing ones keep their value.
   subroutine read_reals(cards, row, values)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row
@@ -334,7 +334,7 @@ contains
   end subroutine read_reals
 
 
-  !> A point turned about the axis through two points by an angle in degrees, some times.
+  !> A point rotated about the axis through two points by a multiple of an angle in degrees.
   pure function rotated_point(x, turn, times) result(y)
     real(DP), intent(in) :: x(3), turn(7), times
     real(DP) :: y(3), axis(3), r(3), angle
@@ -422,7 +422,7 @@ contains
   end subroutine copy_elements
 
 
-  !> Writes what was made as a NODE card; nodes that are there already only join the set.
+  !> Writes the generated nodes as a NODE card; existing nodes only join the set.
   subroutine write_nodes(cards, c, name, generated, scope, expanded)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -448,7 +448,7 @@ contains
         call add_members(cards, row, set, scope%node_names, scope%node_sets)
       end do
     end if
-    call sort_unique(scope%node_sets(set))        ! Abaqus keeps sets in the order of the numbers
+    call sort_unique(scope%node_sets(set))        ! Abaqus sorts sets by number
     call write_line(cards, c, '*NSET, NSET="' // name // '"', expanded)
     do i = 1, scope%node_sets(set)%n
       call write_line(cards, c, to_text(scope%node_sets(set)%items(i)), expanded)
@@ -456,7 +456,7 @@ contains
   end subroutine write_nodes
 
 
-  !> Writes what was made as ELEMENT cards, one for each type in a row, and the set.
+  !> Writes the generated elements as ELEMENT cards, one for each type in sequence, and the set.
   subroutine write_elements(cards, c, name, generated, scope, expanded)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -493,7 +493,7 @@ contains
   end subroutine write_elements
 
 
-  !> A new line, which stands where the card stands.
+  !> A new line at the position of the card.
   subroutine write_line(cards, c, text, expanded)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -505,7 +505,7 @@ contains
   end subroutine write_line
 
 
-  !> An integer of a row, or a remark.
+  !> An integer of a row, or a message.
   subroutine read_number(cards, row, i, messages, number, is_ok, default)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row
@@ -526,7 +526,7 @@ contains
   end subroutine read_number
 
 
-  !> The place of a node that stands before this card, or a remark.
+  !> The coordinates of a node defined before this card, or a message.
   subroutine read_node_point(scope, row, label, messages, x, is_ok)
     type(label_scope_type), intent(in) :: scope
     type(data_row_type), intent(in) :: row
@@ -544,7 +544,7 @@ contains
   end subroutine read_node_point
 
 
-  !> A real parameter, or a remark.
+  !> A real parameter, or a message.
   subroutine read_value(cards, c, parameters, key, default, messages, value)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c

@@ -1,4 +1,4 @@
-!> Deck conditions: local axes, initial conditions and the temperatures of the steps.
+!> ORIENTATION, INITIAL CONDITIONS and TEMPERATURE over the steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
@@ -19,9 +19,9 @@ module amontons_deck_initial_conditions
   public :: active_temperatures_type, init_temperatures, propagate_temperatures, read_temperature, get_step_temperatures, &
     truncate_temperatures
 
-  integer, parameter :: DECK_VOIGT_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, we xy yz xz
+  integer, parameter :: DECK_VOIGT_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order shears 12 13 23, the program xy yz xz
 
-  !> The temperatures that stand at this point of the deck.
+  !> The temperatures active at this point of the deck.
   type :: active_temperatures_type
     integer :: step = 0                          !< present step
     logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
@@ -104,7 +104,7 @@ contains
   end subroutine read_axes
 
 
-  !> The DISTRIBUTION card of a name; 0 if there is none.
+  !> The DISTRIBUTION card of a name; 0: unknown name.
   integer function find_distribution(reader, name) result(c)
     type(reader_type), intent(in) :: reader
     character(*), intent(in) :: name
@@ -148,7 +148,7 @@ contains
   end subroutine read_points
 
 
-  !> ORIENTATION of the sections; a distribution gives orientations of its own, one for each of its lines.
+  !> ORIENTATION of the sections; a distribution defines one orientation for each of its lines.
   subroutine read_section_axes(reader, names, distribution, model)
     type(reader_type), intent(inout) :: reader
     type(name_table_type), intent(in) :: names
@@ -247,7 +247,7 @@ contains
   end subroutine read_initial_conditions
 
 
-  !> Rows: element or element set, seven STATEV; then eight in a line until the material of the elements has enough.
+  !> Rows: element or element set, seven STATEV; then eight in a line up to the number of the material.
   subroutine read_initial_variables(reader, row, model)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -292,7 +292,7 @@ contains
   end subroutine read_initial_variables
 
 
-  !> Row: node or node set, temperature; gradients of shells may follow and are passed over.
+  !> Row: node or node set, temperature; gradients of shells may follow and are ignored.
   subroutine read_initial_temperature(reader, row, model)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -365,8 +365,8 @@ contains
   end subroutine init_temperatures
 
 
-  !> A new step: all nodes keep the temperature that they had at the end of the step before; amplitudes in total time
-  !! run on.
+  !> Starts a step: all nodes keep their temperature of the end of the last step; amplitudes in total time
+  !! continue.
   subroutine propagate_temperatures(model, period, total_time, is_step, thermal)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]
@@ -392,7 +392,7 @@ contains
   end subroutine propagate_temperatures
 
 
-  !> What the temperatures of a step that ends early have reached.
+  !> Values of the temperatures of a step that ends early.
   subroutine truncate_temperatures(thermal, fraction)
     type(active_temperatures_type), intent(inout) :: thermal
     real(DP), intent(in) :: fraction             !< of the step that was done [-]
@@ -405,7 +405,7 @@ contains
   end subroutine truncate_temperatures
 
 
-  !> TEMPERATURE in the present step.
+  !> TEMPERATURE in the current step.
   subroutine read_temperature(reader, model, c, thermal)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -467,7 +467,7 @@ contains
   end subroutine set_temperature
 
 
-  !> The list of the present step.
+  !> The list of the current step.
   subroutine get_step_temperatures(thermal, temperatures)
     type(active_temperatures_type), intent(in) :: thermal
     type(temperature_type), allocatable, intent(out) :: temperatures(:)

@@ -1,4 +1,4 @@
-!> Deck labels: what the text of a deck says of nodes, elements and sets by their numbers, before it is read for good.
+!> Nodes, elements and sets by label, before the generators and parts are resolved.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_labels
   use amontons_kinds, only: DP, PI
@@ -13,14 +13,14 @@ module amontons_deck_labels
     add_members, sort_unique, find_label_index, &
     find_element, to_cartesian, has_key, key_value
 
-  !> One element as the deck has it.
+  !> One element as written in the deck.
   type :: deck_element_type
     integer :: label = 0
     character(:), allocatable :: type            !< word of TYPE
     integer, allocatable :: nodes(:)             !< labels
   end type deck_element_type
 
-  !> What has been read so far of a part or of the model.
+  !> Nodes, elements and sets read so far of a part or of the model.
   type :: label_scope_type
     integer :: n = 0
     integer, allocatable :: label(:)             !< of the nodes
@@ -35,7 +35,7 @@ module amontons_deck_labels
 
 contains
 
-  !> Nothing is known.
+  !> Starts an empty scope.
   subroutine clear_scope(scope)
     type(label_scope_type), intent(out) :: scope
     allocate (scope%label(256), scope%x(3, 256), scope%elements(256), scope%node_sets(0), scope%element_sets(0))
@@ -43,7 +43,7 @@ contains
   end subroutine clear_scope
 
 
-  !> What a card says of nodes, elements and sets. What is wrong in it is told later, by those who read it for good.
+  !> Reads nodes, elements and sets of a card. The final readers report errors later.
   subroutine read_mesh_card(cards, c, scope)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -82,7 +82,7 @@ contains
   end subroutine read_mesh_card
 
 
-  !> The set of a name, made if there is none yet; 0 for an empty name.
+  !> The set of a name, created if new; 0 for an empty name.
   integer function find_or_add_set(name, names, sets)
     character(*), intent(in) :: name
     type(name_table_type), intent(inout) :: names
@@ -128,7 +128,7 @@ contains
   end function to_cartesian
 
 
-  !> A node, known from now on.
+  !> Adds a node.
   subroutine add_node(scope, label, x, set)
     type(label_scope_type), intent(inout) :: scope
     integer, intent(in) :: label
@@ -151,7 +151,7 @@ contains
   end subroutine add_node
 
 
-  !> Notes where a label is, if it is not too large.
+  !> Stores the index of a label, if the label is not too large.
   subroutine store_label_index(label, i, at)
     integer, intent(in) :: label, i
     integer, allocatable, intent(inout) :: at(:)
@@ -167,7 +167,7 @@ contains
   end subroutine store_label_index
 
 
-  !> The index of a label, 0 if there is none.
+  !> The index of a label; 0: unknown label.
   pure integer function find_label_index(label, at, labels)
     integer, intent(in) :: label
     integer, intent(in) :: at(:)
@@ -206,7 +206,7 @@ contains
   end subroutine read_element_rows
 
 
-  !> An element, known from now on.
+  !> Adds an element.
   subroutine add_element(scope, element, set)
     type(label_scope_type), intent(inout) :: scope
     type(deck_element_type), intent(in) :: element
@@ -282,7 +282,7 @@ contains
   end subroutine find_element
 
 
-  !> Sorts a list and takes doubles out.
+  !> Sorts a list and removes duplicates.
   subroutine sort_unique(list)
     type(integer_list_type), intent(inout) :: list
     integer, allocatable :: items(:)

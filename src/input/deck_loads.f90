@@ -1,7 +1,7 @@
-!> Deck loads: the cards BOUNDARY, CLOAD, DLOAD and DSLOAD to what stands in each step.
+!> BOUNDARY, CLOAD, DLOAD and DSLOAD to the loads of each step.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! How long they act is the matter of `standing`.
+!! `load_propagation` determines how long they act.
 module amontons_deck_loads
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
@@ -23,7 +23,7 @@ module amontons_deck_loads
 
 contains
 
-  !> Tells that CalculiX loads what a set names twice two times.
+  !> Reports that CalculiX applies a load twice to a member that a set names twice.
   subroutine report_set_repeats(reader, row, names, has_repeats)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -41,7 +41,7 @@ contains
   end subroutine report_set_repeats
 
 
-  !> BOUNDARY in the model (step 0) or in the present step.
+  !> BOUNDARY in the model (step 0) or in the current step.
   subroutine read_boundary(reader, model, c, step, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -106,11 +106,11 @@ contains
   end subroutine read_boundary_row
 
 
-  !> Where a degree of freedom is: 4 to 6 of a reference node are the displacements of its rotation node.
+  !> The node and direction of a degree of freedom: 4 to 6 of a reference node are the displacements of its rotation node.
   subroutine map_dof(model, node, dof, place, dof_there)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node, dof             !< 1 to 6
-    integer, intent(out) :: place, dof_there     !< node and 1 to 3; node 0: there is none
+    integer, intent(out) :: place, dof_there     !< node and 1 to 3; node 0: not found
     place = node
     dof_there = dof
     if (dof <= 3) return
@@ -153,7 +153,7 @@ contains
   end subroutine read_dofs
 
 
-  !> A word such as PINNED or XSYMM.
+  !> Expands a word such as PINNED or XSYMM.
   subroutine read_support_word(reader, row, is_fixed, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -185,7 +185,7 @@ contains
   end subroutine read_support_word
 
 
-  !> CLOAD in the present step.
+  !> CLOAD in the current step.
   subroutine read_cload(reader, model, c, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -226,7 +226,7 @@ contains
   end subroutine read_cload
 
 
-  !> DLOAD or DSLOAD in the present step.
+  !> DLOAD or DSLOAD in the current step.
   subroutine read_dload(reader, model, c, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -272,7 +272,7 @@ contains
   end subroutine read_dload
 
 
-  !> Whether a label of DLOAD means that the routine DLOAD gives the pressure: it ends with NU.
+  !> Whether a label of DLOAD ends with NU: the user routine DLOAD gives the pressure.
   pure logical function is_by_user(label)
     character(*), intent(in) :: label            !< squeezed
     is_by_user = len(strip_nu(label)) < len(label)
@@ -289,7 +289,7 @@ contains
   end function strip_nu
 
 
-  !> Tells faces of plane elements, which DLOAD does not know.
+  !> Reports faces of plane elements that DLOAD does not support.
   subroutine check_solid_faces(reader, model, row, e)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -325,7 +325,7 @@ contains
   end subroutine read_surface_pressure
 
 
-  !> The surface of element faces that the first field names; 0 if there is none, which is told.
+  !> The element surface named by the first field; 0: not found, an error is reported.
   subroutine find_faces(reader, model, row, s)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -353,7 +353,7 @@ contains
     type(model_type), intent(in) :: model
     type(data_row_type), intent(in) :: row
     integer, intent(in) :: amplitude
-    logical, intent(in) :: is_following          !< not told to keep its direction and to be per undeformed area
+    logical, intent(in) :: is_following          !< default: the traction rotates with its face, per current area
     type(active_loads_type), intent(inout) :: active_loads
     type(load_region_type) :: place
     type(element_kind_type) :: entry
@@ -455,7 +455,7 @@ contains
   end subroutine read_volume_load
 
 
-  !> Adds a load to those that stand on the same place.
+  !> Adds a load to those at the same place.
   subroutine add_region_load(reader, row, place, value, amplitude, active_loads)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -477,7 +477,7 @@ contains
   end subroutine add_region_load
 
 
-  !> The direction of a load on volumes, and for CENTRIF a point of its axis before it.
+  !> The direction of a load on volumes, preceded by a point of the axis for CENTRIF.
   subroutine read_axis(reader, model, row, place, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -527,7 +527,7 @@ contains
   end subroutine read_axis
 
 
-  !> Tells materials without a density in elements that gravity or rotation acts on.
+  !> Reports materials without a density in elements under gravity or rotation.
   subroutine check_density(reader, model, row, elements)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model

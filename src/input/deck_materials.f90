@@ -1,4 +1,4 @@
-!> Deck materials: the cards of materials to their parameters, and what follows from all of them together.
+!> Material cards to material parameters, and their consistency.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_materials
   use amontons_kinds, only: DP
@@ -62,7 +62,7 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(material_type), intent(inout) :: material
     if (is_rejected_card(reader, c)) then
-      material%has_elastic = .true.              ! it may have stood in place of ELASTIC, and is told
+      material%has_elastic = .true.              ! the rejected card may replace ELASTIC: no further error
       return
     end if
     if (is_repeated_law(reader%table%entries(reader%cards%cards(c)%entry)%key, material)) then
@@ -98,7 +98,7 @@ contains
   end subroutine read_property
 
 
-  !> Whether a card gives a law of stress to a material that has one: rubber or foam after any, UMAT after UMAT, ELASTIC
+  !> Whether a card defines a second stress law of a material: rubber or foam after any, UMAT after UMAT, ELASTIC
   !! after rubber.
   pure logical function is_repeated_law(key, material)
     character(*), intent(in) :: key
@@ -116,7 +116,7 @@ contains
   end function is_repeated_law
 
 
-  !> Whether a card is one that we do not read.
+  !> Whether a card is rejected.
   pure function is_rejected_card(reader, c) result(is_so)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -138,7 +138,7 @@ contains
   end subroutine add_material
 
 
-  !> Tells a material that has no elasticity, or properties that do not go together.
+  !> Reports a material without elasticity, or with incompatible properties.
   subroutine check_material(reader, line, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< of the MATERIAL card
@@ -192,7 +192,7 @@ contains
   end subroutine read_user_material
 
 
-  !> DEPVAR: the number of the STATEV. Lines that name them are passed over.
+  !> DEPVAR: the number of the STATEV. Lines that name them are ignored.
   subroutine read_depvar(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -320,7 +320,7 @@ contains
     integer :: i
     logical :: is_ok
     call open_card(reader, c, parameters, row)
-    material%has_elastic = .true.                ! what is wrong with it is told below
+    material%has_elastic = .true.                ! errors of the card are reported below
     select case (parameter_word(parameters, 'TYPE', 'ISO'))
     case ('ISO', 'ISOTROPIC')
       material%elastic_kind = ELASTIC_ISOTROPIC
@@ -343,13 +343,13 @@ contains
       material%elastic_kind = ELASTIC_ANISOTROPIC
       call read_table(reader, c, 21, material%elastic, is_ok)
     case default
-      return                                     ! told when the card was checked
+      return                                     ! already reported by the check of the card
     end select
     if (material%elastic_kind /= ELASTIC_ISOTROPIC .and. is_ok) call check_definite(reader, c, material)
   end subroutine read_elastic
 
 
-  !> Tells E and nu that are out of bounds.
+  !> Reports E and nu out of bounds.
   subroutine check_isotropic(reader, c, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -398,7 +398,7 @@ contains
   end subroutine convert_constants
 
 
-  !> Tells an elasticity matrix that is not positive definite, by Cholesky's factors.
+  !> Reports an elasticity matrix that is not positive definite, by Cholesky's factors.
   subroutine check_definite(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -522,7 +522,7 @@ contains
 
   contains
 
-    !> Puts the curve of one temperature away.
+    !> Stores the curve of one temperature.
     subroutine close_curve()
       integer :: k
       if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
@@ -580,7 +580,7 @@ contains
   end subroutine read_creep
 
 
-  !> HYPERELASTIC: constants into the order of the kind; D1 = 0 becomes 0.1/G.
+  !> HYPERELASTIC: constants in the order of the kind; D1 = 0 becomes 0.1/G.
   subroutine read_hyperelastic(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
@@ -644,7 +644,7 @@ contains
   end subroutine read_order
 
 
-  !> Checks the shear modulus at rest, and replaces a first volumetric constant of zero.
+  !> Checks the initial shear modulus, and replaces a first volumetric constant of zero.
   subroutine complete_hyperelastic(reader, c, kind, order, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c

@@ -1,9 +1,9 @@
-!> Deck mesh: the cards NODE, ELEMENT and SOLID SECTION to nodes, elements and their sections.
+!> NODE, ELEMENT and SOLID SECTION to mesh and sections.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Elements are first gathered as they stand (drafts), also those of kinds that we do not have: mesh generators write
+!! Elements are first collected as written (drafts), including unsupported kinds: mesh generators write
 !! the lines and faces of a body together with its solids. When the sections are known, such leftovers are dropped if
-!! nothing needs them, else refused.
+!! nothing needs them, else rejected.
 module amontons_deck_mesh
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
@@ -26,15 +26,15 @@ module amontons_deck_mesh
 
   real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
-  !> All elements of the deck as they stand.
+  !> All elements of the deck as written.
   type :: element_draft_type
     integer :: n = 0
     integer, allocatable :: label(:)             !< (n)
-    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: a kind that we do not have
+    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: unsupported kind
     integer, allocatable :: card(:)              !< (n) its ELEMENT card
     integer, allocatable :: line(:)              !< (n) its line
     integer, allocatable :: first(:)             !< (n + 1) start of its nodes
-    type(integer_list_type) :: nodes             !< node indices, 0: no such node
+    type(integer_list_type) :: nodes             !< node indices, 0: unknown node
     integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
     real(DP), allocatable :: section_value(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
@@ -109,9 +109,9 @@ contains
       end if
     end do
     if (n == mesh%n_nodes) return
-    call report_note(reader, 0, plural(mesh%n_nodes - n, 'node') // ' of the deck stand in it more than once, ' &
+    call report_note(reader, 0, 'The deck defines ' // plural(mesh%n_nodes - n, 'node') // ' more than once, ' &
       // to_text(n_moved) // &
-      ' of them at another place, of which the last one counts.')
+      ' of them with other coordinates; the last definition counts.')
     mesh%n_nodes = n
     mesh%node_label = mesh%node_label(:n)
     mesh%coordinates = mesh%coordinates(:, :n)
@@ -119,7 +119,7 @@ contains
   end subroutine merge_repeated_nodes
 
 
-  !> One node: number, x, y, z; missing coordinates are zero. Up to three values more are passed over: a normal.
+  !> One node: number, x, y, z; missing coordinates are zero. Up to three further values (a normal) are ignored.
   subroutine read_node(reader, row, system, mesh, line)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -172,7 +172,7 @@ contains
   end function count_rows
 
 
-  !> Tells numbers that are given twice.
+  !> Reports duplicate numbers.
   subroutine report_duplicate_labels(reader, table, label, line, what)
     type(reader_type), intent(inout) :: reader
     type(label_table_type), intent(in) :: table
@@ -246,7 +246,7 @@ contains
   end function node_count
 
 
-  !> The kind of an element type; 0 if we do not have it. Hybrid (H), modified (M) and heated (T) kinds are taken as the kind
+  !> The kind of an element type; 0: unsupported. Hybrid (H), modified (M) and heated (T) kinds are treated as the kind
   !! without that letter, or as the default of their shape, with a note.
   function kind_of_type(reader, c, type) result(kind)
     type(reader_type), intent(inout) :: reader
@@ -274,7 +274,7 @@ contains
   end function kind_of_type
 
 
-  !> One element: its number and its nodes, on one row or several. The next row belongs to it after a trailing comma and
+  !> One element: its number and its nodes, on one row or several. The next row continues it after a trailing comma and
   !! while nodes are missing.
   subroutine read_element(reader, row, c, kind, n_wanted, draft, is_ok)
     type(reader_type), intent(inout) :: reader
@@ -296,7 +296,7 @@ contains
       call read_node_fields(reader, row, 1, draft%nodes, is_ok)
     end do
     if (.not. is_ok) return
-    ! Old decks of CalculiX give a C3D8I up to three nodes more, for its modes; here they are inside.
+    ! Old decks of CalculiX give a C3D8I up to three extra nodes, for its modes; here the modes are internal.
     if (kind == KIND_C3D8I .and. draft%nodes%n - start <= n_wanted + 3) draft%nodes%n = min(draft%nodes%n, start + n_wanted)
     if (kind > 0 .and. draft%nodes%n - start /= n_wanted) then
       is_ok = .false.
@@ -314,7 +314,7 @@ contains
   end subroutine read_element
 
 
-  !> Appends the nodes of a row; a number that is no node is told and stops the card.
+  !> Appends the nodes of a row; an invalid number is reported and stops the card.
   subroutine read_node_fields(reader, row, first, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -337,7 +337,7 @@ contains
   end subroutine read_node_fields
 
 
-  !> Tells elements in which a node comes twice. Cost: linear.
+  !> Reports elements with a repeated node. Cost: linear.
   subroutine check_connectivity(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -351,7 +351,7 @@ contains
         do j = draft%first(e), i - 1
           if (draft%nodes%items(j) /= node) cycle
           call report_error(reader, draft%line(e), 'The element ' // to_text(draft%label(e)) // ' is degenerate: node ' // &
-            to_text(mesh%node_label(node)) // ' stands twice. Use a kind with fewer nodes.')
+            to_text(mesh%node_label(node)) // ' appears twice. Use a kind with fewer nodes.')
           cycle element
         end do
       end do
@@ -418,7 +418,7 @@ contains
   end function is_thin
 
 
-  !> Whether a set holds elements with a thickness or a cross-section.
+  !> Whether a set contains elements with a thickness or a cross-section.
   pure function needs_thickness(model, draft, set) result(does_so)
     type(model_type), intent(in) :: model        !< with the element sets of drafts
     type(element_draft_type), intent(in) :: draft
@@ -449,7 +449,7 @@ contains
   end function is_in_family
 
 
-  !> Builds the mesh from the drafts; drops leftovers; tells what cannot stay.
+  !> Builds the mesh from the drafts; drops leftovers; reports unsupported elements in use.
   subroutine select_elements(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -465,7 +465,7 @@ contains
     end do
     call build_mesh(draft, n, model%mesh)
     call finalize_mesh(model%mesh)
-    if (size(model%materials) == 0) model%materials = [material_type(name='')]   ! springs and masses need none
+    if (size(model%materials) == 0) model%materials = [material_type(name='')]   ! springs and masses need no material
     call reader%element_labels%build(model%mesh%element_label)
     reader%draft_element_labels = draft%labels
     call report_missing_sections(reader, draft)
@@ -475,7 +475,7 @@ contains
 
 
   !> Faces and lines that mesh generators write beside a body: the elements of a card without any section, all of whose
-  !! nodes belong to elements of more dimensions, count as of no kind.
+  !! nodes belong to elements of higher dimension, get no kind.
   subroutine omit_boundary_elements(reader, n_nodes, draft)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: n_nodes
@@ -519,7 +519,7 @@ contains
     integer, intent(in) :: n                     !< elements kept
     type(mesh_type), intent(inout) :: mesh
     integer :: e, k, n_nodes, start
-    integer, parameter :: T3D3_NODE_ORDER(3) = [1, 3, 2]   ! a deck gives the middle node of T3D3 as the second
+    integer, parameter :: T3D3_NODE_ORDER(3) = [1, 3, 2]   ! a deck lists the middle node of T3D3 second
     mesh%n_elements = n
     allocate (mesh%section_value(n), mesh%directions(2, n))
     if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
@@ -547,7 +547,7 @@ contains
   end subroutine build_mesh
 
 
-  !> Tells elements without a section, once for each ELEMENT card.
+  !> Reports elements without a section, once for each ELEMENT card.
   subroutine report_missing_sections(reader, draft)
     type(reader_type), intent(inout) :: reader
     type(element_draft_type), intent(in) :: draft
@@ -574,7 +574,7 @@ contains
   end subroutine report_missing_sections
 
 
-  !> Elements of kinds that we do not have, card by card: a note if they are lines or faces of solids without a section,
+  !> Elements of unsupported kinds, card by card: a note if they are lines or faces of solids without a section,
   !! else an error.
   subroutine report_omitted_elements(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
@@ -621,7 +621,7 @@ contains
   end subroutine report_omitted_elements
 
 
-  !> Tells an element type that we do not have, and what to use instead.
+  !> Reports an unsupported element type, with a replacement.
   subroutine report_unsupported_type(reader, c, type)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -689,7 +689,7 @@ contains
   end function begins_with
 
 
-  !> Turns the members of the element sets from drafts to elements of the mesh.
+  !> Converts the members of the element sets from drafts to elements of the mesh.
   subroutine map_set_members(reader, mesh, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(inout) :: mesh
@@ -712,7 +712,7 @@ contains
   end subroutine map_set_members
 
 
-  !> Keeps the nodes of the elements that were left out: surfaces may name them.
+  !> Stores the nodes of the dropped elements: surfaces may name them.
   subroutine store_omitted_nodes(reader, draft)
     type(reader_type), intent(inout) :: reader
     type(element_draft_type), intent(in) :: draft

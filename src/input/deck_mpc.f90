@@ -1,4 +1,4 @@
-!> Deck MPC: *MPC, DISTRIBUTING COUPLING and CYCLIC SYMMETRY MODEL to bonds and equations, and what such cards share.
+!> MPC, DISTRIBUTING COUPLING and CYCLIC SYMMETRY MODEL to constraints and equations, and shared procedures of such cards.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_mpc
   use amontons_kinds, only: DP, PI
@@ -45,7 +45,7 @@ contains
   end subroutine read_mpc
 
 
-  !> How many nodes a field names: those of a set, else one.
+  !> The number of nodes that a field names: those of a set, else one.
   pure integer function count_field_nodes(reader, model, row, i) result(n)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
@@ -92,7 +92,7 @@ contains
     character(:), allocatable, intent(out) :: kind   !< squeezed
     integer, allocatable, intent(out) :: nodes(:)
     integer, intent(out) :: line                 !< of its first row
-    logical, intent(out) :: is_ok                !< .false.: a node is not there, which was told
+    logical, intent(out) :: is_ok                !< .false.: a node does not exist; its error is reported
     integer, allocatable :: found(:)
     integer :: i, label, status
     logical :: is_read
@@ -119,13 +119,13 @@ contains
   end subroutine read_next_mpc
 
 
-  !> The bonds of one MPC.
+  !> The nonlinear constraints of one MPC.
   subroutine add_mpc(reader, model, line, kind, given)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line
     character(*), intent(in) :: kind             !< squeezed
-    integer, intent(in) :: given(:)              !< nodes as they stand in the deck
+    integer, intent(in) :: given(:)              !< nodes as written in the deck
     type(nonlinear_mpc_type) :: bond
     integer, allocatable :: nodes(:)
     integer :: i
@@ -203,7 +203,7 @@ contains
   end function unique_nodes
 
 
-  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is fixed rigidly to the second.
+  !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is rigidly attached to the second.
   subroutine add_beam(reader, model, line, nodes, bond, is_link)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -225,7 +225,7 @@ contains
   end subroutine add_beam
 
 
-  !> TIE, PIN: the first node moves as the second.
+  !> TIE, PIN: the first node has the displacements of the second.
   subroutine add_pin(reader, model, line, nodes)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -267,7 +267,7 @@ contains
   end subroutine add_mean_rotation
 
 
-  !> The rotation node of a reference node; one is made if there is none yet.
+  !> The rotation node of a reference node, created if new.
   subroutine make_rotation_node(model, reference, rotation)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: reference
@@ -339,7 +339,7 @@ contains
   end subroutine read_distributing_coupling
 
 
-  !> The node of the one DCOUP3D element of a set; 0 on trouble, which is told.
+  !> The node of the one DCOUP3D element of a set; 0 after a reported error.
   subroutine find_coupling_node(reader, c, name, reference)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -360,7 +360,7 @@ contains
   end subroutine find_coupling_node
 
 
-  !> Gives the ties with CYCLIC SYMMETRY their turn. Before: ties are read.
+  !> Sets the rotation of the ties with CYCLIC SYMMETRY. Ties must be read.
   subroutine read_cyclic_symmetry(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -372,7 +372,7 @@ contains
     end do
     do i = 1, size(model%ties)
       if (model%ties(i)%is_cyclic .and. .not. has_turn(i)) call report_error(reader, 0, 'The tie ''' // model%ties(i)%name // &
-        ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' tells its axis and N.')
+        ''' has CYCLIC SYMMETRY, but no *CYCLIC SYMMETRY MODEL, TIE=' // model%ties(i)%name // ' defines its axis and N.')
     end do
   end subroutine read_cyclic_symmetry
 
@@ -392,7 +392,7 @@ contains
     call open_card(reader, c, parameters, row)
     associate (line => reader%cards%cards(c)%line)
       call parse_integer(parameter_text(parameters, 'N'), n, status)
-      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (status /= NUMBER_OK) return            ! already reported by the check of the card
       if (n < 2) call report_error(reader, line, 'N, the number of sectors in the circle, must be at least 2.')
       if (.not. next_row(reader%cards, row)) then
         call report_error(reader, line, '*CYCLIC SYMMETRY MODEL needs a data line: two points of the axis.')
@@ -423,7 +423,7 @@ contains
   end subroutine read_sector_card
 
 
-  !> The matrix that turns by an angle about an axis through the origin (Rodrigues).
+  !> The rotation matrix of an angle about an axis through the origin (Rodrigues).
   pure function rotation_matrix(axis, angle) result(turn)
     real(DP), intent(in) :: axis(3)              !< unit vector
     real(DP), intent(in) :: angle                !< [rad]

@@ -1,4 +1,4 @@
-!> Deck output: the cards that ask for output, PRINT, FILE and OUTPUT, and the TIME POINTS at which they want it.
+!> PRINT, FILE, OUTPUT and TIME POINTS to output requests.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_output
   use amontons_kinds, only: DP
@@ -18,12 +18,12 @@ module amontons_deck_output
   integer, parameter :: MAX_TIME_POINTS = 1000000     !< times of one GENERATE line
   character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
     'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NOE|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
-    'ALLSD'                                               !< what the result files hold
+    'ALLSD'                                               !< contents of the result files
   character(*), parameter :: FRD_WORDS(N_FRD) = [character(24) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &
-    'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CDISP|CSTR|CSTRESS', 'CELS', 'SDV', 'ERR|S']   !< what asks for the fields of the .frd file
+    'PEEQ|CEEQ|PE|CE', 'ENER', 'CDIS|CDISP|CSTR|CSTRESS', 'CELS', 'SDV', 'ERR|S']   !< variables of the .frd file and their fields
   integer, parameter :: FRD_GROUPS(N_FRD) = [1, 1, 2, 2, 2, 2, 1, 2, 2, 3, 3, 2, 2]   !< cards of nodes, elements, contact
 
-  !> What the output cards have asked for so far; what they ask for stands in the step.
+  !> The output cards read so far in a step; the requests are stored in the step.
   type :: output_requests_type
     logical :: has_prints(4) = .false.           !< (PRINT_...) this step has such a card
     logical :: has_files(3) = .false.            !< (nodes, elements, contact) this step has such a FILE or OUTPUT card
@@ -32,7 +32,7 @@ module amontons_deck_output
 
 contains
 
-  !> A step begins: no card of it has asked for anything yet.
+  !> Starts a step without output cards.
   pure subroutine begin_output(output)
     type(output_requests_type), intent(inout) :: output
     output%has_prints = .false.
@@ -40,7 +40,7 @@ contains
   end subroutine begin_output
 
 
-  !> One card of a step, if it is one that asks for output.
+  !> Reads one card of a step, if it requests output.
   subroutine read_output_card(reader, model, c, output, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -63,7 +63,7 @@ contains
   end subroutine read_output_card
 
 
-  !> NODE PRINT, EL PRINT, CONTACT PRINT: the first one of a kind in a step wipes those of earlier steps.
+  !> NODE PRINT, EL PRINT, CONTACT PRINT: the first of a kind in a step replaces those of earlier steps.
   subroutine read_print(reader, c, kind, known, output, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -110,7 +110,7 @@ contains
   end subroutine read_print
 
 
-  !> Which slave nodes a CONTACT PRINT is of: NSET, SLAVE, MASTER.
+  !> The slave nodes of a CONTACT PRINT: NSET, SLAVE, MASTER.
   subroutine read_contact_choice(reader, c, parameters, request)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -125,7 +125,7 @@ contains
 
   contains
 
-    !> An error if the parameter names what is not there.
+    !> Reports a parameter that names an unknown object.
     subroutine report_unknown(parameter, what, found)
       character(*), intent(in) :: parameter, what
       integer, intent(in) :: found
@@ -137,7 +137,7 @@ contains
   end subroutine read_contact_choice
 
 
-  !> The first PRINT card of a kind in a step wipes those of earlier steps.
+  !> The first PRINT card of a kind in a step deletes those of earlier steps.
   subroutine begin_prints(kind, output, step)
     integer, intent(in) :: kind                  !< PRINT_...
     type(output_requests_type), intent(inout) :: output
@@ -148,7 +148,7 @@ contains
   end subroutine begin_prints
 
 
-  !> SECTION PRINT: the surface must be one of faces; each of its variables asks for the same block.
+  !> SECTION PRINT: the surface must consist of faces; each of its variables requests the same block.
   subroutine read_section_print(reader, model, c, output, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -188,7 +188,7 @@ contains
   end subroutine read_section_print
 
 
-  !> The variables of a PRINT card; of long names such as CDISP the first four letters count.
+  !> The variables of a PRINT card; long names such as CDISP are matched by their first four letters.
   subroutine read_variables(reader, row, known, variables)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -245,7 +245,7 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     integer, intent(inout) :: frequency
-    integer, intent(inout) :: list               !< of TIME POINTS in force; 0: none
+    integer, intent(inout) :: list               !< active TIME POINTS list; 0: none
     integer :: value, status
     if (has_parameter(parameters, 'TIME POINTS')) then
       call find_time_points(reader, c, parameter_text(parameters, 'TIME POINTS'), list)
@@ -254,7 +254,7 @@ contains
     end if
     if (.not. has_parameter(parameters, 'FREQUENCY')) return
     call parse_integer(parameter_text(parameters, 'FREQUENCY'), value, status)
-    if (status /= NUMBER_OK) return              ! told when the card was checked
+    if (status /= NUMBER_OK) return              ! already reported by the check of the card
     if (value < 0) then
       call report_error(reader, reader%cards%cards(c)%line, 'FREQUENCY must not be negative.')
     else
@@ -274,8 +274,8 @@ contains
   end subroutine share_frequency
 
 
-  !> A FILE or OUTPUT card: its frequency; its variables count for the .frd file alone, for the result file holds all
-  !! fields. The first card of a kind in a step replaces those of earlier steps. HISTORY is not for fields.
+  !> A FILE or OUTPUT card: its frequency; its variables apply to the .frd file only, because the result file contains all
+  !! fields. The first card of a kind in a step replaces those of earlier steps. HISTORY does not apply to fields.
   subroutine read_file_request(reader, c, output, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -285,7 +285,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: unknown, word
     type(frd_request_type) :: request
-    logical :: has_no_error                      ! NOE: stress brings no error along
+    logical :: has_no_error                      ! NOE: stress does not add its error
     integer :: i, group
     call open_card(reader, c, parameters, row)
     if (has_parameter(parameters, 'HISTORY')) return
@@ -320,7 +320,7 @@ contains
   end subroutine read_file_request
 
 
-  !> The field that a component is of: RF of RF3, S of S12.
+  !> The field of a component: RF of RF3, S of S12.
   pure function strip_digits(word) result(field)
     character(*), intent(in) :: word
     character(:), allocatable :: field
@@ -328,7 +328,7 @@ contains
   end function strip_digits
 
 
-  !> What a card asks for: 1 values of nodes, 2 of elements, 3 of contact, 0 none of these.
+  !> The category of a card: 1 values of nodes, 2 of elements, 3 of contact, 0 other.
   pure integer function file_group(card) result(group)
     character(*), intent(in) :: card             !< its name without blanks
     group = 0
@@ -338,7 +338,7 @@ contains
   end function file_group
 
 
-  !> Asks for the fields of the .frd file that a variable stands for, if there are any. Stress brings its error along, as in
+  !> Requests the fields of the .frd file for a variable, if there are any. Stress adds its error, as in
   !! CalculiX.
   subroutine request_frd_fields(word, request, frd)
     character(*), intent(in) :: word
@@ -351,7 +351,7 @@ contains
   end subroutine request_frd_fields
 
 
-  !> At the end of a step: the times in it at which TIME POINTS want output.
+  !> At the end of a step: its output times by TIME POINTS.
   subroutine set_output_times(reader, output, total_time, step)
     type(reader_type), intent(in) :: reader
     type(output_requests_type), intent(in) :: output
@@ -362,7 +362,7 @@ contains
   end subroutine set_output_times
 
 
-  !> Reads all TIME POINTS cards, wherever they stand.
+  !> Reads all TIME POINTS cards, wherever they are in the deck.
   subroutine read_time_points(reader)
     type(reader_type), intent(inout) :: reader
     type(time_list_type) :: list
@@ -418,7 +418,7 @@ contains
   end subroutine read_times
 
 
-  !> GENERATE: first time, last time, distance; the last time is always among them.
+  !> GENERATE: first time, last time, distance; the last time is always included.
   subroutine generate_times(reader, row, times)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -442,7 +442,7 @@ contains
   end subroutine generate_times
 
 
-  !> The list that a card names by TIME POINTS; tells it if there is none.
+  !> The list named by TIME POINTS on a card; reports an unknown name.
   subroutine find_time_points(reader, c, name, list)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< card that names it
@@ -454,7 +454,7 @@ contains
   end subroutine find_time_points
 
 
-  !> The times of a list that lie in a step; not allocated without a list.
+  !> The times of a list that lie in a step; unallocated without a list.
   subroutine times_in_step(reader, list, total_time, period, times)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: list                  !< index into reader%time_lists; 0: none

@@ -1,10 +1,10 @@
-!> Deck parts: parts, instances and the assembly written flat: every instance becomes nodes, elements and sets of the model.
+!> Flattens parts, instances and assembly into one model.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Works on the text before anything is read. The cards of a part are written once for each of its instances: numbers are
-!! shifted so that no two instances share one, coordinates are moved (first the translation, then the turn), and the names of
-!! sets, surfaces and orientations become INSTANCE.NAME, as the cards of assembly and steps call them. Every line keeps
-!! the file and the number of the line that it comes from, for messages.
+!! Works on the text before anything is read. The cards of a part are written once for each of its instances. Numbers are
+!! shifted so that instances do not share one. Coordinates are translated, then rotated. The names of sets, surfaces and
+!! orientations become INSTANCE.NAME, as the cards of assembly and steps refer to them. Every line keeps the file
+!! and the number of its original line, for messages.
 module amontons_deck_parts
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
@@ -29,7 +29,7 @@ module amontons_deck_parts
     'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
     'EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
 
-  !> Where cards stand: a part of a certain instance, the assembly, or the model.
+  !> The scope of cards: a part in a certain instance, the assembly, or the model.
   type :: instance_type
     character(:), allocatable :: name            !< of the instance; '' of the assembly and the model
     character(:), allocatable :: part            !< squeezed name of the part
@@ -48,7 +48,7 @@ module amontons_deck_parts
     logical :: is_used = .false.
   end type part_type
 
-  !> The work.
+  !> The state of the flattening.
   type :: flattening_type
     type(cards_type) :: flat                     !< what is written
     type(part_type), allocatable :: parts(:)
@@ -59,8 +59,8 @@ module amontons_deck_parts
 
 contains
 
-  !> Writes a deck with parts flat; one without stays as it is. Before: nothing but the files has been read; the lines of
-  !! remarks made so far are those of the old text, so a deck with errors is read no further.
+  !> Flattens the parts of a deck; a deck without parts is unchanged. Only the files have been read at this point; the lines of
+  !! messages so far are those of the old text, so reading stops here for a deck with errors.
   subroutine flatten_parts(cards, messages, is_flat)
     type(cards_type), intent(inout) :: cards
     type(deck_messages_type), intent(inout) :: messages
@@ -91,7 +91,7 @@ contains
   end subroutine flatten_parts
 
 
-  !> Finds parts and instances, and where every card stands.
+  !> Finds parts and instances, and the scope of every card.
   subroutine find_scopes(cards, work, messages)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -123,7 +123,7 @@ contains
         case ('ENDASSEMBLY')
           is_in_assembly = .false.
         case ('INSTANCE')
-          if (.not. is_in_assembly) call messages%add(card%line, '*INSTANCE must stand between *ASSEMBLY and *END ASSEMBLY.')
+          if (.not. is_in_assembly) call messages%add(card%line, '*INSTANCE must be between *ASSEMBLY and *END ASSEMBLY.')
           if (is_in_instance) call messages%add(card%line, 'The instance before this one has no *END INSTANCE.')
           call begin_instance(cards, c, work, messages)
           is_in_instance = .true.
@@ -134,7 +134,7 @@ contains
           is_in_instance = .false.
         case ('STEP')
           if (part > 0) call messages%add(card%line, 'The part before this step has no *END PART.')
-          if (is_in_assembly) call messages%add(card%line, 'A step must stand after *END ASSEMBLY.')
+          if (is_in_assembly) call messages%add(card%line, 'A step must be after *END ASSEMBLY.')
           if (part > 0 .or. is_in_assembly) return
         end select
       end associate
@@ -158,7 +158,7 @@ contains
   end subroutine begin_part
 
 
-  !> A new instance: its part, and how it is moved.
+  !> A new instance: its part and its position.
   subroutine begin_instance(cards, c, work, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c                     !< its INSTANCE card
@@ -253,7 +253,7 @@ contains
   end function parameter_value
 
 
-  !> Shifts that give every instance, and last the assembly, numbers of their own. The first keeps those of its part.
+  !> Shifts that give every instance, and last the assembly, unique numbers. The first instance keeps those of its part.
   subroutine number_scopes(cards, work)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -306,7 +306,7 @@ contains
   end function largest_label
 
 
-  !> Writes all cards: those of the model as they are but for INSTANCE.NUMBER, an instance with the cards of its part.
+  !> Writes all cards: those of the model unchanged except INSTANCE.NUMBER, an instance with the cards of its part.
   subroutine write_flat(cards, work, messages)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -349,7 +349,7 @@ contains
   end subroutine write_flat
 
 
-  !> One card with its data lines, as the model sees it. NSET and ELSET of the assembly may speak of an instance.
+  !> One card with its data lines, in terms of the model. NSET and ELSET of the assembly may refer to an instance.
   subroutine write_card(cards, work, c, given, messages)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -432,14 +432,14 @@ contains
   end function card_header
 
 
-  !> Whether an instance is turned, and not only shifted.
+  !> Whether an instance is rotated, not only translated.
   pure logical function is_rotated(scope)
     type(instance_type), intent(in) :: scope
     is_rotated = scope%has_placement .and. any(abs(scope%turn - IDENTITY) > 1.0e-12_DP)
   end function is_rotated
 
 
-  !> A name or a number as the model calls it: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
+  !> A name or a number in terms of the model: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
   function qualified_reference(work, scope, text, shift) result(taken)
     type(flattening_type), intent(in) :: work
     type(instance_type), intent(in) :: scope
@@ -464,7 +464,7 @@ contains
   end function qualified_reference
 
 
-  !> The data lines of a card of the model: only INSTANCE.NUMBER is turned into a number.
+  !> The data lines of a card of the model: only INSTANCE.NUMBER is replaced by a number.
   subroutine write_plain(cards, work, c)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -535,7 +535,7 @@ contains
       case ('BOUNDARY', 'INITIALCONDITIONS')
         if (is_rotated(scope)) then
           call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
-            'turned is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
+            'rotated is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
         text = first_row(cards, work, row, scope, merge(scope%element_shift, scope%node_shift, &
@@ -572,7 +572,7 @@ contains
   end function has_key
 
 
-  !> The nodes of an element type; 0 if it is not known.
+  !> The number of nodes of an element type; 0: unknown type.
   integer function n_nodes_of_type(type) result(n)
     character(*), intent(in) :: type
     type(element_kind_type) :: entry
@@ -591,7 +591,7 @@ contains
   end function n_nodes_of_type
 
 
-  !> A point of a part where the instance has it.
+  !> Transforms a point of a part to its position in the instance.
   pure function placed_point(scope, x) result(place)
     type(instance_type), intent(in) :: scope
     real(DP), intent(in) :: x(3)
@@ -616,7 +616,7 @@ contains
     do i = 2, min(row%n, 4)
       call field_real(cards, row, i, x(i - 1), status)
       if (status /= NUMBER_OK .and. field_text(cards, row, i) /= '') then
-        text = text // ', ' // field_text(cards, row, i)   ! it is told when it is read
+        text = text // ', ' // field_text(cards, row, i)   ! the final reader reports it
         return
       end if
     end do
@@ -641,7 +641,7 @@ contains
     type(data_row_type), intent(in) :: row
     type(instance_type), intent(in) :: scope
     integer, intent(in) :: n_nodes               !< of the type; 0: not known
-    integer, intent(inout) :: n_left             !< nodes that the element still wants; < 0: as long as rows end with a comma
+    integer, intent(inout) :: n_left             !< nodes missing in the element; < 0: as long as rows end with a comma
     character(:), allocatable, intent(out) :: text
     integer :: i, label, status
     logical :: is_first
@@ -668,7 +668,7 @@ contains
   end subroutine element_row
 
 
-  !> A row of numbers and names of sets; of a range the step stays.
+  !> A row of numbers and names of sets; the increment of a range is unchanged.
   function set_row(cards, work, row, scope, is_range, shift) result(text)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(in) :: work
@@ -715,7 +715,7 @@ contains
   end function first_row
 
 
-  !> The local axes of an analytic surface that begins with START: those of the part, where the instance has them.
+  !> The local axes of an analytic surface that begins with START: those of the part, transformed to the instance.
   subroutine write_axes(cards, work, c, row, scope)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(inout) :: work
@@ -738,7 +738,7 @@ contains
   end subroutine write_axes
 
 
-  !> A row of an analytic surface: points of axes, and those of a profile in the plane, where the instance has them.
+  !> A row of an analytic surface: points of axes, and those of a profile in the plane, transformed to the instance.
   function profile_row(cards, row, scope, is_flat) result(text)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row
@@ -771,7 +771,7 @@ contains
   end function profile_row
 
 
-  !> A row of ORIENTATION or TRANSFORM: the first has two points. Those of axes through the origin are only turned.
+  !> A row of ORIENTATION or TRANSFORM: the first has two points. Those of axes through the origin are only rotated.
   function point_row(cards, row, scope, is_first, system) result(text)
     type(cards_type), intent(in) :: cards
     type(data_row_type), intent(in) :: row

@@ -1,4 +1,4 @@
-!> Deck reader: what the procedures that turn cards into the model share: the cards, the names, and how fields are read.
+!> State and field readers shared by all card readers.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_reader
   use amontons_kinds, only: DP, NAME_LENGTH
@@ -27,27 +27,27 @@ module amontons_deck_reader
     type(card_table_type) :: table
     type(deck_messages_type) :: messages
     integer :: dialect = DIALECT_ABAQUS          !< DIALECT_ABAQUS or DIALECT_CALCULIX
-    integer :: truncated_step = 0                      !< a step that a restart has ended early; 0: none
+    integer :: truncated_step = 0                      !< a step ended early by a restart; 0: none
     real(DP) :: truncated_time = 0                     !< at its end [step time]
     integer, allocatable :: delayed_amplitude(:) !< (n_cards) amplitude of a card with TIME DELAY, 0
-    integer, allocatable :: step_of_card(:)      !< (n_cards) step in which a card stands; 0: the model
+    integer, allocatable :: step_of_card(:)      !< (n_cards) step of a card; 0: the model
     type(name_table_type) :: node_sets, element_sets, surfaces, materials, interactions, amplitudes, time_names
     type(time_list_type), allocatable :: time_lists(:)
     type(label_table_type) :: node_labels, element_labels
     type(label_table_type) :: draft_element_labels       !< all elements of the deck, also those that are no solids
     logical, allocatable :: node_set_repeats(:)      !< (node sets) the deck names a member more than once
     logical, allocatable :: element_set_repeats(:)   !< (element sets) the same
-    logical, allocatable :: has_omitted_elements(:)     !< (element sets) it holds elements that are no solids and were dropped
-    integer, allocatable :: omitted_first(:)        !< (n + 1) start of each element that was left out, in left_nodes
+    logical, allocatable :: has_omitted_elements(:)     !< (element sets) it contains dropped elements that are not solids
+    integer, allocatable :: omitted_first(:)        !< (n + 1) start of each dropped element, in omitted_nodes
     integer, allocatable :: omitted_nodes(:)
-    integer, allocatable :: omitted_of_draft(:)     !< (elements of the deck) number among those left out, 0
-    type(integer_list_type), allocatable :: omitted_of_set(:)   !< (element sets) those of its members that were left out
-    logical :: has_unsupported_kinds = .false.       !< elements of kinds that we do not have were told; what needs them is not
+    integer, allocatable :: omitted_of_draft(:)     !< (elements of the deck) number among the dropped, 0
+    type(integer_list_type), allocatable :: omitted_of_set(:)   !< (element sets) their dropped members
+    logical :: has_unsupported_kinds = .false.       !< unsupported element kinds were reported; consequences are not
   end type reader_type
 
 contains
 
-  !> Reads the parameters of a card (names complete, nothing told: that was done when the cards were checked) and sets
+  !> Reads the parameters of a card (names complete; errors were reported by the check of the cards) and sets
   !! the cursor before its data.
   subroutine open_card(reader, c, parameters, row)
     type(reader_type), intent(in) :: reader
@@ -73,7 +73,7 @@ contains
   end function is_card
 
 
-  !> Tells an error.
+  !> Reports an error.
   subroutine report_error(reader, line, text)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< line of the deck; 0: none
@@ -82,7 +82,7 @@ contains
   end subroutine report_error
 
 
-  !> Tells a note.
+  !> Reports a note.
   subroutine report_note(reader, line, text)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< line of the deck; 0: none
@@ -91,7 +91,7 @@ contains
   end subroutine report_note
 
 
-  !> Reads a real field or tells why not.
+  !> Reads a real field or reports an error.
   subroutine read_real(reader, row, i, what, value, is_ok, default)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -121,7 +121,7 @@ contains
   end subroutine read_real
 
 
-  !> How numbers are written, for a field that is more than one.
+  !> The number format, for a field with more than one value.
   pure function suggest_commas(field) result(hint)
     character(*), intent(in) :: field
     character(:), allocatable :: hint
@@ -130,7 +130,7 @@ contains
   end function suggest_commas
 
 
-  !> Reads an integer field or tells why not.
+  !> Reads an integer field or reports an error.
   subroutine read_integer(reader, row, i, what, value, is_ok, default)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -156,13 +156,13 @@ contains
   end subroutine read_integer
 
 
-  !> The constants of a routine of the user, in lines of eight; tells too few and too many.
+  !> The constants of a user routine, in lines of eight; reports too few and too many.
   subroutine read_user_constants(reader, c, row, count_name, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(data_row_type), intent(inout) :: row         !< before its data lines
-    character(*), intent(in) :: count_name       !< parameter that gives their number, for messages
-    real(DP), intent(inout) :: constants(:)      !< zero comes in, for fields that are blank
+    character(*), intent(in) :: count_name       !< parameter with their number, for messages
+    real(DP), intent(inout) :: constants(:)      !< zero on input, for blank fields
     integer, parameter :: FIELDS = 8
     integer :: n, i, k
     logical :: is_ok
@@ -177,21 +177,21 @@ contains
       i = i + min(FIELDS, n - i)
     end do
     if (i < n .and. is_ok) call report_error(reader, reader%cards%cards(c)%line, count_name // ' is ' // to_text(n) // &
-      ', but there is room for only ' // to_text(i) // ' in the data lines, eight in each.')
+      ', but the data lines hold only ' // to_text(i) // ', eight in each.')
   end subroutine read_user_constants
 
 
-  !> Tells fields beyond the last one that is read.
+  !> Reports fields beyond the last one that is read.
   subroutine check_n_fields(reader, row, n)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     integer, intent(in) :: n                     !< fields that are read
     if (row%n > n) call report_error(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // &
-      to_text(n) // ' can stand here.')
+      to_text(n) // ' are allowed here.')
   end subroutine check_n_fields
 
 
-  !> Tells data lines of a card that takes none.
+  !> Reports data lines of a card that takes none.
   subroutine check_no_data(reader, row)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row            !< a row that should not be there
@@ -199,7 +199,7 @@ contains
   end subroutine check_no_data
 
 
-  !> The node or the nodes of the node set that a field names; tells it if there is none.
+  !> The node or the nodes of the node set named by a field; reports an unknown name.
   subroutine nodes_of_field(reader, mesh, row, i, nodes, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -228,7 +228,7 @@ contains
   end subroutine nodes_of_field
 
 
-  !> The element or the elements of the element set that a field names; tells it if there is none.
+  !> The element or the elements of the element set named by a field; reports an unknown name.
   subroutine elements_of_field(reader, mesh, row, i, elements, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -267,7 +267,7 @@ contains
   end subroutine elements_of_field
 
 
-  !> The amplitude that a card names; 0 if it names none, or on trouble.
+  !> The amplitude named by a card; 0: none named, or after an error.
   subroutine find_amplitude(reader, c, parameters, amplitude)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -284,7 +284,7 @@ contains
   end subroutine find_amplitude
 
 
-  !> Tells a name that is too long.
+  !> Reports a name that is too long.
   subroutine check_name(reader, c, name)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card

@@ -1,9 +1,9 @@
-!> Deck restart: a deck that goes on from the restart file of another job becomes one deck: that job's steps, then its own.
+!> Joins a deck with RESTART, READ to the deck of the old job.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The restart file holds the whole deck of the old job. Its model, the new deck's cards before its steps (sets, amplitudes),
-!! the old steps up to the one that is gone on from and the new steps, in this order, are the deck of the new job: what follows
-!! is what one deck with all steps would have given.
+!! The restart file holds the whole deck of the old job. The deck of the new job consists of the old model, the new deck's cards
+!! before its steps (sets, amplitudes), the old steps up to the restart and the new steps, in this order: the result
+!! is that of one deck with all steps.
 module amontons_deck_restart
   use amontons_restart_file, only: state_key_type, read_restart_deck, find_restart_state
   use amontons_cards, only: cards_type, deck_messages_type, parameter_type, read_parameters, start_deck_text, append_line, &
@@ -23,9 +23,9 @@ module amontons_deck_restart
 
 contains
 
-  !> If the deck has *RESTART, READ: the joined deck, and where it goes on.
+  !> If the deck has *RESTART, READ: the joined deck, and the state of the restart.
   !!
-  !! Errors: EXIT_USAGE (an old job is named for a deck that reads none), EXIT_IO (no such file or state, damaged).
+  !! Errors: EXIT_USAGE (an old job is named for a deck without RESTART, READ), EXIT_IO (no such file or state, damaged).
   subroutine join_decks(cards, messages, options, origin, error)
     type(cards_type), intent(inout) :: cards
     type(deck_messages_type), intent(inout) :: messages
@@ -65,7 +65,7 @@ contains
   end subroutine join_decks
 
 
-  !> The card *RESTART, READ before the steps; 0: there is none.
+  !> The card *RESTART, READ before the steps; 0: none.
   integer function find_restart_read(cards) result(c)
     type(cards_type), intent(in) :: cards
     type(parameter_type), allocatable :: parameters(:)
@@ -99,7 +99,7 @@ contains
   end function restart_path
 
 
-  !> The folder of a path with its slash; empty if there is none.
+  !> The folder of a path with its slash; empty: no folder.
   pure function folder_name(path) result(folder)
     character(*), intent(in) :: path
     character(:), allocatable :: folder
@@ -107,7 +107,7 @@ contains
   end function folder_name
 
 
-  !> A whole number behind a parameter; 0 if it is not there or none (the check of the cards tells that).
+  !> An integer parameter; 0 if absent or invalid (the check of the cards reports that).
   integer function parameter_integer(parameters, key) result(number)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: key
@@ -119,7 +119,7 @@ contains
   end function parameter_integer
 
 
-  !> The lines and cards of a text; what it includes is in place already.
+  !> The lines and cards of a text; its includes are already in place.
   subroutine read_lines(text, cards)
     character(*), intent(in) :: text
     type(cards_type), intent(out) :: cards
@@ -175,7 +175,7 @@ contains
   end function card_line
 
 
-  !> Copies lines as they are.
+  !> Copies lines unchanged.
   subroutine copy_lines(from, first, last, shift, to)
     type(cards_type), intent(in) :: from
     integer, intent(in) :: first, last             !< lines
@@ -188,7 +188,7 @@ contains
   end subroutine copy_lines
 
 
-  !> What stands before the new steps: the heading and stray text become comments; what would change the model is told.
+  !> Copies the part before the new steps: heading and stray text become comments; cards that change the model are reported.
   subroutine copy_model(cards, last, joined, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: last                    !< line before the first new step
@@ -206,8 +206,8 @@ contains
           comment = ''
           if (cards%cards(c)%key == 'HEADING') comment = '** '
           if (.not. is_one_of(cards%cards(c)%key, CARDS_BEFORE_STEPS)) call messages%add(joined%n_lines + 1, 'The card *' // &
-            cards%cards(c)%key // ' cannot stand before the steps of a deck that goes on from a restart file: the model ' // &
-            'comes from there.')
+            cards%cards(c)%key // ' is not allowed before the steps of a deck that continues from a restart file: the model ' // &
+            'comes from that file.')
           call read_parameters(cards, cards%cards(c), parameters)
           if (cards%cards(c)%key == 'AMPLITUDE' .and. parameter_text(parameters, 'DEFINITION') == 'USER') &
             call messages%add(joined%n_lines + 1, 'An amplitude of the user must be in the deck of the old job: its ' // &

@@ -1,7 +1,7 @@
-!> Deck sets: the cards NSET and ELSET, and the sets that NODE and ELEMENT cards name, to lists of members.
+!> NSET and ELSET to member lists.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A set is what all the cards with its name give together, wherever they stand; sets may name sets that come later.
+!! All cards with the name of a set add to it, wherever they are in the deck; sets may name sets that come later.
 module amontons_deck_sets
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
   use amontons_card_schema, only: has_parameter, parameter_text
@@ -18,10 +18,10 @@ module amontons_deck_sets
 
   integer, parameter :: SET_UNRESOLVED = 0, SET_IN_PROGRESS = 1, SET_RESOLVED = 2
 
-  !> A set on its way.
+  !> A set during resolution.
   type :: pending_set_type
     character(:), allocatable :: name            !< as first written
-    type(integer_list_type) :: cards             !< the cards that give members
+    type(integer_list_type) :: cards             !< the cards that add members
     integer :: state = SET_UNRESOLVED
     integer, allocatable :: members(:)
     logical :: has_repeats = .false.             !< the deck names a member more than once
@@ -66,7 +66,7 @@ contains
   end subroutine read_sets
 
 
-  !> Finds the names of all sets and the cards that give them members.
+  !> Finds the names of all sets and the cards that add members to them.
   subroutine gather_family(reader, block_key, set_key, family)
     type(reader_type), intent(inout) :: reader
     character(*), intent(in) :: block_key        !< 'NODE' or 'ELEMENT'
@@ -112,7 +112,7 @@ contains
   end subroutine resolve_family
 
 
-  !> Hands the sets over.
+  !> Moves the sets to the model.
   subroutine store_sets(family, sets)
     type(set_family_type), intent(inout) :: family
     type(set_type), allocatable, intent(out) :: sets(:)
@@ -147,7 +147,7 @@ contains
   end subroutine resolve_set
 
 
-  !> Resolves the sets that one card names; tells names that are no set, and circles.
+  !> Resolves the sets named by one card; reports unknown sets and circular references.
   recursive subroutine resolve_named(reader, draft, mesh, family, s, c)
     type(reader_type), intent(inout) :: reader
     type(element_draft_type), intent(in) :: draft
@@ -188,7 +188,7 @@ contains
   end function is_block
 
 
-  !> Adds the members that one card gives.
+  !> Adds the members of one card.
   subroutine add_card_members(reader, draft, mesh, family, s, c, members)
     type(reader_type), intent(inout) :: reader
     type(element_draft_type), intent(in) :: draft
@@ -231,7 +231,7 @@ contains
   end subroutine add_member
 
 
-  !> Rows first, last, step. Numbers in between that do not exist are passed over; a range without any is told.
+  !> Rows first, last, step. Missing numbers in between are skipped; an empty range is reported.
   subroutine add_ranges(reader, row, family, s, members)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
@@ -290,7 +290,7 @@ contains
   end subroutine add_element_nodes
 
 
-  !> Rows of numbers and of names of sets, which are resolved already.
+  !> Rows of numbers and of names of sets already resolved.
   subroutine add_rows(reader, row, family, s, members)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row

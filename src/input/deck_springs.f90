@@ -1,8 +1,8 @@
-!> Deck springs: the cards SPRING, GAP and MASS, and *MPC, DIST, to constants, directions and laws.
+!> SPRING, GAP, MASS and MPC DIST to element laws.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! *MPC, DIST: the constraint is one of an inequality, which elimination does not know. A rope therefore is a spring that is far
-!! stiffer than what it holds: it gives way by its force over 1e4 E L, L its length at the start.
+!! *MPC, DIST is an inequality constraint, which elimination cannot represent. A rope therefore is a spring far stiffer than the
+!! bodies at its ends: its elongation is its force over 1e4 E L, with the initial length L.
 module amontons_deck_springs
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row
@@ -69,7 +69,7 @@ contains
   end subroutine read_springs
 
 
-  !> Whether all members of a set are what a card speaks of; tells the first that is not.
+  !> Whether all members of a set are of the kinds of a card; reports the first that is not.
   logical function check_member_kinds(reader, draft, c, members, card)
     type(reader_type), intent(inout) :: reader
     type(element_draft_type), intent(in) :: draft
@@ -169,7 +169,7 @@ contains
   end subroutine read_spring
 
 
-  !> Appends a law and gives it to the elements of a card.
+  !> Appends a law and assigns it to the elements of a card.
   subroutine assign_law(model, spring, members, draft)
     type(model_type), intent(inout) :: model
     type(spring_type), intent(in) :: spring
@@ -200,12 +200,12 @@ contains
   end subroutine read_directions
 
 
-  !> Rows of constant, a field that is passed over, temperature.
+  !> Rows of constant, an ignored field, temperature.
   subroutine read_spring_constants(reader, row, spring, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
     type(spring_type), intent(inout) :: spring
-    logical, intent(out) :: is_ok                !< .false.: there are none
+    logical, intent(out) :: is_ok                !< .false.: no members
     real(DP) :: constant, temperature
     logical :: is_good
     real(DP), allocatable :: constants(:)
@@ -226,7 +226,7 @@ contains
       spring%constant%temperature = [spring%constant%temperature, temperature]
     end do
     spring%constant%value = reshape(constants, [1, size(constants)])
-    if (is_ok .and. size(constants) == 0) then   ! told above
+    if (is_ok .and. size(constants) == 0) then   ! already reported
       spring%constant%temperature = [0.0_DP]
       spring%constant%value = reshape([1.0_DP], [1, 1])
     end if
@@ -238,7 +238,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
     type(hardening_curve_type), allocatable, intent(out) :: tables(:)
-    logical, intent(out) :: is_ok                !< .false.: there are none
+    logical, intent(out) :: is_ok                !< .false.: no members
     real(DP) :: force, elongation, temperature
     logical :: is_good
     allocate (tables(0))
@@ -305,7 +305,7 @@ contains
   end subroutine set_spring_axes
 
 
-  !> GAP: clearance, direction, a field that is passed over, stiffness, pull.
+  !> GAP: clearance, direction, an ignored field, stiffness, tension limit.
   subroutine read_gap_element(reader, model, c, members, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -347,7 +347,7 @@ contains
   end subroutine read_gap_element
 
 
-  !> Reads all DIST of MPC cards. Before: nodes, sets, materials and springs are read; the elements are drafts.
+  !> Reads all DIST of MPC cards. Nodes, sets, materials and springs must be read; the elements are drafts.
   subroutine read_distance_limits(reader, model, draft)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -403,7 +403,7 @@ contains
   end subroutine add_distance_limit
 
 
-  !> The largest Young's modulus of all materials, or what comes near it.
+  !> The largest Young's modulus of all materials, or an estimate of it.
   pure real(DP) function max_modulus(model) result(modulus)
     type(model_type), intent(in) :: model
     integer :: i
@@ -415,7 +415,7 @@ contains
   end function max_modulus
 
 
-  !> One more element among the drafts, with the next label.
+  !> Appends an element to the drafts, with the next label.
   subroutine append_draft(draft, c, line, nodes, spring)
     type(element_draft_type), intent(inout) :: draft
     integer, intent(in) :: c, line, nodes(2)

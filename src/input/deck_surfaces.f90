@@ -1,4 +1,4 @@
-!> Deck model: the cards of amplitudes, surfaces and equations to the model.
+!> AMPLITUDE, SURFACE and EQUATION to the model.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_surfaces
   use amontons_kinds, only: DP
@@ -25,7 +25,7 @@ module amontons_deck_surfaces
 
   character(*), parameter :: NODE_SURFACE_SUFFIX = '\NODES'   !< behind the name of a surface of nodes that shares its name
 
-  !> Terms of one equation on their way.
+  !> Terms of one equation during reading.
   type :: terms_type
     integer :: n = 0
     integer, allocatable :: node(:, :)           !< (n copies, n terms) nodes; a set gives several copies
@@ -50,7 +50,7 @@ contains
   end subroutine read_heading
 
 
-  !> Adds one line to the heading; comments and blank lines are left out.
+  !> Adds one line to the heading; comments and blank lines are omitted.
   subroutine add_heading_line(reader, line, heading)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: line
@@ -103,7 +103,7 @@ contains
   end subroutine read_amplitudes
 
 
-  !> The course of an amplitude, by its DEFINITION.
+  !> The data of an amplitude, by its DEFINITION.
   subroutine read_amplitude_definition(reader, c, parameters, row, amplitude)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -150,7 +150,7 @@ contains
   end subroutine read_amplitude_definition
 
 
-  !> The numbers of a formula as amplitude_type has them; not allocated if they are not as they should be.
+  !> The constants of a formula in the order of amplitude_type; unallocated if they are invalid.
   pure subroutine order_formula_constants(definition, numbers, amplitude)
     character(*), intent(in) :: definition       !< PERIODIC, MODULATED or DECAY
     real(DP), intent(in) :: numbers(:)
@@ -192,12 +192,12 @@ contains
   end subroutine set_equal_spacing
 
 
-  !> All numbers in the rows of a card; tells it if there are fewer than wanted.
+  !> All numbers in the rows of a card; reports too few.
   subroutine read_numbers(reader, row, n_least, numbers)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(inout) :: row
     integer, intent(in) :: n_least
-    real(DP), allocatable, intent(out) :: numbers(:)   !< none on trouble
+    real(DP), allocatable, intent(out) :: numbers(:)   !< empty after an error
     real(DP) :: value
     integer :: i
     logical :: is_ok
@@ -215,7 +215,7 @@ contains
   end subroutine read_numbers
 
 
-  !> AMPLITUDE, DEFINITION=USER: the properties and variables of UAMP. Until it is asked the factor is zero.
+  !> AMPLITUDE, DEFINITION=USER: the properties and variables of UAMP. The factor is zero until the first call.
   subroutine read_user_amplitude(reader, c, parameters, row, amplitude)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -237,7 +237,7 @@ contains
   end subroutine read_user_amplitude
 
 
-  !> The value of a parameter that is a number; the default if it is not given, or none (that was told).
+  !> The value of a numeric parameter; the default if absent or invalid (already reported).
   function parameter_real(parameters, name, default) result(value)
     type(parameter_type), intent(in) :: parameters(:)
     character(*), intent(in) :: name
@@ -251,7 +251,7 @@ contains
   end function parameter_real
 
 
-  !> Cards with TIME DELAY get an amplitude of their own that runs later.
+  !> Gives cards with TIME DELAY a shifted copy of their amplitude.
   subroutine delay_amplitudes(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -366,7 +366,7 @@ contains
   end subroutine read_surfaces
 
 
-  !> The surface that a slave's name means; 0 if there is none.
+  !> The slave surface of a name, the node-based one first; 0: unknown name.
   pure integer function find_slave_surface(reader, name) result(surface)
     type(reader_type), intent(in) :: reader
     character(*), intent(in) :: name
@@ -375,7 +375,7 @@ contains
   end function find_slave_surface
 
 
-  !> Of two surfaces of one name, the last one and another, that of nodes goes to the end and is called so.
+  !> Of two surfaces of one name, the node-based one moves to the end and gets a suffix.
   subroutine rename_node_surface(surfaces, position)
     type(surface_type), intent(inout) :: surfaces(:)
     integer, intent(in) :: position                !< of the first one
@@ -391,7 +391,7 @@ contains
   end subroutine rename_node_surface
 
 
-  !> A surface of nodes; a second field (area) is passed over.
+  !> A surface of nodes; a second field (area) is ignored.
   subroutine read_surface_nodes(reader, mesh, c, stamp, surface)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -430,7 +430,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: c
     integer, intent(inout) :: stamp(:)           !< last card that took a face; free to use
-    type(node_elements_type), intent(inout) :: index     !< of faces, made when it is needed
+    type(node_elements_type), intent(inout) :: index     !< of faces, created on first use
     type(surface_type), intent(inout) :: surface
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
@@ -479,7 +479,7 @@ contains
   end subroutine read_surface_faces
 
 
-  !> A row without a face: of solids their free faces, of faces that a mesh generator wrote the element faces under them.
+  !> A row without a face: the free faces of solids; for faces written by a mesh generator the element faces under them.
   subroutine add_free_faces(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
@@ -513,7 +513,7 @@ contains
   end subroutine add_free_faces
 
 
-  !> The elements left out that a field names; none if it names solids, or nothing.
+  !> The dropped elements that a field names; empty if it names solids, or nothing.
   subroutine omitted_of_field(reader, row, left)
     type(reader_type), intent(in) :: reader
     type(data_row_type), intent(in) :: row
@@ -565,7 +565,7 @@ contains
   end subroutine fill_surface_nodes
 
 
-  !> The number in a face label such as S3 or P3; 0 if it is none.
+  !> The number in a face label such as S3 or P3; 0: invalid label.
   pure function face_number(label, letter) result(face)
     character(*), intent(in) :: label
     character(1), intent(in) :: letter           !< 'S' or 'P'
@@ -578,7 +578,7 @@ contains
   end function face_number
 
 
-  !> EQUATION: a card may hold several; a node set in it gives one equation for each of its nodes.
+  !> EQUATION: a card may contain several; a node set in it gives one equation for each of its nodes.
   subroutine read_equations(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -596,7 +596,7 @@ contains
       if (has_parameter(parameters, 'REMOVE')) cycle       ! read with its step
       if (reader%step_of_card(c) > 0) call report_error(reader, reader%cards%cards(c)%line, &
         'Equations hold from the start of the ' // &
-        'job: *EQUATION must stand before the first step; in a step it stands with REMOVE.')
+        'job: *EQUATION must be before the first step; in a step it needs REMOVE.')
       do while (next_row(reader%cards, row))
         line = row%line
         is_ok = .true.
@@ -618,7 +618,7 @@ contains
         end do
       end do
     end do
-    model%equations = [equations(:n), model%equations]   ! those of other cards, which are read already, come after
+    model%equations = [equations(:n), model%equations]   ! equations of other cards, already read, come last
   end subroutine read_equations
 
 
@@ -662,7 +662,7 @@ contains
   end subroutine read_terms
 
 
-  !> Puts the nodes of the last term: one for all copies of the equation, or one for each.
+  !> Stores the nodes of the last term: one for all copies of the equation, or one for each.
   subroutine store_term_nodes(reader, line, nodes, terms, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
@@ -688,7 +688,7 @@ contains
   end subroutine store_term_nodes
 
 
-  !> Makes one equation: terms of the same degree of freedom are added up.
+  !> Builds one equation: terms of the same degree of freedom are summed.
   subroutine merge_terms(reader, terms, copy, line, equation)
     type(reader_type), intent(inout) :: reader
     type(terms_type), intent(in) :: terms
@@ -723,7 +723,7 @@ contains
   end subroutine merge_terms
 
 
-  !> Terms of transformed nodes become terms in the global directions.
+  !> Transforms terms of nodes with local directions to the global directions.
   subroutine transform_terms(model, equation)
     type(model_type), intent(in) :: model
     type(equation_type), intent(inout) :: equation

@@ -1,8 +1,8 @@
-!> Explain: card by card what is used, what has no effect, what is refused, what holds by default, and the numbers taken.
+!> Report of how each card is interpreted, with defaults.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! It says what the card table and the reader say: the sentences are those of the table, the remarks those of the reader, the
-!! numbers those of the model. So it cannot tell anything else than what is done.
+!! The report quotes the sentences of the card table, the messages of the reader and the numbers of the model. So it cannot
+!! differ from what the program does.
 module amontons_explain
   use amontons_kinds, only: DP
   use amontons_card_schema, only: card_entry_type, parameter_schema_type, match_parameters, ENTRY_SUPPORTED, ENTRY_IGNORED, &
@@ -28,7 +28,7 @@ module amontons_explain
 
 contains
 
-  !> The whole explanation. Before: the deck has been read, with or without errors.
+  !> The complete explanation. The deck must be read, with or without errors.
   subroutine explain_cards(reader, model, text)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(in) :: model
@@ -37,7 +37,7 @@ contains
     text = 'Deck ' // reader%cards%files(1)%path // ', read in the ' // &
       trim(merge('calculix', 'abaqus  ', reader%dialect == DIALECT_CALCULIX)) // ' dialect.' // NEWLINE // NEWLINE
     call explain_remarks(reader, 0, 0, text)
-    if (.not. allocated(reader%step_of_card)) then   ! its parts do not hold: it was read no further
+    if (.not. allocated(reader%step_of_card)) then   ! parts have errors: reading stopped there
       call explain_remarks(reader, 1, huge(1), text)
       return
     end if
@@ -57,7 +57,7 @@ contains
   end subroutine explain_cards
 
 
-  !> One card: its status, its parameters, what holds without those not given, its data lines, and the dialects.
+  !> One card: status, parameters, defaults of those not given, data lines, and the dialects.
   subroutine explain_card(reader, c, text)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c                       !< index of the card
@@ -131,7 +131,7 @@ contains
   end function parameter_line
 
 
-  !> 'by default: AMPLITUDE=RAMP, INC=100'; empty if nothing holds by default.
+  !> 'by default: AMPLITUDE=RAMP, INC=100'; empty without defaults.
   function default_line(entry, parameters) result(line)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(in) :: parameters(:)
@@ -151,7 +151,7 @@ contains
   end function default_line
 
 
-  !> The data lines: their number, and the first ones as they stand.
+  !> The data lines: their number, and the first ones as written.
   subroutine explain_data(reader, c, is_bulk, text)
     type(reader_type), intent(in) :: reader
     integer, intent(in) :: c
@@ -173,10 +173,10 @@ contains
   end subroutine explain_data
 
 
-  !> What the reader remarked of some lines.
+  !> The messages of the reader for some lines.
   subroutine explain_remarks(reader, first, last, text)
     type(reader_type), intent(in) :: reader
-    integer, intent(in) :: first, last             !< lines of the deck; 0, 0: of none
+    integer, intent(in) :: first, last             !< lines of the deck; 0, 0: no lines
     character(:), allocatable, intent(inout) :: text
     character(:), allocatable :: remark
     integer :: i, line
@@ -190,7 +190,7 @@ contains
   end subroutine explain_remarks
 
 
-  !> How many elements of each kind, and how they are integrated.
+  !> The number of elements of each kind, and their integration.
   subroutine explain_elements(model, text)
     type(model_type), intent(in) :: model
     character(:), allocatable, intent(inout) :: text

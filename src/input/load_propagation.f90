@@ -1,14 +1,14 @@
-!> Standing: the loads that stand at a point of the deck, those that earlier steps left there among them.
+!> Loads and boundary conditions that persist over steps (OP=MOD, OP=NEW).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! | case | start of the step | end of the step |
 !! |---|---|---|
-!! | new in this step | 0; a displacement: what the node has then | its value |
-!! | given again in this step | value at the end of the step before | its new value; forces of one step add up |
-!! | kept from the step before | value at the end of that step | the same |
-!! | OP=NEW, not given again | displacement: released; load: value at the end of the step before | load: 0 |
+!! | new in this step | 0; a displacement: its current value | its value |
+!! | given again in this step | value at the end of the last step | its new value; forces of one step add up |
+!! | kept from the last step | value at the end of that step | the same |
+!! | OP=NEW, not given again | displacement: released; load: value at the end of the last step | load: 0 |
 !! | STEP, AMPLITUDE=STEP | the value at the end | |
-!! | with an amplitude | reference value times amplitude; kept on only if it runs in total time | |
+!! | with an amplitude | reference value times amplitude; continues only in total time | |
 module amontons_load_propagation
   use amontons_kinds, only: DP
   use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
@@ -23,7 +23,7 @@ module amontons_load_propagation
 
   integer, parameter :: LOAD_BOUNDARY = 1, LOAD_CLOAD = 2, LOAD_DLOAD = 3, LOAD_VOLUME = 4
 
-  !> A prescribed displacement that stands.
+  !> An active prescribed displacement.
   type, extends(prescribed_type) :: active_prescribed_type
     real(DP) :: before = 0                       !< value at the end of the step before
     logical :: was_active = .false.              !< it acted in the step before
@@ -31,41 +31,41 @@ module amontons_load_propagation
     integer :: step = 0                          !< step that gave it last; 0: the model
   end type active_prescribed_type
 
-  !> A load that stands.
+  !> An active load.
   type, extends(load_type) :: active_load_type
     integer :: key = 0                           !< what it acts on
     real(DP) :: before = 0                       !< value at the end of the step before
     logical :: is_active = .true.
     integer :: step = 0                          !< step that gave it last
-    integer :: next = 0                          !< next load on the same thing
+    integer :: next = 0                          !< next load at the same place
   end type active_load_type
 
-  !> Loads by what they act on.
+  !> Loads by their target.
   type :: load_list_type
     integer :: n = 0
     type(active_load_type), allocatable :: items(:)
-    integer, allocatable :: head(:)              !< (keys) first load on it, 0 none
+    integer, allocatable :: head(:)              !< (keys) first load at it, 0 none
   end type load_list_type
 
-  !> Where a load on volumes, or a traction, acts, and how.
+  !> Region, type and direction of a load on volumes or of a traction.
   type :: load_region_type
     integer :: kind = DISTRIBUTED_GRAVITY        !< DISTRIBUTED_GRAVITY, _SPIN, _BODY or _TRACTION
     character(:), allocatable :: region          !< squeezed name or number
     integer, allocatable :: elements(:)
     integer, allocatable :: faces(:)             !< of a traction
-    logical :: is_follower = .false.            !< a traction not told to keep direction and size
+    logical :: is_follower = .false.            !< default for a traction: rotates with its face, per current area
     real(DP) :: direction(3) = 0                 !< unit vector
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
   end type load_region_type
 
-  !> All that stands at this point of the deck.
+  !> All loads active at this point of the deck.
   type :: active_loads_type
     integer :: step = 0                          !< present step
     logical :: is_step = .false.                 !< STEP, AMPLITUDE=STEP
-    logical :: has_new(4) = .false.              !< (FAMILY_...) OP=NEW has been seen in this step
+    logical :: has_new(4) = .false.              !< (FAMILY_...) OP=NEW occurred in this step
     integer :: n_held = 0
     type(active_prescribed_type), allocatable :: active_prescribed(:)
-    integer, allocatable :: prescribed_index(:)           !< (3 n_nodes) index into held, 0 none
+    integer, allocatable :: prescribed_index(:)           !< (3 n_nodes) index into active_prescribed, 0 none
     type(load_list_type) :: cloads                  !< key 3 (node - 1) + dof
     type(load_list_type) :: pressures               !< key 6 (element - 1) + face
     type(load_list_type) :: volumes                 !< key: index into places
@@ -74,7 +74,7 @@ module amontons_load_propagation
 
 contains
 
-  !> Nothing stands yet.
+  !> Starts without active loads.
   subroutine init_active_loads(model, active_loads)
     type(model_type), intent(in) :: model
     type(active_loads_type), intent(out) :: active_loads
@@ -87,7 +87,7 @@ contains
   end subroutine init_active_loads
 
 
-  !> Goes to the next step: everything keeps the value that it had at the end of the step before.
+  !> Advances to the next step: all loads keep their value at the end of the last step.
   subroutine propagate_loads(model, period, total_time, is_step, active_loads)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]
@@ -102,7 +102,7 @@ contains
       associate (held => active_loads%active_prescribed(i))
         held%was_active = held%is_active
         held%is_from_current = .false.
-        if (active_loads%step == 1) cycle            ! of the model: it goes to its value over the first step
+        if (active_loads%step == 1) cycle            ! of the model: ramps to its value over the first step
         call freeze_load(model, period, total_time, held%load_type, held%before)
       end associate
     end do
@@ -112,7 +112,7 @@ contains
   end subroutine propagate_loads
 
 
-  !> What the loads of a step that ends early have reached: a fraction of the way of those that run straight.
+  !> Values of the loads of a step that ends early: the fraction of the ramps that was reached.
   subroutine truncate_loads(active_loads, fraction)
     type(active_loads_type), intent(inout) :: active_loads
     real(DP), intent(in) :: fraction             !< of the step that was done [-]
@@ -132,7 +132,7 @@ contains
 
   contains
 
-    !> One of them.
+    !> The same for one load.
     subroutine truncate_load(load)
       type(load_type), intent(inout) :: load
       if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
@@ -158,7 +158,7 @@ contains
   end subroutine freeze_load
 
 
-  !> Keeps the loads that are not zero, and closes the gaps in the list.
+  !> Removes the zero loads, and compacts the list.
   subroutine freeze_load_list(model, period, total_time, forces)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period, total_time   !< [time]
@@ -183,7 +183,7 @@ contains
   end subroutine freeze_load_list
 
 
-  !> OP=NEW: what earlier steps prescribed is released, once in a step.
+  !> OP=NEW: releases the displacements prescribed by earlier steps, once in a step.
   subroutine release_prescribed(step, active_loads)
     integer, intent(in) :: step
     type(active_loads_type), intent(inout) :: active_loads
@@ -246,11 +246,11 @@ contains
   end function is_different
 
 
-  !> OP=NEW: the loads of earlier steps go to zero over this step, once in a step.
+  !> OP=NEW: ramps the loads of earlier steps to zero over this step, once in a step.
   subroutine ramp_down_loads(step, is_step, has_new, forces)
     integer, intent(in) :: step                  !< present step
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
-    logical, intent(inout) :: has_new            !< OP=NEW has been seen in this step
+    logical, intent(inout) :: has_new            !< OP=NEW occurred in this step
     type(load_list_type), intent(inout) :: forces
     integer :: i
     if (has_new) return
@@ -261,13 +261,13 @@ contains
         force%amplitude = 0
         force%start = merge(0.0_DP, force%before, is_step)
         force%end = 0
-        if (force%is_user) force%is_active = .false.   ! DLOAD knows no way to zero
+        if (force%is_user) force%is_active = .false.   ! a magnitude by DLOAD cannot be ramped to zero
       end associate
     end do
   end subroutine ramp_down_loads
 
 
-  !> Adds a load: in place of those that earlier steps left there, and on top of those that this step gave.
+  !> Adds a load: replaces those of earlier steps, adds to those of this step.
   subroutine add_load(key, value, amplitude, step, is_step, forces, is_user)
     integer, intent(in) :: key                   !< what it acts on
     real(DP), intent(in) :: value
@@ -320,7 +320,7 @@ contains
   end function is_same_region
 
 
-  !> The complete lists of what acts in the present step.
+  !> The complete lists of the loads active in the current step.
   subroutine get_step_loads(active_loads, prescribed, concentrated, distributed)
     type(active_loads_type), intent(in) :: active_loads
     type(prescribed_type), allocatable, intent(out) :: prescribed(:)

@@ -1,7 +1,7 @@
-!> BLAS: the interfaces of those procedures of BLAS and LAPACK that we call.
+!> Interfaces of the BLAS and LAPACK routines in use.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A room that works in one precision renames them (getrf => dgetrf), so that `dense.inc` serves both.
+!! A module that works in one precision renames them (getrf => dgetrf), so that `dense.inc` serves both.
 !! Reference: Anderson et al., LAPACK Users' Guide, 3rd ed., SIAM 1999.
 module amontons_blas
   use amontons_kinds, only: DP, SP

@@ -1,8 +1,8 @@
-!> Dense: LAPACK for small matrices: solve, eigenvalues, singular values, rank, least squares.
+!> Dense linear algebra: LU, Cholesky inverse, eigenvalues, singular values, least squares.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Arguments are copied, never overwritten. LAPACK makes NaN on purpose when it tests the machine: traps are masked
-!! around its calls. Reference: Anderson et al., LAPACK Users' Guide, 3rd ed., SIAM 1999.
+!! Arguments are copied, never overwritten. LAPACK deliberately produces NaN when it probes the machine: floating-point traps
+!! are masked around its calls. Reference: Anderson et al., LAPACK Users' Guide, 3rd ed., SIAM 1999.
 module amontons_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_all, ieee_get_status, ieee_is_finite, ieee_set_halting_mode, &
     ieee_set_status, ieee_status_type
@@ -18,12 +18,12 @@ module amontons_dense
 
   integer, parameter :: DENSE_OK = 0
   integer, parameter :: DENSE_SINGULAR = 1     !< no unique solution
-  integer, parameter :: MIN_THREADED_SIZE = 400    !< unknowns of a matrix that threads share
+  integer, parameter :: MIN_THREADED_SIZE = 400    !< smallest matrix for threads [unknowns]
   integer, parameter :: BLOCK_COLUMNS = 96             !< columns of a task
 
   integer, parameter :: DENSE_FAILED = 2       !< NaN or infinity in the matrix, or the iteration did not converge
 
-  real(DP), parameter :: TOL_SCALAR_PIVOT = 32 * epsilon(1.0_DP)   !< a pivot beside its column, of a matrix of one unknown [-]
+  real(DP), parameter :: TOL_SCALAR_PIVOT = 32 * epsilon(1.0_DP)   !< a pivot relative to its column, of a matrix of one unknown [-]
 
   !> A x = b for one or several right-hand sides.
   interface solve_small
@@ -44,7 +44,7 @@ contains
   end subroutine solve_vector
 
 
-  !> X = A^-1 B by LU with partial pivoting. Singular means: to working precision, by an estimate of the condition.
+  !> X = A^-1 B by LU with partial pivoting. Singular means: to working precision, by an estimate of the condition number.
   subroutine solve_matrix(a, b, x, status)
     real(DP), intent(in) :: a(:, :)            !< (n, n)
     real(DP), intent(in) :: b(:, :)            !< (n, columns)
@@ -123,10 +123,10 @@ contains
   end subroutine singular_values
 
 
-  !> Number of singular values above a part of the largest.
+  !> Number of singular values above a fraction of the largest (numerical rank).
   subroutine numerical_rank(a, tolerance, rank, status)
     real(DP), intent(in) :: a(:, :)            !< (m, n)
-    real(DP), intent(in) :: tolerance          !< part of the largest singular value below which one counts as 0 [-]
+    real(DP), intent(in) :: tolerance          !< singular values below this fraction of the largest count as 0 [-]
     integer, intent(out) :: rank
     integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
     real(DP) :: values(min(size(a, 1), size(a, 2)))
@@ -136,11 +136,11 @@ contains
   end subroutine numerical_rank
 
 
-  !> The x that makes |A x - b| smallest, and is itself smallest among those (by the singular value decomposition).
+  !> Least-squares solution of A x = b of minimum norm, by the singular value decomposition.
   subroutine least_squares(a, b, tolerance, x, rank, status)
     real(DP), intent(in) :: a(:, :)            !< (m, n)
     real(DP), intent(in) :: b(:)               !< (m)
-    real(DP), intent(in) :: tolerance          !< part of the largest singular value that counts as 0 [-]
+    real(DP), intent(in) :: tolerance          !< singular values below this fraction of the largest count as 0 [-]
     real(DP), intent(out) :: x(:)              !< (n)
     integer, intent(out) :: rank               !< of A
     integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
@@ -171,7 +171,7 @@ contains
   end subroutine least_squares
 
 
-  !> Saves the state of the floating-point unit and lets nothing trap until it is set back.
+  !> Saves the floating-point state and masks all traps until it is restored.
   subroutine suspend_fp_traps(environment)
     type(ieee_status_type), intent(out) :: environment
     call ieee_get_status(environment)
@@ -179,8 +179,8 @@ contains
   end subroutine suspend_fp_traps
 
 
-  !> The largest entry of each row, and of each column when the rows are divided by theirs: stiff laws beside soft ones say nothing
-  !! of the rank.
+  !> Row and column scales: the largest entry of each row, and of each column after the rows are scaled. They remove the effect of
+  !! stiff laws beside soft ones on the rank.
   pure subroutine find_matrix_scales(a, row, column)
     real(DP), intent(in) :: a(:, :)            !< (n, n)
     real(DP), intent(out) :: row(:)            !< (n)
@@ -196,17 +196,17 @@ contains
   end subroutine find_matrix_scales
 
 
-  !> Whether what factorise_dense made was of a singular matrix: a pivot is nothing beside the row and the column that it stands in.
-  !! What rounding leaves of such a pivot grows with the square root of the number of sums.
+  !> Whether the LU factors of factorise_dense are those of a singular matrix: a pivot is negligible relative to its row and column.
+  !! The rounding error of such a pivot grows with the square root of the number of sums.
   pure logical function is_rank_deficient(lu, pivots, row, column) result(is_lost)
     real(DP), intent(in) :: lu(:, :)           !< (n, n) L and U
     integer, intent(in) :: pivots(:)           !< (n) of `factorise_dense`
-    real(DP), intent(in) :: row(:), column(:)  !< (n) of `find_matrix_scales`, before
+    real(DP), intent(in) :: row(:), column(:)  !< of `find_matrix_scales`, for the matrix before
     real(DP) :: least, moved(size(row)), other
     integer :: k
     least = TOL_SCALAR_PIVOT * sqrt(real(size(column), DP))
     moved = row
-    do k = 1, size(pivots)                     ! rows change places as LAPACK changed them
+    do k = 1, size(pivots)                     ! row exchanges of LAPACK
       other = moved(k)
       moved(k) = moved(pivots(k))
       moved(pivots(k)) = other
@@ -218,7 +218,7 @@ contains
   end function is_rank_deficient
 
 
-  !> Neither NaN nor infinities.
+  !> Whether all entries are finite.
   pure logical function all_finite(a)
     real(DP), intent(in) :: a(:, :)
     all_finite = all(ieee_is_finite(a))
@@ -245,7 +245,7 @@ contains
   end subroutine multiply_triangular
 
 
-  !> The values from k to last of L x, or L' x.
+  !> Entries k to last of L x, or of L' x.
   subroutine multiply_triangular_block(n, l, is_transposed, k, last, x, y)
     integer, intent(in) :: n
     real(DP), intent(in) :: l(n, n)

@@ -1,8 +1,8 @@
-!> Krylov: flexible GMRES and conjugate gradients, matrix-free, preconditioned by any operator such as a factor.
+!> Flexible GMRES and conjugate gradients with a general operator and preconditioner.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Both measure the true residual b - A x in the 2-norm, never one seen through the preconditioner. Sums run in a fixed
-!! order: results repeat bitwise. Nothing they return is ever NaN: when something breaks, x is the best so far.
+!! Both measure the true residual b - A x in the 2-norm, never the preconditioned one. Sums have a fixed order: results repeat
+!! bitwise. Nothing they return is ever NaN: after a breakdown, x is the best iterate so far.
 !! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
 !! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
 module amontons_krylov
@@ -17,16 +17,16 @@ module amontons_krylov
   public :: KRYLOV_CONVERGED, KRYLOV_MAX_ITERATIONS, KRYLOV_STAGNATED, KRYLOV_INDEFINITE, KRYLOV_NOT_FINITE
 
   integer, parameter :: KRYLOV_CONVERGED = 0    !< the residual is within the tolerance
-  integer, parameter :: KRYLOV_MAX_ITERATIONS = 1     !< the iterations were used up
-  integer, parameter :: KRYLOV_STAGNATED = 2    !< no direction is left that lowers the residual: singular, or rounding
-  integer, parameter :: KRYLOV_INDEFINITE = 3   !< conjugate gradients met a direction of no or negative energy
+  integer, parameter :: KRYLOV_MAX_ITERATIONS = 1     !< iteration limit reached
+  integer, parameter :: KRYLOV_STAGNATED = 2    !< no direction lowers the residual any more: singular, or rounding
+  integer, parameter :: KRYLOV_INDEFINITE = 3   !< conjugate gradients found a direction of zero or negative curvature
   integer, parameter :: KRYLOV_NOT_FINITE = 4   !< the operator, the preconditioner or b gave NaN or an infinity
 
-  real(DP), parameter :: MAX_CYCLE_REDUCTION = 0.99_DP     !< a cycle that leaves more of the residual than this has stagnated
+  real(DP), parameter :: MAX_CYCLE_REDUCTION = 0.99_DP     !< a cycle that reduces the residual by less has stagnated
 
-  real(DP), parameter :: TOL_ROUNDING = 64 * epsilon(1.0_DP)   !< what is less than this part of a vector is rounding
+  real(DP), parameter :: TOL_ROUNDING = 64 * epsilon(1.0_DP)   !< a vector below this fraction of another one is rounding
 
-  real(DP), parameter :: TOL_DEPENDENT_VECTOR = 1.0e-8_DP  !< sine of an angle too small to gain by: half of the digits
+  real(DP), parameter :: TOL_DEPENDENT_VECTOR = 1.0e-8_DP  !< sine of an angle too small to be useful: half of the digits
 
   !> A linear map of n numbers to n numbers.
   type, abstract :: operator_type
@@ -38,7 +38,7 @@ module amontons_krylov
     !> y = A x.
     subroutine apply_interface(self, x, y)
       import :: operator_type, DP
-      class(operator_type), intent(inout) :: self   !< may keep workspace and count
+      class(operator_type), intent(inout) :: self   !< may hold workspace and counters
       real(DP), intent(in) :: x(:)                  !< (n)
       real(DP), intent(out) :: y(:)                 !< (n)
     end subroutine apply_interface
@@ -51,19 +51,19 @@ module amontons_krylov
     procedure :: apply => apply_matrix
   end type matrix_operator_type
 
-  !> When to stop. The residual must come below max(tolerance |b|, floor).
+  !> Stopping criteria. The residual must fall below max(tolerance |b|, absolute_tolerance).
   type :: krylov_options_type
     real(DP) :: tolerance = 1.0e-8_DP       !< of |b| [-]
-    real(DP) :: absolute_tolerance = 0                   !< absolute [as b]
+    real(DP) :: absolute_tolerance = 0                   !< absolute tolerance [as b]
     integer :: max_iterations = 200
     integer :: restart = 100                !< most vectors kept by gmres
   end type krylov_options_type
 
-  !> What happened.
+  !> The outcome of a solution.
   type :: krylov_report_type
     integer :: status = KRYLOV_CONVERGED    !< KRYLOV_...
     integer :: n_iterations = 0             !< applications of the preconditioner
-    real(DP) :: residual = 0                !< |b - A x| / |b|, computed anew at the end [-]
+    real(DP) :: residual = 0                !< |b - A x| / |b|, recomputed at the end [-]
   end type krylov_report_type
 
   !> The vectors and the small least-squares problem of one cycle of GMRES.
@@ -77,7 +77,7 @@ module amontons_krylov
 
 contains
 
-  !> Solves A x = b with A of any kind by restarted flexible GMRES, preconditioned from the right.
+  !> Solves A x = b for a general A by restarted flexible GMRES, preconditioned from the right.
   !> Cost of an iteration: one application of each operator, and k vector operations in the k-th.
   subroutine gmres(operator, preconditioner, b, x, options, report, error)
     class(operator_type), intent(inout) :: operator         !< A
@@ -107,14 +107,14 @@ contains
   end subroutine gmres
 
 
-  !> First residual, and the cases in which there is nothing to do. Status KRYLOV_MAX_ITERATIONS means: go on.
+  !> First residual, and the trivial cases. Status KRYLOV_MAX_ITERATIONS means: iterate.
   subroutine check_trivial_solution(operator, b, x, options, r, size_of_b, target_residual, report)
     class(operator_type), intent(inout) :: operator
     real(DP), intent(in) :: b(:)
     real(DP), intent(inout) :: x(:)
     type(krylov_options_type), intent(in) :: options
     real(DP), intent(out) :: r(:)                           !< b - A x
-    real(DP), intent(out) :: size_of_b, target_residual                !< |b| and the residual to come below
+    real(DP), intent(out) :: size_of_b, target_residual                !< |b| and the residual to reach
     type(krylov_report_type), intent(out) :: report
     size_of_b = norm(b)
     target_residual = options%absolute_tolerance
@@ -135,7 +135,7 @@ contains
   end subroutine check_trivial_solution
 
 
-  !> The residual of the first guess. A guess that is not finite or worse than none is replaced by 0.
+  !> The residual of the first guess. A guess that is not finite, or is worse than zero, is replaced by 0.
   subroutine check_initial_guess(operator, b, size_of_b, x, r)
     class(operator_type), intent(inout) :: operator
     real(DP), intent(in) :: b(:)
@@ -155,7 +155,7 @@ contains
   end subroutine check_initial_guess
 
 
-  !> Allocates the vectors of GMRES. The system gives memory only as the vectors are touched.
+  !> Allocates the vectors of GMRES. The system assigns memory only when the vectors are first written.
   subroutine allocate_cycle(basis, n, m, error)
     type(gmres_cycle_type), intent(out) :: basis
     integer, intent(in) :: n                                !< unknowns
@@ -169,7 +169,7 @@ contains
   end subroutine allocate_cycle
 
 
-  !> One cycle: builds the basis until the residual is small or the vectors are used up, and corrects x.
+  !> One cycle: builds the basis until the residual is small or the basis is full, and corrects x.
   subroutine run_gmres_cycle(operator, preconditioner, r, target_residual, options, basis, x, report)
     class(operator_type), intent(inout) :: operator, preconditioner
     real(DP), intent(in) :: r(:)                            !< b - A x
@@ -195,7 +195,7 @@ contains
         exit
       end if
       call apply_givens_rotations(basis, k)
-      if (abs(basis%h(k, k)) <= TOL_DEPENDENT_VECTOR * whole) exit     ! A z is nothing new: singular, or time to start again
+      if (abs(basis%h(k, k)) <= TOL_DEPENDENT_VECTOR * whole) exit     ! A z is linearly dependent: singular, or time to restart
       n_steps = k
       if (.not. length > 0) exit                            ! the space is complete: the solution lies in it
       basis%v(:, k + 1) = basis%v(:, k + 1) / length
@@ -204,13 +204,13 @@ contains
   end subroutine run_gmres_cycle
 
 
-  !> Modified Gram-Schmidt of v(k + 1) against those before, a second time if the first cancelled digits ("twice is
-  !> enough"). Fills column k of h. A length that is rounding noise of the vector becomes 0.
+  !> Modified Gram-Schmidt of v(k + 1) against the earlier vectors, repeated if digits cancelled ("twice is
+  !> enough"). Fills column k of h. A length at rounding level of the vector becomes 0.
   subroutine orthogonalise(basis, k, whole, length)
     type(gmres_cycle_type), intent(inout) :: basis
     integer, intent(in) :: k
     real(DP), intent(out) :: whole                          !< length of the vector
-    real(DP), intent(out) :: length                         !< of what is left of it
+    real(DP), intent(out) :: length                         !< length of the orthogonal remainder
     real(DP) :: before, overlap
     integer :: pass, i
     basis%h(:, k) = 0
@@ -232,7 +232,7 @@ contains
   end subroutine orthogonalise
 
 
-  !> Applies the old rotations to column k of h and makes the new one that removes h(k + 1, k).
+  !> Applies the earlier rotations to column k of h and a new one that eliminates h(k + 1, k).
   pure subroutine apply_givens_rotations(basis, k)
     type(gmres_cycle_type), intent(inout) :: basis
     integer, intent(in) :: k
@@ -277,11 +277,11 @@ contains
   end subroutine update_solution
 
 
-  !> Solves A x = b with A symmetric positive definite by preconditioned conjugate gradients. When the recurrence says
-  !> that it is done, the true residual is computed; if that is not small, it starts again from there.
+  !> Solves A x = b with A symmetric positive definite by preconditioned conjugate gradients. When the recurrence indicates
+  !> convergence, the true residual is computed; if it is not small, the iteration restarts from there.
   subroutine conjugate_gradients(operator, preconditioner, b, x, options, report)
     class(operator_type), intent(inout) :: operator         !< A
-    class(operator_type), intent(inout) :: preconditioner   !< symmetric positive definite, like the inverse of A
+    class(operator_type), intent(inout) :: preconditioner   !< symmetric positive definite, as the inverse of A
     real(DP), intent(in) :: b(:)                            !< (n)
     real(DP), intent(inout) :: x(:)                         !< (n) in: first guess; out: solution
     type(krylov_options_type), intent(in) :: options
@@ -301,10 +301,10 @@ contains
   end subroutine conjugate_gradients
 
 
-  !> The verdict on a cycle by its true residual.
+  !> Convergence verdict on a cycle by its true residual.
   pure subroutine check_stagnation(residual, target_residual, before, report)
     real(DP), intent(in) :: residual                        !< after the cycle
-    real(DP), intent(in) :: target_residual                            !< to come below
+    real(DP), intent(in) :: target_residual                            !< residual to reach
     real(DP), intent(in) :: before                          !< residual before the cycle
     type(krylov_report_type), intent(inout) :: report
     if (residual <= target_residual) then
@@ -315,12 +315,12 @@ contains
   end subroutine check_stagnation
 
 
-  !> Conjugate gradients until the residual of the recurrence is small or something breaks.
+  !> Conjugate gradients until the residual of the recurrence is small or a breakdown occurs.
   subroutine run_cg_iterations(operator, preconditioner, target_residual, options, r, x, report)
     class(operator_type), intent(inout) :: operator, preconditioner
     real(DP), intent(in) :: target_residual
     type(krylov_options_type), intent(in) :: options
-    real(DP), intent(inout) :: r(:)                         !< b - A x; out: as the recurrence has it
+    real(DP), intent(inout) :: r(:)                         !< b - A x; out: by the recurrence
     real(DP), intent(inout) :: x(:)
     type(krylov_report_type), intent(inout) :: report
     real(DP), dimension(size(r)) :: z, p, a_p
@@ -358,7 +358,7 @@ contains
   end subroutine residual_of
 
 
-  !> The scalar product in four interleaved sums: the order is fixed, and the processor need not wait for each addition.
+  !> The scalar product in four interleaved sums: the order is fixed, and additions do not wait for each other.
   pure function dot(x, y) result(product)
     real(DP), intent(in) :: x(:), y(:)                      !< (n)
     real(DP) :: product

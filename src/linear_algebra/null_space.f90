@@ -1,4 +1,4 @@
-!> Null space: the vectors that a Gram matrix maps to (nearly) zero.
+!> Null space of a Gram matrix by pivoted Cholesky.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_null_space
   use amontons_kinds, only: DP
@@ -23,13 +23,13 @@ contains
   end subroutine find_null_space
 
 
-  !> Null vectors of a Gram matrix by Cholesky with the largest pivot first: L11 L11' x1 = -L11 L21' x2 for unit x2.
+  !> Null vectors of a Gram matrix by Cholesky with diagonal pivoting: L11 L11' x1 = -L11 L21' x2 for unit x2.
   !!
-  !! In a tower of n bodies the smallest pivot falls as 1/n^3, the smallest eigenvalue as 1/n^4: pivots tell a weak hold
-  !! from none in longer towers. Reference: N. J. Higham, Analysis of the Cholesky decomposition of a semi-definite
+  !! In a stack of n bodies the smallest pivot falls as 1/n^3, the smallest eigenvalue as 1/n^4: pivots distinguish a weak support
+  !! from a missing one in longer stacks. Reference: N. J. Higham, Analysis of the Cholesky decomposition of a semi-definite
   !! matrix, in: Reliable numerical computation, Oxford 1990.
   pure subroutine find_null_vectors(gram, tolerance, n, vectors)
-    real(DP), intent(inout) :: gram(:, :)          !< (m, m), diagonal at most 1; used up: L in the lower triangle
+    real(DP), intent(inout) :: gram(:, :)          !< (m, m), diagonal at most 1; overwritten: L in the lower triangle
     real(DP), intent(in) :: tolerance              !< of a pivot over the largest [-]
     integer, intent(out) :: n                      !< m less the rank
     real(DP), intent(out) :: vectors(:, :)         !< (m, m) the first n columns are set
@@ -60,7 +60,7 @@ contains
   end subroutine find_null_vectors
 
 
-  !> Exchanges two rows and columns, k < i, of a symmetric matrix of which the lower triangle is kept.
+  !> Exchanges two rows and columns, k < i, of a symmetric matrix stored by its lower triangle.
   pure subroutine exchange(a, k, i)
     real(DP), intent(inout) :: a(:, :)
     integer, intent(in) :: k, i

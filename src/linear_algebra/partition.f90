@@ -1,8 +1,8 @@
-!> Partition: METIS: parts of the mesh for threads, and the fill-reducing order of the unknowns.
+!> METIS interface: mesh partitions and fill-reducing orderings.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! METIS runs with its default options, which fix the seed of its random numbers: the same input gives the same parts.
-!! It draws them from the C library's one generator, so two jobs in two threads take turns here.
+!! It uses the single random generator of the C library; a critical section therefore serializes the calls of several jobs.
 !! Reference: Karypis and Kumar, SIAM J. Scientific Computing 20 (1998) 359.
 module amontons_partition
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_null_ptr, c_ptr
@@ -15,7 +15,7 @@ module amontons_partition
   integer, parameter :: METIS_OK = 1             !< of metis.h
   integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h
   integer(c_int32_t), parameter :: MIN_COMMON_NODES = 3    !< elements with so many common nodes are neighbours: a face
-  integer, parameter :: MAX_BISECTION_PARTS = 8        !< METIS advises bisection up to 8 parts, k-way beyond
+  integer, parameter :: MAX_BISECTION_PARTS = 8        !< METIS recommends bisection up to 8 parts, k-way beyond
 
   interface
     function metis_mesh_to_dual(n_elements, n_nodes, first, nodes, n_common, numbering, graph_first, neighbours) &
@@ -116,7 +116,7 @@ contains
 
   !> Fill-reducing order of the vertices of a graph by nested dissection.
   subroutine order_nodes(graph, order, weight, error)
-    type(sparse_type), intent(in) :: graph             !< upper triangle of the pattern; its values are not looked at
+    type(sparse_type), intent(in) :: graph             !< upper triangle of the pattern; its values are not used
     integer, allocatable, intent(out) :: order(:)      !< (n) vertex that comes k-th
     integer, intent(in), optional :: weight(:)         !< (n) unknowns of each vertex; default equal
     type(error_type), allocatable, intent(out) :: error
@@ -138,9 +138,9 @@ contains
   end subroutine order_nodes
 
 
-  !> The graph as METIS wants it: from 0, both directions, no loops, no pair twice.
+  !> The graph in the format of METIS: zero-based, both directions, no loops, no duplicates.
   pure subroutine symmetrize_graph(graph, first, neighbours)
-    type(sparse_type), intent(in) :: graph             !< pairs in one direction; some may stand in both
+    type(sparse_type), intent(in) :: graph             !< pairs in one direction; some may appear in both
     integer(c_int32_t), allocatable, intent(out) :: first(:) !< (n + 1)
     integer(c_int32_t), allocatable, intent(out) :: neighbours(:)
     integer :: next(graph%n_rows), i, j, p
@@ -173,7 +173,7 @@ contains
   end subroutine symmetrize_graph
 
 
-  !> Keeps each neighbour once.
+  !> Removes duplicate neighbours.
   pure subroutine remove_duplicate_neighbours(n, first, neighbours)
     integer, intent(in) :: n
     integer(c_int32_t), intent(inout) :: first(:)            !< (n + 1) from 0
@@ -196,8 +196,8 @@ contains
   end subroutine remove_duplicate_neighbours
 
 
-  !> Fill-reducing order of unknowns that come in groups (those of a node): the groups are ordered, weighted by their
-  !> sizes, and each is expanded. It is the permutation that `analyse` of factor takes.
+  !> Fill-reducing order of unknowns in groups (those of a node): the groups are ordered, weighted by their
+  !> sizes, and each is expanded. The result is a permutation for `analyse` of `factorization`.
   subroutine order_unknowns(matrix, group, n_groups, order, error)
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle
     integer, intent(in) :: group(:)                    !< (n) group of each unknown, 1 to n_groups
@@ -225,7 +225,7 @@ contains
   end subroutine order_unknowns
 
 
-  !> How many unknowns separate those of a matrix into two halves: what comes last in the order, and decides what a factor costs. It
+  !> The size of the first separator of a matrix [unknowns]: it comes last in the order and dominates the cost of the factor. It
   !! takes a tenth of the time of the order.
   subroutine separator_size(matrix, group, n_groups, n_separating, error)
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle
@@ -275,7 +275,7 @@ contains
   end subroutine gather_members
 
 
-  !> Which groups are coupled by a matrix of their members. A pair may be met from either side, or from both.
+  !> The graph of groups coupled by a matrix of their members. A pair may occur from either side, or from both.
   pure subroutine group_graph(matrix, group, n_groups, first, members, graph)
     type(sparse_type), intent(in) :: matrix            !< upper triangle
     integer, intent(in) :: group(:), n_groups, first(:), members(:)
@@ -305,7 +305,7 @@ contains
   end subroutine group_graph
 
 
-  !> The nodes in the order in which they first appear; those that do not appear come last.
+  !> The nodes in order of first appearance; nodes that do not appear come last.
   pure function nodes_by_first_use(sequence, n_nodes) result(order)
     integer, intent(in) :: sequence(:)             !< nodes of the unknowns, in the order of the unknowns
     integer, intent(in) :: n_nodes
@@ -328,7 +328,7 @@ contains
   end function nodes_by_first_use
 
 
-  !> The unknowns in the order of their nodes. Before: the unknowns of a node stand side by side.
+  !> The unknowns in the order of their nodes. The unknowns of a node must be contiguous.
   pure function order_unknowns_by_node(node_order, node) result(order)
     integer, intent(in) :: node_order(:)           !< (n_nodes)
     integer, intent(in) :: node(:)                 !< (n_free) node of each unknown, ascending
@@ -352,7 +352,7 @@ contains
   end function order_unknowns_by_node
 
 
-  !> The error behind a status of METIS.
+  !> The error for a status of METIS.
   subroutine check_status(status, error)
     integer, intent(in) :: status
     type(error_type), allocatable, intent(out) :: error

@@ -1,9 +1,9 @@
-!> Sparse: compressed matrices: pattern, entries, products, and the reduction C' K C of a symmetric matrix.
+!> Compressed sparse row matrices: assembly from triplets, products, and the reduction C'KC.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A matrix is stored by compressed rows with ascending columns. A symmetric matrix keeps its upper triangle by rows
-!! (column >= row), diagonal always present; the same arrays are its lower triangle by columns, as CHOLMOD wants it.
-!! Every sum runs in a fixed order: results repeat bitwise (for a given number of threads where threads are used).
+!! A matrix is stored by compressed rows with ascending columns. A symmetric matrix stores its upper triangle by rows
+!! (column >= row), diagonal always present; the same arrays are its lower triangle by columns, as CHOLMOD requires.
+!! Every sum has a fixed order: results repeat bitwise (for a given number of threads where threads are used).
 !! Working arrays and linear-time algorithms after Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, ch. 2.
 module amontons_sparse
   use amontons_kinds, only: DP, I64
@@ -16,7 +16,7 @@ module amontons_sparse
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 
-  integer, parameter :: MIN_THREADED_ENTRIES = 200000   !< entries below which threads cost more than they give
+  integer, parameter :: MIN_THREADED_ENTRIES = 200000   !< entries below which threads cost more than they save
 
   !> A sparse matrix by compressed rows. Row i holds the entries first(i) to first(i + 1) - 1.
   type :: sparse_type
@@ -27,13 +27,13 @@ module amontons_sparse
     real(DP), allocatable :: value(:)          !< (nnz)
   end type sparse_type
 
-  !> How A = C' K C is summed: made once for a pattern of K and C, used for every change of their values.
-  !> Rows of C with at most one entry are the rule: their entries of K go straight to one entry of A.
+  !> Plan of the summation A = C' K C: built once for a pattern of K and C, used for all values of them.
+  !> Most rows of C have at most one entry: their entries of K are added directly to one entry of A.
   type :: reduction_type
     private
     integer :: n_entries_k = 0                 !< of K, to recognise a wrong matrix
     integer :: n_entries_c = 0                 !< of C
-    integer, allocatable :: target(:)          !< (nnz of K) entry of A; negative: counts twice; 0: nowhere or expanded
+    integer, allocatable :: target(:)          !< (nnz of K) entry of A; negative: counts twice; 0: dropped or expanded
     integer, allocatable :: row(:)             !< rows of K that have expanded entries
     integer, allocatable :: row_first(:)       !< (size(row) + 1) start of a row's entries in entry(:)
     integer, allocatable :: entry(:)           !< expanded entries of K
@@ -68,7 +68,7 @@ contains
       call set_error(error, EXIT_INTERNAL, 'A triplet lies outside the matrix.')
     end if
     if (allocated(error)) return
-    ! Two stable bucket sorts, by column and then by row, leave equal entries side by side in the order given.
+    ! Two stable bucket sorts, by column and then by row, place equal entries next to each other in the order given.
     call bucket_sort(n_columns, n_rows, column, row, value, by_columns)
     matrix = sparse_transpose(by_columns)
     call sum_duplicates(matrix)
@@ -94,7 +94,7 @@ contains
   end subroutine bucket_sort
 
 
-  !> Row starts from the rows of entries: first(i + 1) - first(i) entries lie in row i.
+  !> Row pointers from the rows of entries: row i has first(i + 1) - first(i) entries.
   pure subroutine row_starts(row, n_rows, first)
     integer, intent(in) :: row(:)              !< row of each entry
     integer, intent(in) :: n_rows
@@ -111,9 +111,9 @@ contains
   end subroutine row_starts
 
 
-  !> Sums entries of equal column that stand side by side in a row.
+  !> Sums adjacent entries of equal column in a row.
   pure subroutine sum_duplicates(matrix)
-    type(sparse_type), intent(inout) :: matrix !< columns ascending, perhaps repeated
+    type(sparse_type), intent(inout) :: matrix !< columns ascending, duplicates allowed
     integer :: i, p, n, start
     n = 0
     do i = 1, matrix%n_rows
@@ -149,8 +149,8 @@ contains
   end subroutine allocate_matrix
 
 
-  !> The upper triangle whose transpose has the given unsorted rows below the diagonal: walking down these rows meets
-  !> the columns of each upper row in ascending order, so nothing has to be sorted. The diagonal is added.
+  !> The upper triangle whose transpose has the given unsorted rows below the diagonal: a pass over these rows finds
+  !> the columns of each upper row in ascending order, so no sort is needed. The diagonal is added.
   subroutine upper_from_lower_rows(n, below_first, below, matrix, error)
     integer, intent(in) :: n
     integer, intent(in) :: below_first(:)      !< (n + 1)
@@ -178,7 +178,7 @@ contains
   end subroutine upper_from_lower_rows
 
 
-  !> Where an entry stands in column(:) and value(:); 0 if the pattern does not have it. Cost: binary search.
+  !> Position of an entry in column(:) and value(:); 0 if it is not in the pattern. Cost: binary search.
   pure function entry_position(matrix, row, column) result(position)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: row
@@ -201,7 +201,7 @@ contains
   end function entry_position
 
 
-  !> The transpose. Entries of equal place keep their order. Cost: linear.
+  !> The transpose. Entries of equal position keep their order. Cost: linear.
   pure function sparse_transpose(matrix) result(transposed)
     type(sparse_type), intent(in) :: matrix
     type(sparse_type) :: transposed
@@ -220,7 +220,7 @@ contains
   end function sparse_transpose
 
 
-  !> Both triangles of a symmetric matrix that is stored by its upper one.
+  !> Both triangles of a symmetric matrix stored by its upper one.
   pure function full_from_upper(matrix) result(full)
     type(sparse_type), intent(in) :: matrix    !< upper triangle
     type(sparse_type) :: full
@@ -362,7 +362,7 @@ contains
   end subroutine multiply_transpose
 
 
-  !> y = M x for a symmetric matrix. Each thread takes rows of equal work into its own sum, and the sums are added in
+  !> y = M x for a symmetric matrix. Each thread adds rows of equal work to its own sum; the sums are added in
   !> the order of the threads: bitwise repeatable for a given number of threads.
   subroutine multiply_symmetric(matrix, x, y)
     type(sparse_type), intent(in) :: matrix    !< upper triangle (n x n)
@@ -389,12 +389,12 @@ contains
     end do
     !$omp end parallel do
     do t = 2, n_parts
-      y(start(t):) = y(start(t):) + part(start(t):, t)   ! rows before start(t) got nothing: the triangle is upper
+      y(start(t):) = y(start(t):) + part(start(t):, t)   ! the triangle is upper: rows before start(t) are zero
     end do
   end subroutine multiply_symmetric
 
 
-  !> What some rows of an upper triangle give to the product. Sets y(low:), leaves what is before.
+  !> Contribution of a range of rows of an upper triangle to the product. Sets y(low:), leaves the rest unchanged.
   pure subroutine multiply_rows(matrix, low, high, x, y)
     type(sparse_type), intent(in) :: matrix    !< upper triangle
     integer, intent(in) :: low, high           !< rows
@@ -433,8 +433,8 @@ contains
   end function balance_row_blocks
 
 
-  !> Prepares A = C' K C: the pattern of A and where every product goes. C has a row for each unknown of K: empty for a
-  !> fixed one, one entry for a free one, several for a dependent one. Entries of C may be zero: they keep a place in A.
+  !> Prepares A = C' K C: the pattern of A and the target of every product. C has a row for each unknown of K: empty for a
+  !> fixed one, one entry for a free one, several for a dependent one. Entries of C may be zero: they stay in the pattern of A.
   !> Cost: a few passes over K and A.
   subroutine analyse_reduction(matrix, transformation, reduction, reduced, error)
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
@@ -491,7 +491,7 @@ contains
     type(sparse_type), intent(in) :: matrix, transformation, reduced
     type(reduction_type), intent(inout) :: reduction
     integer :: only(matrix%n_rows)             ! the one column of a row of C, else 0
-    integer :: place(transformation%n_columns)       ! where row a of A has a column
+    integer :: place(transformation%n_columns)       ! position of a column in row a of A
     integer :: i, p, a, b
     only = single_entry_columns(transformation)
     allocate (reduction%target(size(matrix%column)))
@@ -523,11 +523,11 @@ contains
   end function single_entry_columns
 
 
-  !> Writes where the columns of one row stand.
+  !> Records the positions of the columns of one row.
   pure subroutine mark_row(matrix, row, place)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: row
-    integer, intent(inout) :: place(:)         !< (n_columns) entries of other columns are left
+    integer, intent(inout) :: place(:)         !< (n_columns) entries of other columns are unchanged
     integer :: p
     do p = matrix%first(row), matrix%first(row + 1) - 1
       place(matrix%column(p)) = p
@@ -535,11 +535,11 @@ contains
   end subroutine mark_row
 
 
-  !> Where the upper triangle has (a, b) or (b, a).
+  !> Position of (a, b) or (b, a) in the upper triangle.
   pure integer function find_target(matrix, a, b, place) result(position)
     type(sparse_type), intent(in) :: matrix    !< upper triangle
     integer, intent(in) :: a, b
-    integer, intent(in) :: place(:)            !< as mark_row leaves it for row a
+    integer, intent(in) :: place(:)            !< as mark_row sets it for row a
     if (b >= a) then
       position = place(b)
     else
@@ -596,7 +596,7 @@ contains
     integer, intent(in) :: i                   !< row of K
     integer, intent(in) :: a                   !< entry of C in its row i
     integer, intent(in) :: entries(:)          !< of row i of K
-    integer, intent(in) :: place(:)            !< as mark_row leaves it for the row of A of this entry
+    integer, intent(in) :: place(:)            !< as mark_row sets it for the row of A of this entry
     type(growing_list_type), intent(inout) :: pairs
     integer :: e, j, b, target
     do e = 1, size(entries)
@@ -610,7 +610,7 @@ contains
   end subroutine append_pairs
 
 
-  !> Whether two matrices have their entries at the same places.
+  !> Whether two matrices have the same pattern.
   pure logical function is_same_pattern(a, b) result(is_same)
     type(sparse_type), intent(in) :: a, b
     is_same = .false.
@@ -626,7 +626,7 @@ contains
     type(reduction_type), intent(in) :: reduction
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
     type(sparse_type), intent(in) :: transformation  !< C (n x m)
-    type(sparse_type), intent(inout) :: reduced   !< A as analyse_reduction made it; its values are overwritten
+    type(sparse_type), intent(inout) :: reduced   !< A from analyse_reduction; its values are overwritten
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: scale(matrix%n_rows), product
     integer :: i, p, q
@@ -663,7 +663,7 @@ contains
   end subroutine single_entry_values
 
 
-  !> Adds what goes through rows of C with several entries, in the order of find_pair_targets.
+  !> Adds the contributions of rows of C with several entries, in the order of find_pair_targets.
   pure subroutine add_pairs(reduction, matrix, transformation, value)
     type(reduction_type), intent(in) :: reduction
     type(sparse_type), intent(in) :: matrix, transformation
@@ -690,7 +690,7 @@ contains
   end subroutine add_pairs
 
 
-  !> Adds an item to the list. Cost: amortised constant. A list that cannot grow says so in is_full.
+  !> Adds an item to the list. Cost: amortised constant. A list that cannot grow sets is_full.
   pure subroutine append_item(self, item)
     class(growing_list_type), intent(inout) :: self
     integer, intent(in) :: item
@@ -708,7 +708,7 @@ contains
   end subroutine append_item
 
 
-  !> The list as an array of its own length.
+  !> The list as an array of exact size.
   pure subroutine list_to_array(self, array)
     class(growing_list_type), intent(in) :: self
     integer, allocatable, intent(out) :: array(:)
@@ -717,7 +717,7 @@ contains
   end subroutine list_to_array
 
 
-  !> The error of a matrix whose entries default integers cannot count.
+  !> The error for a matrix with more entries than default integers can count.
   subroutine set_too_large(error)
     type(error_type), allocatable, intent(out) :: error
     call set_error(error, EXIT_SOLVER, 'The matrix would have more than 2 147 483 647 entries: too large.')

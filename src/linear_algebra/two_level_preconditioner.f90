@@ -1,13 +1,13 @@
-!> Iterative: a preconditioner for matrices whose Cholesky factor would be too large.
+!> Two-level preconditioner: incomplete Cholesky plus a coarse space of rigid body motions of mesh parts.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Two levels, added up:
+!! It replaces a Cholesky factor that would be too large. Two levels, added:
 !!
 !!     inv(A)  ~  inv(U'U)  +  Z inv(Z'AZ) Z'
 !!
-!! U is an incomplete Cholesky factor with the pattern of A, in single precision: it removes what is rough. The columns of Z
-!! are the six rigid motions of each part into which METIS cuts the mesh: they carry what is smooth from one end
-!! of the body to the other. Both are symmetric and positive, so that conjugate gradients may use the sum.
+!! U is an incomplete Cholesky factor with the pattern of A, in single precision: it reduces the oscillatory error. The columns of
+!! Z are the six rigid body motions of each part of a METIS partition: they reduce the smooth error across the whole
+!! body. Both are symmetric and positive definite, so that conjugate gradients can use the sum.
 !! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
 !! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts).
 module amontons_two_level_preconditioner
@@ -19,27 +19,27 @@ module amontons_two_level_preconditioner
   public :: two_level_preconditioner_type, build_coarse_space, factorise_two_level, apply_preconditioner, choose_n_parts, &
     two_level_megabytes
 
-  integer, parameter :: TARGET_NODES_PER_PART = 60              !< aimed at, where that gives not too many parts
-  integer, parameter :: MAX_PARTS = 400               !< six columns each: what a dense inverse makes cheap
+  integer, parameter :: TARGET_NODES_PER_PART = 60              !< target size of a part; MAX_PARTS has precedence
+  integer, parameter :: MAX_PARTS = 400               !< six columns each: limit of a cheap dense inverse
   integer, parameter :: MAX_SHIFTS = 10             !< shifts of the diagonal
-  real(DP), parameter :: INITIAL_SHIFT = 4.0e-3_DP       !< of the diagonal, where the factor breaks [-]
-  real(DP), parameter :: MIN_PIVOT_RATIO = 1.0e-3_DP          !< a pivot below this times its diagonal entry [-]
-  real(DP), parameter :: TOL_DEPENDENT_MOTION = 1.0e-8_DP         !< a motion of a part that is so little new is left out [-]
+  real(DP), parameter :: INITIAL_SHIFT = 4.0e-3_DP       !< of the diagonal, if the factorization breaks down [-]
+  real(DP), parameter :: MIN_PIVOT_RATIO = 1.0e-3_DP          !< smallest accepted pivot over its diagonal entry [-]
+  real(DP), parameter :: TOL_DEPENDENT_MOTION = 1.0e-8_DP         !< a motion with a smaller independent component is dropped [-]
 
   !> The preconditioner of one matrix.
   type :: two_level_preconditioner_type
     integer :: n = 0                                   !< unknowns
     real(SP), allocatable :: value(:)                  !< U, in the pattern of A; its diagonal as the reciprocal
-    real(DP) :: shift = 0                              !< of the diagonal that the factor needed [-]
+    real(DP) :: shift = 0                              !< of the diagonal, used by the factor [-]
     integer :: n_parts = 0
     integer, allocatable :: part(:)                    !< (n) of each unknown
-    real(DP), allocatable :: motion(:, :)              !< (6, n) the rigid motions of its part at each unknown, orthonormal
+    real(DP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
     real(DP), allocatable :: coarse(:, :)              !< (6 n_parts, 6 n_parts) inverse of Z'AZ
   end type two_level_preconditioner_type
 
 contains
 
-  !> Parts that suit a number of nodes.
+  !> Number of parts for a number of nodes.
   pure integer function choose_n_parts(n_nodes) result(n_parts)
     integer, intent(in) :: n_nodes
     n_parts = max(1, min(MAX_PARTS, n_nodes / TARGET_NODES_PER_PART))
@@ -55,7 +55,7 @@ contains
   end function two_level_megabytes
 
 
-  !> Z: the rigid motions of each part at its unknowns, made orthonormal; those that a part does not have become zero.
+  !> Z: the rigid body motions of each part at its unknowns, orthonormalized; dependent motions of a part become zero.
   subroutine build_coarse_space(self, part, axis, place, n_parts)
     type(two_level_preconditioner_type), intent(inout) :: self
     integer, intent(in) :: part(:)                     !< (n) of each unknown, 1 to n_parts
@@ -89,7 +89,7 @@ contains
   end subroutine build_coarse_space
 
 
-  !> Three translations and three rotations about the centre, seen by one unknown.
+  !> Three translations and three rotations about the centre, at one unknown.
   pure function rigid_motion(axis, x) result(motion)
     integer, intent(in) :: axis                        !< 1 to 3
     real(DP), intent(in) :: x(3)                       !< from the centre, scaled to the part [-]
@@ -108,7 +108,7 @@ contains
   end function rigid_motion
 
 
-  !> Turns the six motions of each part so that Z'Z is the identity, or zero where a part does not have six.
+  !> Orthonormalizes the six motions of each part: Z'Z is the identity, with zeros where a part has fewer than six.
   subroutine orthonormalize_motions(self)
     type(two_level_preconditioner_type), intent(inout) :: self
     real(DP) :: gram(6, 6, self%n_parts), turn(6, 6, self%n_parts), values(6), vectors(6, 6)
@@ -133,11 +133,11 @@ contains
   end subroutine orthonormalize_motions
 
 
-  !> The preconditioner of a matrix: U and the inverse of Z'AZ.
+  !> Builds the preconditioner of a matrix: U and the inverse of Z'AZ.
   subroutine factorise_two_level(self, matrix, is_broken)
-    type(two_level_preconditioner_type), intent(inout) :: self        !< build_coarse_space was called, or there are no parts
+    type(two_level_preconditioner_type), intent(inout) :: self        !< after build_coarse_space, or without parts
     type(sparse_type), intent(in) :: matrix            !< A: symmetric, upper triangle with its diagonal
-    logical, intent(out) :: is_broken                  !< .true.: A is far from positive, nothing was prepared
+    logical, intent(out) :: is_broken                  !< .true.: A is far from positive definite, no preconditioner
     real(DP), allocatable :: u(:)
     integer :: attempt, broken
     self%n = matrix%n_rows
@@ -156,12 +156,12 @@ contains
   end subroutine factorise_two_level
 
 
-  !> U with the pattern of A, so that U'U = A + shift diag(A) on it. Row by row: each takes its share from the rows after it.
+  !> U with the pattern of A, so that U'U = A + shift diag(A) on it. Each row in turn updates the rows after it.
   subroutine factorise_incomplete(matrix, shift, u, broken)
     type(sparse_type), intent(in) :: matrix
     real(DP), intent(in) :: shift                      !< [-]
     real(DP), allocatable, intent(out) :: u(:)         !< entries; the diagonal as the reciprocal
-    integer, intent(out) :: broken                     !< row whose pivot is not positive; 0: none
+    integer, intent(out) :: broken                     !< row whose pivot is not positive; 0: all are positive
     integer :: k, p
     broken = 0
     u = matrix%value
@@ -183,7 +183,7 @@ contains
   end subroutine factorise_incomplete
 
 
-  !> Row j, the column of entry p, loses u_kj times the rest of row k, where it has entries for that.
+  !> Subtracts from row j, the column of entry p, u_kj times the rest of row k, within the pattern.
   pure subroutine eliminate_with_row(matrix, p, last, u)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: p, last                     !< entries of row k from u_kj to its end
@@ -201,7 +201,7 @@ contains
   end subroutine eliminate_with_row
 
 
-  !> The inverse of Z'AZ. Motions that are not there get 1 on the diagonal. If it is not positive there is no second level.
+  !> The inverse of Z'AZ. Missing motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
   subroutine invert_coarse_matrix(self, matrix)
     type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
@@ -218,7 +218,7 @@ contains
   end subroutine invert_coarse_matrix
 
 
-  !> Z'AZ, both triangles. A row of A meets few parts: A Z of the row is gathered first.
+  !> Z'AZ, both triangles. A row of A couples few parts: A Z of the row is gathered first.
   subroutine assemble_coarse_matrix(self, matrix)
     type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
@@ -250,7 +250,7 @@ contains
   !> z: the preconditioner times r.
   subroutine apply_preconditioner(self, matrix, r, z)
     type(two_level_preconditioner_type), intent(in) :: self           !< prepared
-    type(sparse_type), intent(in) :: matrix            !< for which it was: its pattern
+    type(sparse_type), intent(in) :: matrix            !< the matrix it was built for: its pattern
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
     real(DP) :: c(6 * self%n_parts)

@@ -1,14 +1,14 @@
-!> Sprung: the interface where all contact is by springs: inv(T) in single precision, and GMRES in double around it.
+!> Woodbury preconditioner and GMRES for the interface system of compliant contact.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/solver.md, "Contact unknowns last". The change of the contact forces is a product of thin matrices,
 !!
 !!     dF_c = (B A + M X) du,
 !!
-!! three columns a spring in B A (what spreads a change of its force over its nodes, and that change), two in M X (how its force
-!! moves over the nodes with its place on the master). The tangent of the interface, J_c = S - B A - M X, is solved by GMRES. The
-!! preconditioner is the formula of Sherman, Morrison and Woodbury for S - B A (Golub and Van Loan, Matrix Computations, 4th ed.,
-!! section 2.1.4),
+!! A spring has three columns in B A (the distribution of its force over its nodes, and the change of that force) and two in M X
+!! (the change of the distribution as its projection on the master moves). GMRES solves the tangent of the interface,
+!! J_c = S - B A - M X, in double precision. The preconditioner is the Sherman-Morrison-Woodbury formula for S - B A (Golub and
+!! Van Loan, Matrix Computations, 4th ed., section 2.1.4),
 !!
 !!     inv(S - B A) = inv(S) + inv(S) B inv(T) A inv(S),      T = 1 - A inv(S) B,
 !!
@@ -25,14 +25,14 @@ module amontons_woodbury_interface
   private
   public :: woodbury_type, contact_springs_type, invert_interface_stiffness, factorise_spring_coupling, solve_woodbury
 
-  real(SP), parameter :: MIN_PIVOT_RATIO = 1.0e-4_SP     !< least pivot of S over its diagonal of which an inverse is made [-]
-  real(SP), parameter :: MAX_COUPLING_ENTRY = 1.0e4_SP          !< largest entry of T: stiffer springs want more digits [-]
-  integer, parameter :: BLOCK_ROWS = 32                 !< rows of T that are made side by side
+  real(SP), parameter :: MIN_PIVOT_RATIO = 1.0e-4_SP     !< least pivot of S over its diagonal for which S is inverted [-]
+  real(SP), parameter :: MAX_COUPLING_ENTRY = 1.0e4_SP          !< largest entry of T: stiffer springs need double precision [-]
+  integer, parameter :: BLOCK_ROWS = 32                 !< rows of T computed together
   integer, parameter :: HALF_BLOCK_ROWS = BLOCK_ROWS / 2
-  integer, parameter :: TILE_UNKNOWNS = 64                  !< unknowns of the interface that are taken over to them at a time
-  integer, parameter :: MAX_GMRES_ITERATIONS = 60       !< of a solution; what is left then is left to the one who asked
+  integer, parameter :: TILE_UNKNOWNS = 64                  !< unknowns of the interface in one tile of the transposition
+  integer, parameter :: MAX_GMRES_ITERATIONS = 60       !< of a solution; the caller handles the remaining residual
 
-  !> The springs of the present contact, on the interface.
+  !> The springs of the current contact state, on the interface.
   type :: contact_springs_type
     type(sparse_type) :: force_distribution                    !< B (n_contact x n_springs) [-]
     type(sparse_type) :: spring_tangent                    !< A (n_springs x n_contact) [force/length]
@@ -40,9 +40,9 @@ module amontons_woodbury_interface
     type(sparse_type) :: projection_gradient                    !< X (n_moving x n_contact) [1/length]
   end type contact_springs_type
 
-  !> What the preconditioner is made of.
+  !> The data of the preconditioner.
   type :: woodbury_type
-    logical :: has_inverse = .false.                !< compliance is that of the present bulk
+    logical :: has_inverse = .false.                !< compliance belongs to the current bulk factor
     type(contact_springs_type) :: springs
     real(DP), private :: scale = 1                 !< s [force/length]
     real(SP), allocatable, private :: compliance(:, :)   !< inv(S / s) (n_contact, n_contact) [-]
@@ -60,7 +60,7 @@ module amontons_woodbury_interface
     procedure :: apply => apply_stiffness
   end type interface_stiffness_type
 
-  !> Its approximate inverse.
+  !> The approximate inverse of J_c as an operator.
   type, extends(operator_type) :: interface_compliance_type
     type(woodbury_type), pointer :: woodbury => null()
   contains
@@ -69,7 +69,7 @@ module amontons_woodbury_interface
 
 contains
 
-  !> inv(S) for a new factor of the bulk, S = L L' - D. After: is_inverse, unless a body is held so weakly that there is none.
+  !> inv(S) for a new factor of the bulk, S = L L' - D. Sets has_inverse, unless a body is supported too weakly for an inverse.
   subroutine invert_interface_stiffness(self, triangle, shift, error)
     type(woodbury_type), intent(inout) :: self
     real(DP), intent(in) :: triangle(:, :)         !< L (n_contact, n_contact), zero above the diagonal
@@ -105,7 +105,7 @@ contains
   end subroutine invert_interface_stiffness
 
 
-  !> T for the present springs, and its factor. After: is_accurate is .false. if single precision is not enough for it.
+  !> T for the current springs, and its factor. Sets is_accurate to .false. if single precision is not enough.
   subroutine factorise_spring_coupling(self, springs, is_accurate, error)
     type(woodbury_type), intent(inout) :: self       !< with inv(S)
     type(contact_springs_type), intent(in) :: springs
@@ -125,7 +125,7 @@ contains
   end subroutine factorise_spring_coupling
 
 
-  !> Room for R and T.
+  !> Allocates R and T.
   subroutine allocate_coupling(self, n, error)
     type(woodbury_type), intent(inout) :: self
     integer, intent(in) :: n                       !< springs
@@ -142,7 +142,7 @@ contains
   end subroutine allocate_coupling
 
 
-  !> Errors: EXIT_SOLVER if there was no room.
+  !> Errors: EXIT_SOLVER if an allocation failed.
   subroutine check_allocation(no_memory, error)
     integer, intent(in) :: no_memory               !< status of an allocation
     type(error_type), allocatable, intent(inout) :: error
@@ -150,8 +150,8 @@ contains
   end subroutine check_allocation
 
 
-  !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; a column of R is taken once, and so many of them stand side
-  !> by side for the products with B.
+  !> R = (A inv(S))' and T = 1 - A inv(S) B. Threads share the springs; each column of R is computed once, in blocks for the
+  !! products with B.
   subroutine compute_coupling(self, spread_t)
     type(woodbury_type), intent(inout) :: self
     type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
@@ -173,7 +173,7 @@ contains
   end subroutine compute_coupling
 
 
-  !> The columns from j to last of R.
+  !> Columns j to last of R.
   subroutine compute_response_columns(follow, scale, compliance, j, last, response)
     type(sparse_type), intent(in) :: follow        !< A (n_springs x n_contact) [force/length]
     real(DP), intent(in) :: scale                  !< s [force/length]
@@ -200,7 +200,7 @@ contains
   end subroutine compute_response_columns
 
 
-  !> The same columns as rows side by side, tile by tile: so many that they are still in the cache when the next column comes.
+  !> Transposes these columns to rows, tile by tile: a tile is still in the cache for the next column.
   pure subroutine copy_response_rows(response, j, last, rows)
     real(SP), contiguous, intent(in) :: response(:, :)
     integer, intent(in) :: j, last
@@ -216,7 +216,7 @@ contains
   end subroutine copy_response_rows
 
 
-  !> Whether three rows, those of the springs of one node, have their entries in the same columns.
+  !> Whether three rows, those of the springs of one node, have the same columns.
   pure logical function has_same_columns(matrix, i) result(is_same)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: i
@@ -230,7 +230,7 @@ contains
   end function has_same_columns
 
 
-  !> Three columns of R, of springs that follow the same unknowns: four columns of inv(S) at a time, each read once.
+  !> Three columns of R, of springs with the same columns in A: four columns of inv(S) at a time, each read once.
   pure subroutine compute_node_response(follow, scale, compliance, i, x, y, z)
     type(sparse_type), intent(in) :: follow
     real(DP), intent(in) :: scale                  !< [force/length]
@@ -245,7 +245,7 @@ contains
     n = follow%first(i + 1) - follow%first(i)
     do p = 0, n - 1, 4
       w = 0.0_SP
-      c = follow%column(follow%first(i))           ! a column with weight zero where less than four are left
+      c = follow%column(follow%first(i))           ! columns with weight zero fill the last block of four
       do k = 1, min(4, n - p)
         c(k) = follow%column(follow%first(i) + p + k - 1)
         w(k, :) = real(follow%value(follow%first(i:i + 2) + p + k - 1) / scale, SP)
@@ -261,13 +261,13 @@ contains
   end subroutine compute_node_response
 
 
-  !> The rows from j to last of T = 1 - R' B.
+  !> Rows j to last of T = 1 - R' B.
   pure subroutine compute_coupling_rows(spread_t, j, last, rows, t)
     type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
     integer, intent(in) :: j, last
     real(SP), intent(in) :: rows(BLOCK_ROWS, spread_t%n_columns)
     real(SP), contiguous, intent(inout) :: t(:, :)   !< (n_springs, n_springs)
-    real(SP) :: row(HALF_BLOCK_ROWS), other(BLOCK_ROWS - HALF_BLOCK_ROWS), weight   ! they stay in registers
+    real(SP) :: row(HALF_BLOCK_ROWS), other(BLOCK_ROWS - HALF_BLOCK_ROWS), weight   ! kept in registers
     integer :: k, p, c
     do k = 1, spread_t%n_rows
       row = 0.0_SP
@@ -285,12 +285,12 @@ contains
   end subroutine compute_coupling_rows
 
 
-  !> x = inv(J_c) r to a residual that is small enough.
+  !> Solves J_c x = r by GMRES to a given residual.
   subroutine solve_woodbury(self, triangle, shift, allowed, x, error)
     type(woodbury_type), intent(inout), target :: self
     real(DP), contiguous, intent(in), target :: triangle(:, :)   !< L
     real(DP), intent(in), target :: shift(:)       !< D [force/length]
-    real(DP), intent(in) :: allowed                !< 2-norm of the residual [force]
+    real(DP), intent(in) :: allowed                !< limit of the 2-norm of the residual [force]
     real(DP), intent(inout) :: x(:)                !< (n_contact) in: r [force]; out: x [length]
     type(error_type), allocatable, intent(out) :: error
     type(interface_stiffness_type) :: stiffness
@@ -336,7 +336,7 @@ contains
   end subroutine apply_stiffness
 
 
-  !> y = inv(S - B A) x, nearly.
+  !> y = inv(S - B A) x, approximately.
   subroutine apply_compliance(self, x, y)
     class(interface_compliance_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_contact) [force]

@@ -1,8 +1,8 @@
-!> Stress: the elastic laws: stress, consistent tangent and strain energy from the strain.
+!> Isotropic elasticity: Hooke, Hencky and Saint Venant-Kirchhoff laws with consistent tangent and strain energy.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears,
-!! so that its entries are the components c_ijkl themselves. Theory: doc/theory/materials.md.
+!! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears:
+!! its entries are the components c_ijkl themselves. Theory: doc/theory/materials.md.
 module amontons_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
@@ -22,7 +22,7 @@ module amontons_elasticity
   integer, parameter :: STRESS_INVERTED = 1        !< det F is not positive
   integer, parameter :: STRESS_NOT_FINITE = 2      !< NaN or a deformation beyond all bounds
 
-  real(DP), parameter :: MAX_DISPLACEMENT_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow on the way
+  real(DP), parameter :: MAX_DISPLACEMENT_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow
 
 contains
 
@@ -38,7 +38,7 @@ contains
   end subroutine lame_constants
 
 
-  !> Hooke's law at small strain, for every law: stress = lambda tr(strain) 1 + 2 G strain.
+  !> Hooke's law at small strain, for all elastic laws: stress = lambda tr(strain) 1 + 2 G strain.
   pure subroutine small_strain_stress(material, strain, stress, tangent, energy)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: strain(6)              !< small strain, tensor components [-]
@@ -62,7 +62,7 @@ contains
   !! | Hencky         | lambda/2 (tr e)^2 + G e:e, e = 1/2 ln b | lambda tr(e) 1 + 2 G e  |
   !! | Saint-Venant   | lambda/2 (tr E)^2 + G E:E               | F (lambda tr(E) 1 + 2 G E) F^T |
   !!
-  !! The displacement gradient H = F - 1 comes in, not F: strains of 1e-9 keep full relative precision, and H = 0
+  !! The argument is the displacement gradient H = F - 1, not F: strains of 1e-9 keep full relative precision, and H = 0
   !! gives zero. Reference: J. Bonet, R. D. Wood, Nonlinear continuum mechanics for finite element analysis, 2nd ed.,
   !! sections 6.5, 6.6.
   pure subroutine finite_strain_stress(material, H, tau, tangent, strain, energy, status)
@@ -100,7 +100,7 @@ contains
   end subroutine kirchhoff_stress
 
 
-  !> Whether a displacement gradient can be worked with.
+  !> Checks a displacement gradient: finite, bounded, not inverted.
   pure function check_gradient(H) result(status)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     integer :: status                              !< STRESS_...
@@ -112,7 +112,7 @@ contains
   end function check_gradient
 
 
-  !> Green's strain, (F^T F - 1)/2, formed so that nothing cancels.
+  !> Green's strain, (F^T F - 1)/2, computed without cancellation.
   pure function green_strain(H) result(strain)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
     real(DP) :: strain(6)                          !< tensor components [-]
@@ -152,7 +152,7 @@ contains
   end subroutine evaluate_elastic_law
 
 
-  !> The tangent of Hencky's law in its principal axes, turned to the axes of space:
+  !> The tangent of Hencky's law in its principal axes, rotated to global axes:
   !! c_AABB = lambda + (2 G - 2 tau_A) delta_AB, c_ABAB = G d coth(d) - (tau_A + tau_B)/2 with d = e_A - e_B.
   !! Reference: C. Miehe, M. Lambrecht, Algorithms for computation of stresses and elasticity moduli in terms of
   !! Seth-Hill's family of generalized strain tensors, Commun. Numer. Meth. Engng 17 (2001) 337-353.

@@ -1,4 +1,4 @@
-!> Hyperelastic: rubber and foam: principal stresses and their derivatives from the principal logarithmic strains.
+!> Hyperelastic laws (polynomial, Ogden, Arruda-Boyce, hyperfoam) in principal logarithmic strains.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! | kind | strain energy per reference volume |
@@ -8,8 +8,8 @@
 !! | Arruda-Boyce | mu sum c_i/lambda_m^(2 i - 2) (I1^i - 3^i) + ((J^2 - 1)/2 - ln J)/D |
 !! | foam | sum 2 mu_i/alpha_i^2 (L1^alpha_i + L2^alpha_i + L3^alpha_i - 3 + (J^(-alpha_i beta_i) - 1)/beta_i) |
 !!
-!! Stretches l and invariants I1, I2 are isochoric (J^(-1/3) L); the foam takes the stretches L as they are,
-!! beta = nu/(1 - 2 nu). A D_i of 0 leaves its term out. Small strains and equal stretches cost no digits.
+!! Stretches l and invariants I1, I2 are isochoric (J^(-1/3) L); the foam uses the total stretches L,
+!! beta = nu/(1 - 2 nu). D_i = 0 omits its term. The formulas stay accurate for small strains and equal stretches.
 !! References: R. W. Ogden, Non-Linear Elastic Deformations (1984), chapter 7; E. M. Arruda, M. C. Boyce, J. Mech. Phys.
 !! Solids 41 (1993) 389-412; B. Storakers, J. Mech. Phys. Solids 34 (1986) 125-145.
 module amontons_hyperelasticity
@@ -20,7 +20,7 @@ module amontons_hyperelasticity
   private
   public :: principal_response_type, evaluate_rubber, evaluate_foam
 
-  !> Principal Kirchhoff stresses and what their tangent needs.
+  !> Principal Kirchhoff stresses and the data of their tangent.
   type :: principal_response_type
     real(DP) :: tau(3) = 0                         !< principal Kirchhoff stresses [stress]
     real(DP) :: slope(3, 3) = 0                    !< d tau_A/d e_B [stress]
@@ -39,7 +39,7 @@ contains
   pure subroutine evaluate_rubber(kind, order, constants, e, response)
     integer, intent(in) :: kind                    !< HYPER_...
     integer, intent(in) :: order                   !< N
-    real(DP), intent(in) :: constants(:)           !< as HYPER_... says
+    real(DP), intent(in) :: constants(:)           !< as defined at HYPER_...
     real(DP), intent(in) :: e(3)                   !< principal logarithmic strains [-]
     type(principal_response_type), intent(out) :: response
     real(DP) :: log_volume_ratio
@@ -79,7 +79,7 @@ contains
 
 
   !> Powers of the stretches: adds sum 2 mu/alpha^2 (exp(alpha e_A) - 1 - alpha e_A); of the stress the part without the
-  !! constant 2 mu/alpha, which the deviator or the foam's volume term takes away.
+  !! constant 2 mu/alpha, which the deviator or the volume term of the foam cancels.
   pure subroutine add_ogden_terms(order, constants, e, response)
     integer, intent(in) :: order
     real(DP), intent(in) :: constants(:), e(3)
@@ -114,7 +114,7 @@ contains
     d = invariant_derivatives_type()
     if (kind == HYPER_POLYNOMIAL) call differentiate_polynomial(order, constants, i1, i2, d)
     if (kind == HYPER_ARRUDA_BOYCE) call differentiate_arruda_boyce(constants, i1, d)
-    p = expm1(2 * e)                      ! the constant 1 goes out with the deviator
+    p = expm1(2 * e)                      ! the deviator cancels the constant 1
     m = expm1(-2 * e)
     response%energy = d%w
     response%tau = 2 * d%w1 * p - 2 * d%w2 * m
@@ -166,7 +166,7 @@ contains
   end function power_derivatives
 
 
-  !> Arruda and Boyce's eight chains, five terms of the inverse Langevin function.
+  !> Arruda and Boyce's eight-chain model, five terms of the inverse Langevin function.
   pure subroutine differentiate_arruda_boyce(constants, i1, d)
     real(DP), intent(in) :: constants(:), i1
     type(invariant_derivatives_type), intent(inout) :: d
@@ -186,7 +186,7 @@ contains
   end subroutine differentiate_arruda_boyce
 
 
-  !> Takes the mean out of stresses and derivatives: the isochoric strains are the deviator of the strains.
+  !> Subtracts the mean from stresses and derivatives: the isochoric strains are the deviator of the strains.
   pure subroutine project_deviatoric(response)
     type(principal_response_type), intent(inout) :: response
     integer :: A

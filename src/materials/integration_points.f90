@@ -1,4 +1,4 @@
-!> Points: what an element gives back beside its forces: the results at its integration points, and how it went.
+!> Input and output data of the integration points of one element, and the status codes of elements.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_integration_points
   use amontons_kinds, only: DP
@@ -17,12 +17,12 @@ module amontons_integration_points
   integer, parameter :: ELEMENT_NOT_FINITE = 2     !< a displacement is NaN, infinite or beyond all bounds
   integer, parameter :: ELEMENT_DEGENERATE = 3     !< the undeformed volume of a point is not positive
 
-  real(DP), parameter :: TOL_SYMMETRIC = 1.0e-10_DP    !< a skew part this small over the largest entry is rounding [-]
+  real(DP), parameter :: TOL_SYMMETRIC = 1.0e-10_DP    !< a smaller skew part relative to the largest entry is rounding [-]
 
-  !> What is known at the integration points of one element; entries past its points are undefined. The past, the
-  !! temperatures and the times are read only where the material is not plain; a plain one leaves the history alone.
+  !> Input and output at the integration points of one element; entries past its points are undefined. The history,
+  !! temperatures and times are read only by history-dependent or user laws; plain elasticity leaves the history unchanged.
   type :: integration_points_type
-    ! comes in: the section; the past, committed, and the temperature
+    ! input: section, committed history, temperature
     real(DP) :: section_value                            !< thickness [length], cross-section [length^2], spring constant
     integer :: directions(2)                       !< of SPRING1, SPRING2
     type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant
@@ -34,7 +34,7 @@ module amontons_integration_points
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< [time]
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
-    ! goes out
+    ! output
     real(DP) :: history(MAX_HISTORY, MAX_ELEMENT_POINTS)   !< at the end of the increment
     real(DP) :: stress(6, MAX_ELEMENT_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
     real(DP) :: strain(6, MAX_ELEMENT_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]
@@ -45,7 +45,7 @@ module amontons_integration_points
 
 contains
 
-  !> What a point brings along when its law is asked, all but its strain.
+  !> Input of the material law at a point, except the strain.
   pure subroutine set_point_input(material, points, p, weight, point)
     type(material_type), intent(in) :: material
     type(integration_points_type), intent(in) :: points
@@ -65,7 +65,7 @@ contains
   end subroutine set_point_input
 
 
-  !> What a point gives back: Cauchy stress, strain, energy, history.
+  !> Output at a point: Cauchy stress, strain, energy, history.
   pure subroutine store_point_output(material, is_nlgeom, point, points, p)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
@@ -80,7 +80,7 @@ contains
   end subroutine store_point_output
 
 
-  !> Leaves the symmetric part of the tangent of a point, which the kernels take; what a user's law has beside it is kept.
+  !> Splits the tangent of a point: the symmetric part for the element kernels, the skew part of a user law stored separately.
   pure subroutine split_unsymmetric_tangent(material, point, points, p)
     type(material_type), intent(in) :: material
     type(material_point_type), intent(inout) :: point       !< in: tangent; out: its symmetric part
@@ -97,7 +97,7 @@ contains
   end subroutine split_unsymmetric_tangent
 
 
-  !> The history of a point into those of its element.
+  !> Copies the history of a point to that of its element.
   pure subroutine store_point_history(point, points, p)
     type(material_point_type), intent(in) :: point
     type(integration_points_type), intent(inout) :: points

@@ -1,13 +1,13 @@
-!> Logarithmic strain: ln(C)/2 of a placement, and any law given in it turned to space.
+!> Logarithmic strain ln(C)/2: principal axes, tensor functions, and laws in ln(C)/2 pushed forward to Kirchhoff stress and tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A law between the six components of E = ln(C)/2 and their conjugate stress T is objective at finite strain whatever
-!! its symmetry. Here T and dT/dE become Kirchhoff stress and spatial tangent, by the first and second derivative
-!! of the logarithm in the axes of C; divided differences are formed without cancellation.
+!! A law between the six components of E = ln(C)/2 and their conjugate stress T is objective at finite strain for any
+!! material symmetry. T and dT/dE are converted to Kirchhoff stress and spatial tangent by the first and second derivative
+!! of the logarithm in the axes of C; divided differences are computed without cancellation.
 !! References: C. Miehe, N. Apel, M. Lambrecht, Anisotropic additive plasticity in the logarithmic strain space, Comput.
 !! Methods Appl. Mech. Engrg. 191 (2002) 5383-5425; R. Bhatia, Matrix Analysis (1997), section V.3 (second derivative).
 !!
-!! Laws that are isotropic are given in principal axes; they have their spatial tangent here too.
+!! Isotropic laws in principal axes get their spatial tangent here too.
 !! Voigt order xx yy zz xy yz xz, tensor components; a tangent multiplies engineering shears. Pairs of axes are ordered
 !! (1, 2), (2, 3), (3, 1). Theory: doc/theory/materials.md.
 module amontons_logarithmic_strain
@@ -20,11 +20,11 @@ module amontons_logarithmic_strain
     coth_divided_difference
   public :: log1p, expm1, NEXT_AXIS
 
-  !> The axes of C and what hangs on them.
+  !> The principal axes of C and the quantities derived from them.
   type :: log_strain_axes_type
     real(DP) :: x(3)                               !< eigenvalues of C - 1 [-]
     real(DP) :: e(3)                               !< logarithmic strains [-]
-    real(DP) :: reference(3, 3)                    !< axes N_A in the reference placement, in columns
+    real(DP) :: reference(3, 3)                    !< axes N_A in the reference configuration, in columns
     real(DP) :: spatial_axes(3, 3)                        !< axes n_A = F N_A/lambda_A, in columns
   end type log_strain_axes_type
 
@@ -194,7 +194,7 @@ contains
   end function tensor_from_axes
 
 
-  !> b - 1 = H + H^T + H H^T, formed so that nothing cancels.
+  !> b - 1 = H + H^T + H H^T, computed without cancellation.
   pure function left_cauchy_green(H) result(x)
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient, F = 1 + H [-]
     real(DP) :: x(6)                               !< Voigt vector [-]

@@ -1,8 +1,8 @@
-!> Material point: stress, tangent, energy and history of a point of any material, from its strain and its past.
+!> Constitutive update at an integration point: stress, tangent, energy and history of every material law.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Stress and history are updated from the committed history, never from a trial one. Plain materials (E and nu, nothing
-!! else) do not come here: module stress serves them. Every other law is of one of two sorts, whatever the placement:
+!! Stress and history are updated from the committed history, never from a trial one. Materials with E and nu only are
+!! evaluated by `elasticity`. All other laws are of one of two types, in terms of their strain:
 !!
 !! | sort | strain at finite strain |
 !! |---|---|
@@ -12,7 +12,7 @@
 !! | isotropic: linear elasticity, isotropic hardening, creep, rubber, foam | logarithms of the elastic stretches |
 !! | plasticity and creep under LAW_SAINT_VENANT | the isochoric elastic b (Simo), as CalculiX |
 !!
-!! Initial stresses and given plastic strains are inelastic strains that are there from the start. Theory:
+!! Initial stresses and given plastic strains are treated as initial inelastic strains. Theory:
 !! doc/theory/materials.md.
 module amontons_material_point
   use amontons_kinds, only: DP
@@ -36,30 +36,30 @@ module amontons_material_point
   private
   public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, evaluate_orientation
 
-  !> What goes into a material point and what comes out. The past is committed: it is read, never written.
+  !> Input and output of a material point. The committed history is read, never written.
   type :: material_point_type
-    ! comes in
+    ! input
     real(DP) :: H(3, 3)                            !< finite strain: displacement gradient, F = 1 + H [-]
-    real(DP) :: strain(6)                          !< small strain: comes in; finite: goes out, ln(b)/2 or Green's [-]
+    real(DP) :: strain(6)                          !< small strain: input; finite: output, ln(b)/2 or Green's [-]
     real(DP) :: frame(3, 3)                        !< local axes of the material in its columns
     real(DP) :: temperature                        !< at the end of the increment [temperature]
     real(DP) :: initial_temperature                !< [temperature]
-    real(DP) :: time                               !< at the end of the increment, for laws that know it [time]
+    real(DP) :: time                               !< at the end of the increment, for time-dependent laws [time]
     real(DP) :: time_increment                     !< [time]
     real(DP) :: history_old(MAX_HISTORY)                  !< committed history
     type(umat_point_type), allocatable :: user     !< more of a user's material; not there: at rest
-    ! goes out
+    ! output
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
     real(DP) :: energy                             !< elastic, per reference volume [stress]
     real(DP) :: history(MAX_HISTORY)               !< at the end of the increment
   end type material_point_type
 
-  !> What a material is at the temperature of a point.
+  !> The material constants at the temperature of a point.
   type :: moduli_type
     real(DP) :: lambda = 0                         !< Lame's first constant of isotropic materials [stress]
     real(DP) :: G = 0                              !< shear modulus of isotropic materials [stress]
-    logical :: is_isotropic = .true.               !< lambda and G say all; else C
+    logical :: is_isotropic = .true.               !< lambda and G define C; else C is stored
     real(DP) :: C(6, 6) = 0                        !< elasticity in the global axes, engineering shears [stress]
     real(DP) :: thermal(6) = 0                     !< thermal strain, tensor components in the global axes [-]
     logical :: is_thermal_isotropic = .true.                !< the thermal strain is the same in all directions
@@ -74,8 +74,8 @@ contains
   pure subroutine update_material_point(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(material_point_type), intent(inout) :: point       !< in and out as its type says
-    integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK nothing that goes out is to be used
+    type(material_point_type), intent(inout) :: point       !< input and output as its type states
+    integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK the output is invalid
     type(moduli_type) :: moduli
     real(DP) :: thermal_stretch
     point%history = point%history_old
@@ -111,7 +111,7 @@ contains
   end subroutine update_material_point
 
 
-  !> The law of a user. A point that brings nothing along is at rest: its tangent was found before the start.
+  !> User law. A point without state variables is undeformed: its tangent was computed before the start.
   pure subroutine evaluate_user_law(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
@@ -294,7 +294,7 @@ contains
   end subroutine evaluate_strain_law
 
 
-  !> Turns a trial stress into the stress on the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
+  !> Returns a trial stress to the yield surface: stress = trial - 2 G sqrt(3/2) (dp + dc) N,
   !! tangent = K 1 1 + 2 G theta (I - 1 1/3) + 2 G (kappa - theta) N N, N the unit tensor along the trial deviator.
   pure subroutine return_to_yield_surface(material, moduli, point, status)
     type(material_type), intent(in) :: material
@@ -327,7 +327,7 @@ contains
   end subroutine return_to_yield_surface
 
 
-  !> Plastic flow where the elasticity has axes; the reader lets only isotropic hardening come here.
+  !> Plastic flow with anisotropic elasticity; the reader admits only isotropic hardening here.
   pure subroutine return_with_anisotropy(material, moduli, elastic, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -376,7 +376,7 @@ contains
   end subroutine evaluate_deformation_plasticity
 
 
-  !> The strain that is shown: ln(b)/2, or Green's under LAW_SAINT_VENANT.
+  !> The strain for output: ln(b)/2, or Green's under LAW_SAINT_VENANT.
   pure function evaluate_output_strain(material, H) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
@@ -390,7 +390,7 @@ contains
 
 
   !> The law of six strains between Green's strain and the second Piola-Kirchhoff stress, pushed forward. A thermal strain e
-  !! is a stretch 1 + e: what is left of Green's strain E is (E - e - e e/2)/(1 + e), with the mean of e below the line.
+  !! is a stretch 1 + e: the rest of Green's strain E is (E - e - e e/2)/(1 + e), with the mean of e in the denominator.
   pure subroutine evaluate_green_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -412,12 +412,12 @@ contains
   end subroutine evaluate_green_law
 
 
-  !> Deformation plasticity as CalculiX has it: the law of six strains between Almansi's strain e = (1 - inv(b))/2 and Cauchy's
-  !! stress s. With C = ds/de and the rate of deformation d the Kirchhoff stress changes, beside what it is carried along, by
+  !> Deformation plasticity as in CalculiX: the law of six strains between Almansi's strain e = (1 - inv(b))/2 and Cauchy's
+  !! stress s. With C = ds/de and the rate of deformation d the Kirchhoff stress changes, beside its convective part, by
   !!
   !!     J (C : (d - d e - e d) + s tr d - d s - s d),
   !!
-  !! of which the symmetric part is taken: there is no potential.
+  !! of which the symmetric part is used: there is no potential.
   pure subroutine evaluate_almansi_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -456,7 +456,7 @@ contains
   end function almansi_strain
 
 
-  !> The law of six strains between ln(C)/2 and its conjugate stress, turned to space.
+  !> A law of six strain components in ln(C)/2 and its conjugate stress, pushed forward to the current configuration.
   pure subroutine evaluate_log_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -535,7 +535,7 @@ contains
   end subroutine evaluate_hencky
 
 
-  !> The return to the yield surface in principal values, as return_to_yield_surface.
+  !> Return mapping in principal values, as return_to_yield_surface.
   pure subroutine return_principal_stresses(material, moduli, e, point, response, flow, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -569,7 +569,7 @@ contains
   end subroutine return_principal_stresses
 
 
-  !> The inelastic strain after the flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
+  !> The inelastic strain after plastic flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.
   pure subroutine store_inelastic_strain(principal, flow, point)
     type(principal_strains_type), intent(in) :: principal  !< of the trial b
     real(DP), intent(in) :: flow(3)                !< inelastic strains of the increment [-]
@@ -583,7 +583,7 @@ contains
   end subroutine store_inelastic_strain
 
 
-  !> The local axes of an orientation at a place. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
+  !> The local axes of an orientation at a point. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
   !! radial (global x or y where the place is on the axis).
   pure function evaluate_orientation(orientation, place) result(frame)
     type(orientation_type), intent(in) :: orientation
@@ -620,9 +620,9 @@ contains
   end function evaluate_orientation
 
 
-  !> Plasticity as CalculiX has it, Simo's: b is the isochoric elastic b and k the back stress, both carried by F,
+  !> Plasticity as in CalculiX (Simo): b is the isochoric elastic b and k the back stress, both pushed forward by F,
   !! x = b - k/G, tau = K/2 (J^2 - 1) 1 + G dev b - 2 G' sqrt(3/2) (dp + dc) n, n along dev x, G' = G tr b/3; the yield
-  !! stress is one of Cauchy's. The tangent leaves out terms of the order of the elastic strains: symmetric, not exact.
+  !! stress is a Cauchy stress. The tangent omits terms of the order of the elastic strains: symmetric, not exact.
   !! Reference: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1.
   pure subroutine evaluate_simo_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
@@ -668,7 +668,7 @@ contains
   end subroutine evaluate_simo_law
 
 
-  !> The elastic energy of a point that has flowed. Its b keeps the trace, which is no measure of it any more: the deviator
+  !> Elastic energy of a point with plastic flow. The trace of b is not a measure of elastic strain after flow: the deviator
   !! of the stress is.
   pure real(DP) function evaluate_elastic_energy(bulk, modulus, J, tau) result(energy)
     real(DP), intent(in) :: bulk, modulus          !< K and G' [stress]
@@ -678,7 +678,7 @@ contains
   end function evaluate_elastic_energy
 
 
-  !> A symmetric tensor carried forward: F T F^T.
+  !> Push-forward of a symmetric tensor: F T F^T.
   pure function push_forward(F, T) result(y)
     real(DP), intent(in) :: F(3, 3)
     real(DP), intent(in) :: T(6)
@@ -723,7 +723,7 @@ contains
   end subroutine evaluate_isochoric
 
 
-  !> Takes the flow out of the stress: tau = ... - (1 - theta) G dev x, with its tangent.
+  !> Subtracts the plastic flow from the stress: tau = ... - (1 - theta) G dev x, with its tangent.
   pure subroutine subtract_plastic_stress(x, G, J, back, point)
     type(principal_strains_type), intent(in) :: x          !< of J^(2/3) x
     real(DP), intent(in) :: G, J
@@ -744,7 +744,7 @@ contains
   end subroutine subtract_plastic_stress
 
 
-  !> Carries b and the back stress back to the reference placement: the history.
+  !> Pulls b and the back stress back to the reference configuration: the history.
   pure subroutine store_simo_history(F, J, b, k, point)
     real(DP), intent(in) :: F(3, 3)
     real(DP), intent(in) :: J
@@ -759,7 +759,7 @@ contains
   end subroutine store_simo_history
 
 
-  !> The elastic strain of a stress: what initial stresses are taken as, with the sign turned, in the inelastic strain.
+  !> The elastic strain of a stress: initial stresses enter the inelastic strain with the opposite sign of this strain.
   pure function elastic_strain_from_stress(material, temperature, frame, stress) result(strain)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: temperature            !< [temperature]

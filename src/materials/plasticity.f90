@@ -1,7 +1,7 @@
-!> Plastic: return to von Mises's yield surface with isotropic and kinematic hardening, and creep: a scalar equation.
+!> Radial return mapping for von Mises plasticity with isotropic and kinematic hardening and creep, and the anisotropic return.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The deviator of the trial stress (less the back stress) only shrinks: q = q_trial - 3 G (dp + dc) - dk(dp), with the
+!! The return scales the deviator of the trial stress (less the back stress): q = q_trial - 3 G (dp + dc) - dk(dp), with the
 !! plastic and creep parts dp and dc of the increment and the growth dk of the back stress. Implicit (backward Euler).
 !! References: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6; E. A. de Souza
 !! Neto, D. Peric, D. R. J. Owen, Computational Methods for Plasticity (2008), sections 7.3, 7.6, 12.
@@ -17,10 +17,10 @@ module amontons_plasticity
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
   integer, parameter :: MAX_RETURN_ITERATIONS = 100
-  real(DP), parameter :: TOL_YIELD = 1.0e-9_DP        !< above the yield stress that is taken for rounding [-]
+  real(DP), parameter :: TOL_YIELD = 1.0e-9_DP        !< a smaller relative excess over the yield stress is rounding [-]
   real(DP), parameter :: TOL_STRAIN_INCREMENT = 1.0e-13_DP    !< of a strain increment over its bracket [-]
 
-  !> What happens in an increment.
+  !> Result of the return mapping in an increment.
   type :: return_mapping_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
     real(DP) :: creep = 0                          !< dc, equivalent creep strain of the increment [-]
@@ -29,7 +29,7 @@ module amontons_plasticity
     real(DP) :: slope = 1                          !< kappa = 1 - 3 G d(dp + dc)/dq_trial [-]
   end type return_mapping_type
 
-  !> What flows where the elasticity is not isotropic.
+  !> Result of the return mapping with anisotropic elasticity.
   type :: anisotropic_return_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
     real(DP) :: stress(6) = 0                      !< [stress]
@@ -44,7 +44,7 @@ module amontons_plasticity
     real(DP) :: creep(3)                           !< A, n, m
   end type return_problem_type
 
-  !> What stands against a plastic increment.
+  !> The yield condition evaluated at a plastic increment.
   type :: yield_residual_type
     real(DP) :: f = 0, df = 0                      !< residual of the yield condition and its slope [stress]
     real(DP) :: back_increment = 0                           !< growth of the back stress in tension [stress]
@@ -53,7 +53,7 @@ module amontons_plasticity
 
 contains
 
-  !> Whether a material yields or creeps.
+  !> Whether a material has plasticity or creep.
   pure function is_inelastic(material) result(is_true)
     type(material_type), intent(in) :: material
     logical :: is_true
@@ -167,7 +167,7 @@ contains
   end subroutine solve_plasticity_and_creep
 
 
-  !> Residual of the yield condition and its slope at a plastic increment, and the creep that goes with it.
+  !> Residual of the yield condition and its slope at a plastic increment, and the corresponding creep.
   pure function evaluate_yield_residual(material, problem, p) result(r)
     type(material_type), intent(in) :: material
     type(return_problem_type), intent(in) :: problem
@@ -342,7 +342,7 @@ contains
   end subroutine map_anisotropic_return
 
 
-  !> Stress and tangent after a plastic increment, and by how much it misses the yield surface.
+  !> Stress and tangent after a plastic increment, and the residual of the yield condition.
   pure subroutine evaluate_anisotropic_flow(material, C, e, temperature, p_old, p, solution, f, df)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: C(6, 6), e(6), temperature, p_old
@@ -384,7 +384,7 @@ contains
   end function deviatoric
 
 
-  !> B becomes M^-1 B, by Gauss's elimination with row exchange; M is lost.
+  !> B becomes M^-1 B, by Gaussian elimination with row exchange; M is overwritten.
   pure subroutine solve_voigt_system(M, B)
     real(DP), intent(inout) :: M(6, 6), B(6, 6)
     real(DP) :: row(6), factor

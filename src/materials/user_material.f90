@@ -1,14 +1,14 @@
-!> User material: the stress of a point by the user's UMAT, in the way of Abaqus: rates of strain and rotation, STATEV.
+!> Interface to UMAT: Hughes-Winget kinematics, rotation of stress and strain, and the conversion of the Jaumann tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! UMAT is given the committed stress, strain and variables, and the increment of strain; what it makes of them is the
-!! trial state. At finite strain the increment is that of Hughes and Winget: with the increment of displacement d and
+!! Input of UMAT: committed stress, strain and state variables, and the strain increment; its output is the trial state.
+!! At finite strain the increment follows Hughes and Winget: with the increment of displacement d and
 !! the middle configuration x, G = dd/dx, DSTRAN = sym G, DROT = (1 - W/2)^-1 (1 + W/2), W = skw G; stress and strain at
-!! the start are turned by DROT. DDSDDE is (1/J) d(J s)/de of Jaumann's rate; the tangent that the element wants is that
-!! of the Lie derivative of tau = J s: c : D = J DDSDDE : D - D tau - tau D. It need not be symmetric.
+!! the start are rotated by DROT. DDSDDE is (1/J) d(J s)/de of the Jaumann rate; the element needs the tangent of the
+!! Lie derivative of tau = J s: c : D = J DDSDDE : D - D tau - tau D. It need not be symmetric.
 !!
-!! With an orientation all components are those in the local axes, which the increments of rotation carry along: UMAT then
-!! gets stress and strain as they were, DROT = 1, DSTRAN in the axes at the end, and Q^T F Q with the axes Q of the start
+!! With an orientation all components refer to the local axes, which rotate with the increments of rotation: UMAT then
+!! gets stress and strain unrotated, DROT = 1, DSTRAN in the axes at the end, and Q^T F Q with the axes Q of the start
 !! for DFGRD0, of the end for DFGRD1.
 !! References: T. J. R. Hughes, J. Winget, Int. J. Numer. Meth. Engng 15 (1980) 1862-1867; Abaqus User Subroutines
 !! Reference Guide, UMAT. Theory: doc/theory/materials.md.
@@ -24,17 +24,17 @@ module amontons_user_material
   private
   public :: umat_point_type, evaluate_umat, find_initial_tangent
 
-  !> What a point of a user's material brings along and takes away beside strain and stress.
+  !> Data of a UMAT point beside strain and stress, input and output.
   type :: umat_point_type
     type(umat_type) :: values                      !< in: times, place, numbers; the rest is set here
-    logical :: has_orientation = .false.                  !< local axes of an orientation, which turn with the material
+    logical :: has_orientation = .false.                  !< local axes of an orientation, which rotate with the material
     real(DP) :: thermal(6, 2) = 0                  !< thermal strain at start and end, tensor components [-]
     real(DP), allocatable :: history_old(:)               !< committed, from USER_STRESS on, first is 1
     real(DP), allocatable :: history(:)            !< at the end of the increment
   end type umat_point_type
 
   integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< components here are xx yy zz xy yz xz, there 11 22 33 12 13 23
-  integer, parameter :: HISTORY_OFFSET = USER_STRESS - 1     !< what stands before the rows of umat_point_type
+  integer, parameter :: HISTORY_OFFSET = USER_STRESS - 1     !< number of history variables before those of umat_point_type
 
 contains
 
@@ -48,7 +48,7 @@ contains
     type(umat_point_type), intent(inout) :: user
     real(DP), intent(out) :: stress(6)             !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP), intent(out) :: tangent(6, 6)         !< its derivative, spatial at finite strain [stress]
-    logical, intent(out) :: is_accepted               !< .false.: UMAT wants a smaller increment, or gave no finite number
+    logical, intent(out) :: is_accepted               !< .false.: UMAT requested a smaller increment or returned a non-finite number
     real(DP) :: volume, axes(3, 3)
     character(USER_NAME_LENGTH) :: name
     name = material%name
@@ -103,7 +103,7 @@ contains
   end subroutine set_small_increment
 
 
-  !> The increment at finite strain; stress and strain at the start are turned with the material, or the axes are.
+  !> The increment at finite strain; stress and strain at the start are rotated with the material, or the local axes are.
   pure subroutine set_finite_increment(H, frame, user, axes)
     real(DP), intent(in) :: H(3, 3)
     real(DP), intent(in) :: frame(3, 3)            !< local axes in columns, at the start of the job
@@ -138,7 +138,7 @@ contains
   end subroutine set_finite_increment
 
 
-  !> The local axes go on with the material; stress, strain and deformation in them.
+  !> Rotates the local axes with the material; stress, strain and deformation in these axes.
   pure subroutine rotate_axes(Q, frame, user, axes)
     real(DP), intent(in) :: Q(3, 3)                !< rotation of the increment
     real(DP), intent(in) :: frame(3, 3)            !< axes at the start of the job
@@ -211,8 +211,8 @@ contains
   end subroutine convert_jaumann_to_lie
 
 
-  !> DDSDDE of a material that nothing has happened to: what stabilises elements with one point. Called before the start, for
-  !! the largest number of components that its elements have.
+  !> DDSDDE of the undeformed material: it stabilizes elements with one point. Called before the start, for the largest number
+  !! of components of its elements.
   subroutine find_initial_tangent(material, components, dt, error)
     type(material_type), intent(inout) :: material !< out: at_rest, youngs_modulus
     integer, intent(in) :: components(2)           !< NDI, NSHR
@@ -249,7 +249,7 @@ contains
   end subroutine find_initial_tangent
 
 
-  !> What a plane or a bar does not know of a tangent in space, as if it were isotropic (a bar: with nu = 0.3).
+  !> Adds tangent entries that a plane or uniaxial law does not provide, as if it were isotropic (uniaxial: with nu = 0.3).
   pure subroutine complete_3d_tangent(components, c)
     integer, intent(in) :: components(2)           !< NDI, NSHR
     real(DP), intent(inout) :: c(6, 6)             !< 11 22 33 12 13 23 [stress]

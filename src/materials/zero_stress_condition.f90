@@ -1,11 +1,11 @@
-!> Condition: the stress of a point some of whose normal strains are free: plane stress and uniaxial stress, for any law.
+!> Plane-stress and uniaxial-stress conditions by a local Newton iteration on the free normal strains.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A sheet chooses its thickness so that the stress across it is zero, a truss its cross-section. The free logarithmic
-!! strains are found by Newton's method with the law's own tangent at each point, from scratch each time: nothing is to
-!! be remembered, and a law in which stress and strain are proportional takes one correction. What is left is condensed
-!! exactly: c_ab - c_af (c_ff)^-1 c_fb. A correction that does not make the stresses smaller is halved: from scratch the way
-!! leads across the yield surface, where full corrections can go to and fro for ever. The shears across (yz, xz) are taken as zero.
+!! Plane stress has zero stress across the thickness, a truss zero stress across its axis. Newton's method with the law's own
+!! tangent finds the free logarithmic strains at each point. It starts anew each time: nothing is stored, and a
+!! linear law needs one correction. The remaining tangent is condensed exactly: c_ab - c_af (c_ff)^-1 c_fb. A correction that does
+!! not reduce the stresses is halved: the path crosses the yield surface, where full corrections may oscillate without
+!! end. The transverse shears (yz, xz) are taken as zero.
 !! Reference: E. A. de Souza Neto, D. Peric, D. R. J. Owen, Computational methods for plasticity, Wiley 2008, chapter 9.
 module amontons_zero_stress_condition
   use amontons_kinds, only: DP
@@ -31,7 +31,7 @@ module amontons_zero_stress_condition
 
 contains
 
-  !> Stress and tangent of a point under a condition; at small strain too the strains come from point%H.
+  !> Stress and tangent of a point under a zero-stress condition; at small strain too the strains are computed from point%H.
   pure subroutine solve_zero_stress(condition, material, is_nlgeom, point, status)
     integer, intent(in) :: condition               !< CONDITION_...
     type(material_type), intent(in) :: material
@@ -81,8 +81,8 @@ contains
   end subroutine solve_zero_stress
 
 
-  !> A user's law that knows only the stresses that are not zero. At finite strain the volume stays the same, as Abaqus has it for
-  !! such elements; at small strain the strains across are not known and stay zero.
+  !> A user law with only the nonzero stress components. At finite strain the volume is constant, as in Abaqus for such
+  !! elements; at small strain the transverse strains are unknown and stay zero.
   pure subroutine evaluate_reduced_law(condition, material, is_nlgeom, point, status)
     integer, intent(in) :: condition               !< CONDITION_PLANE_STRESS or CONDITION_UNIAXIAL
     type(material_type), intent(in) :: material
@@ -104,7 +104,7 @@ contains
   end subroutine evaluate_reduced_law
 
 
-  !> The tangent of a point that has no strain and no past: the elastic constants.
+  !> The tangent of an undeformed point without history: the elastic constants.
   pure subroutine evaluate_initial_tangent(condition, material, is_nlgeom, n, points, c)
     integer, intent(in) :: condition               !< CONDITION_...
     type(material_type), intent(in) :: material
@@ -152,7 +152,7 @@ contains
   end subroutine find_newton_correction
 
 
-  !> Takes the free strains and all shears across out of the tangent, one after the other.
+  !> Condenses the free strains and all transverse shears out of the tangent, one after the other.
   pure subroutine condense_tangent(first, c)
     integer, intent(in) :: first                   !< free are first to 3
     real(DP), intent(inout) :: c(6, 6)
@@ -170,7 +170,7 @@ contains
   end subroutine condense_tangent
 
 
-  !> The law itself.
+  !> Evaluates the law.
   pure subroutine evaluate_law(material, is_nlgeom, point, status)
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom

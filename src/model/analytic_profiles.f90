@@ -1,15 +1,15 @@
-!> Profiles: analytic surfaces: a chain of lines and arcs, drawn out or turned about an axis; the closest point of them, exactly.
+!> Analytic rigid surfaces: profiles of lines and arcs, extruded or revolved, with closest-point projection.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The chain lies in a plane with coordinates p: x and y of the global axes (PROFILE_PLANAR), x and y of local axes, drawn out along
-!! the third (PROFILE_EXTRUDED), or radius and height (PROFILE_REVOLVED). Its outward side is on the left as one walks along it.
+!! The chain lies in a plane with coordinates p: x and y of the global axes (PROFILE_PLANAR), x and y of local axes, extruded along
+!! the third (PROFILE_EXTRUDED), or radius and height (PROFILE_REVOLVED). The outward side is on the left of the chain's direction.
 !!
-!! With the outward normal N, the gap g and the principal curvatures k_a (positive where the surface bulges out) a point and
-!! its foot M are bound by X = M + g N. So for a small motion of X, along the principal directions t_a,
+!! With the outward normal N, the gap g and the principal curvatures k_a (positive for a convex surface), a point X and
+!! its closest point M satisfy X = M + g N. A small motion of X gives, along the principal directions t_a,
 !!
 !!     t_a . dM = c_a t_a . dX,  t_a . dN = q_a t_a . dX,   c_a = 1/(1 + g k_a),  q_a = k_a/(1 + g k_a)
 !!
-!! of a line and around the axis of a turned profile with n_r = N . e_r: c_2 = r_M/r_X, q_2 = n_r/r_X.
+!! of a line, and around the axis of a revolved profile with n_r = N . e_r: c_2 = r_M/r_X, q_2 = n_r/r_X.
 module amontons_analytic_profiles
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
@@ -20,36 +20,36 @@ module amontons_analytic_profiles
   public :: PROFILE_PLANAR, PROFILE_EXTRUDED, PROFILE_REVOLVED
 
   integer, parameter :: PROFILE_PLANAR = 1       !< a line in the plane of plane and axisymmetric elements
-  integer, parameter :: PROFILE_EXTRUDED = 2      !< drawn out without end
-  integer, parameter :: PROFILE_REVOLVED = 3     !< turned about an axis, once round
+  integer, parameter :: PROFILE_EXTRUDED = 2      !< extruded without end
+  integer, parameter :: PROFILE_REVOLVED = 3     !< revolved about an axis, full circle
 
-  real(DP), parameter :: TOL_PIECE_END = 1.0e-10_DP   !< beyond the end of a piece by less than this times its length is on it [-]
-  real(DP), parameter :: TOL_JOINED_ENDS = 1.0e-9_DP    !< ends nearer than this times the size of the profile are one [-]
+  real(DP), parameter :: TOL_PIECE_END = 1.0e-10_DP   !< tolerance of the end of a piece, relative to its length [-]
+  real(DP), parameter :: TOL_JOINED_ENDS = 1.0e-9_DP    !< ends nearer than this times the size of the profile are joined [-]
 
-  !> A profile. Pieces go from start to finish; `bend` is 0 for a line, the radius of an arc whose outward side is away from
-  !! its centre, minus the radius of one whose outward side is towards its centre.
+  !> A profile. Pieces run from start to finish; `signed_radius` is 0 for a line, the radius of an arc whose outward side is away
+  !! from its centre, minus the radius of one whose outward side is towards its centre.
   type :: analytic_profile_type
     integer :: kind = PROFILE_PLANAR
     real(DP) :: origin(3) = 0                  !< of the local axes [length]
-    real(DP) :: axes(3, 3) = IDENTITY          !< local axes in columns; the third is the axis of a turned profile
+    real(DP) :: axes(3, 3) = IDENTITY          !< local axes in columns; the third is the axis of a revolved profile
     integer :: n = 0                           !< pieces
     real(DP), allocatable :: start(:, :)       !< (2, n) p [length]
     real(DP), allocatable :: finish(:, :)      !< (2, n) [length]
     real(DP), allocatable :: centre(:, :)      !< (2, n) of arcs [length]
     real(DP), allocatable :: signed_radius(:)           !< (n) [length]
     real(DP), allocatable :: piece_length(:)         !< (n) of the piece [length]
-    integer, allocatable :: next(:)            !< (n) the piece that goes on at its finish; 0: none
+    integer, allocatable :: next(:)            !< (n) the piece that starts at its finish; 0: none
     integer, allocatable :: before(:)          !< (n) the piece that ends at its start; 0: none
-    integer :: carriers(4) = 0                 !< nodes that carry it: at anchor, and span away along x, y, z (flat: x, y)
+    integer :: carriers(4) = 0                 !< nodes that move it: at anchor, and span away along x, y, z (planar: x, y)
     integer :: n_carrier_nodes = 0
     real(DP) :: anchor(3) = 0                  !< [length]
     real(DP) :: span = 1                       !< [length]
   end type analytic_profile_type
 
-  !> A point of a profile, and what is at a distance of it along the normal.
+  !> The projection of a point on a profile: closest point, gap and their derivatives.
   type :: profile_point_type
     integer :: piece = 0
-    real(DP) :: xi(2) = 0                      !< part of the piece's length [-]; along the third axis [length] or angle [rad]
+    real(DP) :: xi(2) = 0                      !< fraction of the piece's length [-]; along the third axis [length] or angle [rad]
     real(DP) :: gap = 0                        !< g [length]
     real(DP) :: closest_point(3) = 0                    !< M [length]
     real(DP) :: normal(3) = 0                  !< N, unit
@@ -60,7 +60,7 @@ module amontons_analytic_profiles
 
 contains
 
-  !> One more piece: a line to a point.
+  !> Appends a line to a point.
   pure subroutine add_line(profile, from, to)
     type(analytic_profile_type), intent(inout) :: profile
     real(DP), intent(in) :: from(2), to(2)     !< p [length]
@@ -69,7 +69,7 @@ contains
   end subroutine add_line
 
 
-  !> One more piece: an arc of less than half a turn to a point, about a centre. The radius is that of the start.
+  !> Appends an arc of less than half a turn to a point, about a centre. The radius is that of the start.
   pure subroutine add_arc(profile, from, to, centre)
     type(analytic_profile_type), intent(inout) :: profile
     real(DP), intent(in) :: from(2), to(2), centre(2)   !< p [length]
@@ -81,7 +81,7 @@ contains
   end subroutine add_arc
 
 
-  !> Room for one more piece.
+  !> Allocates one more piece.
   pure subroutine add_piece(profile, from, to, centre, bend)
     type(analytic_profile_type), intent(inout) :: profile
     real(DP), intent(in) :: from(2), to(2), centre(2), bend
@@ -98,7 +98,7 @@ contains
   end subroutine add_piece
 
 
-  !> Which pieces hang together: each with the next one, and the last with the first where the chain is closed.
+  !> Connects the pieces: each with the next one, and the last with the first of a closed chain.
   pure subroutine connect_pieces(profile)
     type(analytic_profile_type), intent(inout) :: profile
     integer :: k
@@ -127,17 +127,17 @@ contains
   end function profile_length
 
 
-  !> The place of a point: from the piece where it was last, or from any.
+  !> The projection of a point: from the piece of its last projection, or over all pieces.
   !!
-  !! From a piece it walks to the neighbour beyond whose end the foot would be. At a corner that sticks out and at an end the
-  !! piece reaches a little beyond itself; past that the point has no place. From nowhere: of all pieces that hold the point
-  !! the nearest one; behind the surface none that is deeper than `deepest`.
+  !! From a piece the search continues with the neighbour beyond whose end the projection would lie. At a convex corner and at an
+  !! end the piece reaches slightly beyond itself; past that the point has no projection. Without a start piece: the nearest of all
+  !! pieces that the point projects on; behind the surface, pieces deeper than `max_penetration` are excluded.
   pure subroutine project_to_profile(profile, X, reach, max_penetration, k, place, is_found)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: X(3)               !< undeformed coordinates [length]
     real(DP), intent(in) :: reach              !< beyond an end [length]
     real(DP), intent(in) :: max_penetration            !< [length]
-    integer, intent(in) :: k                   !< piece where the walk begins; 0: none
+    integer, intent(in) :: k                   !< start piece of the search; 0: none
     type(profile_point_type), intent(out) :: place
     logical, intent(out) :: is_found
     real(DP) :: s, gap, p(2)
@@ -154,7 +154,7 @@ contains
   end subroutine project_to_profile
 
 
-  !> Of all pieces that hold a point the nearest one; 0: none does.
+  !> The nearest of all pieces that a point projects on; 0: none.
   pure subroutine search_all_pieces(profile, p, reach, max_penetration, piece, is_found)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: p(2), reach, max_penetration   !< [length]
@@ -177,12 +177,12 @@ contains
   end subroutine search_all_pieces
 
 
-  !> From a piece to the one that holds a point.
+  !> Searches along the chain from a piece to the one that a point projects on.
   pure subroutine search_neighbours(profile, p, reach, from, piece, is_found)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: p(2), reach        !< [length]
     integer, intent(in) :: from
-    integer, intent(out) :: piece              !< the last one looked at
+    integer, intent(out) :: piece              !< the last piece examined
     logical, intent(out) :: is_found
     real(DP) :: s, gap, beyond, last_beyond
     integer :: step, last, next
@@ -196,7 +196,7 @@ contains
       is_found = beyond <= 0.0_DP
       if (is_found) return
       next = merge(profile%before(piece), profile%next(piece), s < 0.0_DP)
-      if (next == 0 .or. next == last) then      ! an end, or a corner: beyond both sides
+      if (next == 0 .or. next == last) then      ! an end, or a convex corner: beyond both sides
         if (next == last .and. next > 0 .and. last_beyond <= beyond) piece = last
         is_found = min(beyond, merge(last_beyond, beyond, next > 0)) <= reach
         return
@@ -208,23 +208,23 @@ contains
   end subroutine search_neighbours
 
 
-  !> How far a foot is beyond the ends of its piece; 0 on it, and a hair outside [length].
+  !> Distance of a projection beyond the ends of its piece; 0 on it, within the tolerance [length].
   pure real(DP) function distance_beyond_end(profile, k, s) result(beyond)
     type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k
-    real(DP), intent(in) :: s                  !< part of the piece's length [-]
+    real(DP), intent(in) :: s                  !< fraction of the piece's length [-]
     beyond = max(-s, s - 1.0_DP)
     if (beyond <= TOL_PIECE_END) beyond = 0.0_DP
     beyond = beyond * profile%piece_length(k)
   end function distance_beyond_end
 
 
-  !> The foot of a point on a piece, or on the line or circle that goes on beyond it.
+  !> The projection of a point on a piece, or on the line or circle that extends it.
   pure subroutine closest_point_on_piece(profile, k, p, s, gap)
     type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k                   !< piece
     real(DP), intent(in) :: p(2)               !< [length]
-    real(DP), intent(out) :: s                 !< part of the piece's length [-]
+    real(DP), intent(out) :: s                 !< fraction of the piece's length [-]
     real(DP), intent(out) :: gap               !< [length]
     real(DP) :: t(2), a(2), v(2), middle(2), way
     associate (start => profile%start(:, k), bend => profile%signed_radius(k))
@@ -244,7 +244,7 @@ contains
   end subroutine closest_point_on_piece
 
 
-  !> What is at natural coordinates of a piece, for a point at a distance along the normal there.
+  !> Closest point, normal, tangents and derivatives at natural coordinates of a piece, for a point at a gap along the normal.
   pure function evaluate_profile_point(profile, k, xi, gap) result(place)
     type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k                   !< piece
@@ -266,7 +266,7 @@ contains
       place%normal = n(1) * out + n(2) * profile%axes(:, 3)
       place%tangent = reshape([n(2) * out - n(1) * profile%axes(:, 3), around], [3, 2])
       radius = p(1) + gap * n(1)
-      place%c(2) = place%c(1)                  ! on the axis all directions are alike
+      place%c(2) = place%c(1)                  ! on the axis all directions are equivalent
       place%q(2) = place%q(1)
       if (radius <= TOL_PIECE_END * profile_length(profile)) return
       place%c(2) = p(1) / radius
@@ -279,7 +279,7 @@ contains
   end function evaluate_profile_point
 
 
-  !> A point of the surface; in the plane of the profile also the outward normal there.
+  !> A point of the surface; in the plane of the profile the outward normal as well.
   pure subroutine profile_coordinates(profile, k, xi, X, p, n)
     type(analytic_profile_type), intent(in) :: profile
     integer, intent(in) :: k                   !< piece
@@ -311,7 +311,7 @@ contains
   end subroutine profile_coordinates
 
 
-  !> A point in the plane of the profile: p.
+  !> The coordinates p of a point in the plane of the profile.
   pure function in_plane(profile, X) result(p)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: X(3)               !< [length]
@@ -322,7 +322,7 @@ contains
   end function in_plane
 
 
-  !> A point across the plane of the profile: along the third axis [length], or the angle about it [rad].
+  !> The coordinate of a point across the plane of the profile: along the third axis [length], or the angle about it [rad].
   pure real(DP) function out_of_plane_coordinate(profile, X) result(t)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: X(3)               !< [length]
@@ -341,7 +341,7 @@ contains
   end function cross_product_2d
 
 
-  !> A vector turned counterclockwise by an angle.
+  !> A vector rotated counterclockwise by an angle.
   pure function rotated_2d(v, angle) result(w)
     real(DP), intent(in) :: v(2), angle
     real(DP) :: w(2)

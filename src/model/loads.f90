@@ -1,7 +1,7 @@
-!> Loads: amplitudes, prescribed displacements, forces, pressures, and linear equations between degrees of freedom.
+!> Amplitudes, boundary conditions, concentrated and distributed loads, linear equations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The reader resolves load persistence, OP=NEW and sets; each step then holds the complete list of what acts in it.
+!! The reader resolves load propagation, OP=NEW and sets; each step then holds the complete list of its active loads.
 module amontons_loads
   use amontons_kinds, only: DP
   implicit none
@@ -12,11 +12,11 @@ module amontons_loads
   public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION, &
     amplitude_value, load_value
 
-  integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive pushing into the element
+  integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive towards the element
   integer, parameter :: DISTRIBUTED_GRAVITY = 2    !< acceleration on an element, times its density
   integer, parameter :: DISTRIBUTED_CENTRIFUGAL = 3       !< square of the angular velocity of an element about an axis
   integer, parameter :: DISTRIBUTED_BODY_FORCE = 4       !< force per reference volume of an element
-  integer, parameter :: DISTRIBUTED_TRACTION = 5   !< force per reference area of an element face, in a direction that stays
+  integer, parameter :: DISTRIBUTED_TRACTION = 5   !< force per reference area of an element face, in a fixed direction
 
   integer, parameter :: AMPLITUDE_TABLE = 0           !< linear between the times, constant outside
   integer, parameter :: AMPLITUDE_SMOOTH_STEP = 1          !< the same with a polynomial whose slope and curvature are 0 at the
@@ -29,14 +29,14 @@ module amontons_loads
   type :: amplitude_type
     character(:), allocatable :: name
     logical :: is_total_time = .false.           !< TIME=TOTAL TIME
-    logical :: is_absolute = .false.             !< VALUE=ABSOLUTE: the factors are magnitudes, whatever the load says
+    logical :: is_absolute = .false.             !< VALUE=ABSOLUTE: the factors are magnitudes and replace those of the load
     integer :: course = AMPLITUDE_TABLE
     real(DP), allocatable :: formula_constants(:)          !< PERIODIC: omega, t0, A0, A1, B1, ...; MODULATED: A0, A, t0, omega 1,
                                                            !! omega 2;
     !< DECAY: A0, A, t0, td
     real(DP), allocatable :: time(:)             !< ascending [time]
     real(DP), allocatable :: factor(:)           !< [-]
-    logical :: is_user = .false.                 !< DEFINITION=USER: UAMP gives the factor, anew for each increment
+    logical :: is_user = .false.                 !< DEFINITION=USER: UAMP gives the factor for each increment
     real(DP), allocatable :: props(:)            !< its properties
     integer :: n_svars = 0                       !< number of its variables
   end type amplitude_type
@@ -69,9 +69,9 @@ module amontons_loads
     integer :: kind = DISTRIBUTED_PRESSURE
     integer :: element = 0
     integer :: face = 0                          !< face number, of pressure and traction only
-    real(DP) :: direction(3) = 0                 !< unit vector: of gravity, body forces and traction, or the axis of spin
-    logical :: is_follower = .false.            !< a traction that is meant to turn with its face, which matters under NLGEOM
-    real(DP) :: point(3) = 0                     !< of the axis of spin [length]
+    real(DP) :: direction(3) = 0                 !< unit vector: of gravity, body forces and traction, or the axis of rotation
+    logical :: is_follower = .false.            !< a traction defined to rotate with its face, which matters under NLGEOM
+    real(DP) :: point(3) = 0                     !< a point of the axis of rotation [length]
   end type distributed_type
 
   !> The temperature of a node.
@@ -79,16 +79,16 @@ module amontons_loads
     integer :: node = 0
   end type temperature_type
 
-  !> sum coefficient * u(node, dof) = 0. Of the first terms one is eliminated.
+  !> sum coefficient * u(node, dof) = 0. One of the first terms is eliminated.
   type :: equation_type
     integer, allocatable :: node(:)
     integer, allocatable :: dof(:)
     real(DP), allocatable :: coefficient(:)
-    integer :: n_eliminable = 1                  !< that many first terms may be eliminated
-    character(24) :: card = 'EQUATION'           !< keyword of the card that made it, for messages
+    integer :: n_eliminable = 1                  !< number of first terms that may be eliminated
+    character(24) :: card = 'EQUATION'           !< keyword of the card that defines it, for messages
     integer :: line = 0                          !< line of the card in the deck, for messages
-    integer :: deck_dof = 0                     !< degree of freedom of the first term as the deck has it
-    integer :: last_step = huge(1)               !< EQUATION, REMOVE: it holds up to this step
+    integer :: deck_dof = 0                     !< degree of freedom of the first term as given in the deck
+    integer :: last_step = huge(1)               !< EQUATION, REMOVE: the last step in which it is active
   end type equation_type
 
 contains
@@ -120,7 +120,7 @@ contains
   end function amplitude_value
 
 
-  !> The factor of an amplitude that is a formula.
+  !> The factor of an amplitude given by a formula.
   pure real(DP) function formula_value(amplitude, time) result(factor)
     type(amplitude_type), intent(in) :: amplitude
     real(DP), intent(in) :: time                 !< [time]

@@ -1,4 +1,4 @@
-!> Materials: the parameters of a material, or of a spring, as the user gave them; no formulas but their tables.
+!> Material and spring parameters, property tables and hardening curves.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_materials
   use amontons_kinds, only: DP
@@ -36,13 +36,13 @@ module amontons_materials
   integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
   integer, parameter :: CREEP_STRAIN_HARDENING = 2   !< rate = (A q^n ((m + 1) e)^m)^(1/(m + 1))
 
-  ! The history of an integration point: all that it keeps from increment to increment beside its place.
+  ! The history variables of an integration point: its committed state, without position.
   integer, parameter :: HISTORY_PEEQ = 1        !< equivalent plastic strain [-]
   integer, parameter :: HISTORY_CEEQ = 2        !< equivalent creep strain [-]
-  integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference placement [-]
-  integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference placement [stress]
+  integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference configuration [-]
+  integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference configuration [stress]
   integer, parameter :: MAX_HISTORY = 14
-  ! After these, of a user's material alone; components 11 22 33 12 13 23, in its local axes if it has an orientation.
+  ! Further variables of user materials only; components 11 22 33 12 13 23, in the local axes of the orientation if given.
   integer, parameter :: USER_STRESS = 15        !< 15 to 20: Cauchy stress [stress]
   integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
   integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
@@ -52,13 +52,13 @@ module amontons_materials
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 
-  !> Values over the temperature, linear in between and constant outside.
+  !> Values over the temperature, interpolated linearly, constant outside.
   type :: property_table_type
     real(DP), allocatable :: temperature(:)     !< (n) ascending [temperature]
     real(DP), allocatable :: value(:, :)        !< (n_values, n)
   end type property_table_type
 
-  !> Stress over the equivalent plastic strain at one temperature, linear in between and constant outside.
+  !> Stress over the equivalent plastic strain at one temperature, interpolated linearly, constant outside.
   type :: hardening_curve_type
     real(DP) :: temperature = 0                 !< [temperature]
     real(DP), allocatable :: strain(:)          !< (n) ascending, the first 0 [-]
@@ -67,14 +67,14 @@ module amontons_materials
 
   !> The law of the springs of one card.
   type :: spring_type
-    type(property_table_type) :: constant                 !< over the temperature; not there: force, or the gap [force/length]
+    type(property_table_type) :: constant                 !< over the temperature; unallocated: force, or the gap [force/length]
     type(hardening_curve_type), allocatable :: force(:)    !< (temperatures) force (stress) over the elongation (strain)
     logical :: is_gap = .false.
     logical :: is_distance_limit = .false.
-    integer :: length_node = 0                   !< of a rope: the node that tells its length; it moves nothing
-    real(DP) :: clearance = 0                    !< of a gap at the start, or of a rope: by how much it is slack [length]
+    integer :: length_node = 0                   !< of a rope: the node that defines its length; it exerts no force
+    real(DP) :: clearance = 0                    !< of a gap at the start, or slack of a rope [length]
     real(DP) :: stiffness = 0                    !< of a closed gap, of a taut rope [force/length]
-    real(DP) :: open_force = 0                         !< of a gap that is wide open [force]
+    real(DP) :: open_force = 0                         !< tension limit of a wide open gap [force]
     real(DP) :: axes(3, 2) = 0                   !< directions at its nodes, in place of 1 to 3; zero: not given
   end type spring_type
 
@@ -88,37 +88,37 @@ module amontons_materials
     real(DP) :: rotation_angle = 0                  !< [rad]
   end type orientation_type
 
-  !> One material. Under small displacements every linear elastic law is Hooke's.
+  !> One material. Under small displacements every linear elastic law is Hooke's law.
   type :: material_type
     character(:), allocatable :: name
     integer :: law = LAW_HENCKY                 !< law at finite strain, chosen by the dialect
-    logical :: is_linear_isotropic = .true.                !< E and nu are all there is: no table, temperature, axes or history
+    logical :: is_linear_isotropic = .true.                !< only E and nu: no table, temperature, axes or history
     logical :: has_elastic = .false.
     integer :: elastic_kind = ELASTIC_ISOTROPIC
     real(DP) :: youngs_modulus = 0              !< E, isotropic, at the first temperature [stress]
     real(DP) :: poissons_ratio = 0              !< nu, isotropic, at the first temperature [-]
-    type(property_table_type) :: elastic                 !< constants as ELASTIC_... says; may be missing for a plain material
+    type(property_table_type) :: elastic                 !< constants by ELASTIC_...; optional with E and nu only
     integer :: hyper_kind = 0                   !< HYPER_...
     integer :: hyper_order = 0                  !< N
     integer :: n_history = 0                    !< history variables used
     logical :: has_density = .false.
     real(DP) :: density = 0                     !< rho, at the first temperature [mass/volume]
-    type(property_table_type) :: density_table               !< rho over the temperature; not there: the same at all [mass/volume]
+    type(property_table_type) :: density_table               !< rho over the temperature; unallocated: constant [mass/volume]
     type(property_table_type) :: expansion               !< 1, 3 or 6 coefficients, secant from expansion_zero [1/temperature]
     real(DP) :: expansion_reference = 0              !< ZERO [temperature]
     type(hardening_curve_type), allocatable :: isotropic_hardening(:)   !< size of the yield surface, ascending temperatures
     type(hardening_curve_type), allocatable :: kinematic_hardening(:)   !< yield stress of monotonic tension of kinematic hardening
     logical :: has_deformation_plasticity = .false.
-    type(property_table_type) :: deformation_plasticity             !< E, nu, yield stress, n, alpha of Ramberg and Osgood's law
+    type(property_table_type) :: deformation_plasticity             !< E, nu, yield stress, n, alpha of the Ramberg-Osgood law
     integer :: creep_law = CREEP_NONE
     type(property_table_type) :: creep                   !< A, n, m
     logical :: is_user = .false.                !< UMAT gives the stress
-    logical :: is_called_in_3d = .false.             !< UMAT is called as in space for all elements
-    character(:), allocatable :: library        !< file that holds it; not there: that of the job
+    logical :: is_called_in_3d = .false.             !< UMAT is called with three-dimensional arguments for all elements
+    character(:), allocatable :: library        !< file of its routine; unallocated: that of the job
     real(DP), allocatable :: props(:)           !< its PROPS
     integer :: n_statev = 0                     !< number of its STATEV
-    real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE at rest, set before the start [stress]
-    type(user_library_type) :: routines             !< where it is; opened before the start
+    real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE in the undeformed state, computed before the start [stress]
+    type(user_library_type) :: routines             !< the opened library; opened before the start
   end type material_type
 
 contains
@@ -170,7 +170,7 @@ contains
   end subroutine evaluate_curve
 
 
-  !> The interval of an ascending list that a value lies in, and the fraction of it: 0 at the ends of the list.
+  !> The interval of an ascending list that contains a value, and the fraction of it: clamped at the ends of the list.
   pure subroutine find_interval(list, x, i, s)
     real(DP), intent(in) :: list(:)             !< (n) ascending
     real(DP), intent(in) :: x
@@ -194,7 +194,7 @@ contains
   end subroutine find_interval
 
 
-  !> The law of a material in words.
+  !> The name of the law of a material.
   pure function law_name(material) result(words)
     type(material_type), intent(in) :: material
     character(MAX_LAW_NAME_LENGTH) :: words

@@ -1,4 +1,4 @@
-!> Mesh: nodes, elements and named sets; what the user drew, frozen after reading.
+!> Nodes, elements and sets of the model; fixed after reading.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_mesh
   use amontons_kinds, only: DP
@@ -10,7 +10,7 @@ module amontons_mesh
 
   !> A named list of nodes or elements.
   type :: set_type
-    character(:), allocatable :: name        !< as the user wrote it
+    character(:), allocatable :: name        !< name as written by the user
     integer, allocatable :: members(:)       !< indices into the mesh, not labels; order kept, no duplicates
   end type set_type
 
@@ -30,18 +30,18 @@ module amontons_mesh
     real(DP), allocatable :: section_value(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
-    integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: section says all; not there: 0
-    logical, allocatable :: is_auxiliary(:)         !< (n_nodes) its displacement is none: a rotation vector, a pre-tension
+    integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
+    logical, allocatable :: is_auxiliary(:)         !< (n_nodes) it has no displacement but a rotation vector or a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
-    logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none resists this displacement
+    logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none has stiffness in this direction
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
 
 contains
 
-  !> Fills what follows from the kinds: first integration point of each element, totals, and displacements that nothing
-  !! resists; sections that are not given are 1.
+  !> Sets what follows from the kinds: first integration point of each element, totals, and displacements without
+  !! stiffness; missing section values are 1.
   subroutine finalize_mesh(mesh)
     type(mesh_type), intent(inout) :: mesh   !< with n_elements, kind(:), first(:) and nodes(:) set
     type(element_kind_type) :: entry
@@ -64,14 +64,14 @@ contains
   end subroutine finalize_mesh
 
 
-  !> The displacements that no element at their node resists: the third of a node of plane elements (whatever spring or truss is
-  !! there too), those across a spring of one direction, those of a lone mass. A node without elements has none.
+  !> Displacements without stiffness from any element of their node: the third of a node of plane elements (regardless of springs or
+  !! trusses), those across a spring of one direction, those of a node with point masses only. A node without elements has none.
   subroutine find_unstiffened_dofs(mesh)
     type(mesh_type), intent(inout) :: mesh
     logical, allocatable :: is_used(:)
     type(element_kind_type) :: entry
     integer :: e, i
-    allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: a node that the deck has not; its error is on its way
+    allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: node missing in the deck; its error is reported elsewhere
     is_used(mesh%nodes) = .true.
     mesh%has_elements = is_used(1:)
     mesh%is_unstiffened = spread(mesh%has_elements, 1, 3)
@@ -94,7 +94,7 @@ contains
   end subroutine find_unstiffened_dofs
 
 
-  !> The displacements that an element resists at one of its nodes.
+  !> The displacements in which an element has stiffness at one of its nodes.
   pure function stiffened_directions(mesh, e, a, family) result(resists)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, a                    !< element, its local node
@@ -116,7 +116,7 @@ contains
   end function stiffened_directions
 
 
-  !> One more node, without elements, at a place; its label is one above the largest.
+  !> Appends a node without elements at a position; its label is one above the largest.
   subroutine append_node(mesh, x, node)
     type(mesh_type), intent(inout) :: mesh         !< finished
     real(DP), intent(in) :: x(3)                   !< [length]
@@ -138,14 +138,14 @@ contains
   end subroutine append_node
 
 
-  !> The diagonal of the box around the mesh [length].
+  !> The diagonal of the bounding box of the mesh [length].
   pure real(DP) function mesh_extent(mesh)
     type(mesh_type), intent(in) :: mesh
     mesh_extent = norm2(maxval(mesh%coordinates, dim=2) - minval(mesh%coordinates, dim=2))
   end function mesh_extent
 
 
-  !> Appends nodes at the places of others. Cost: linear.
+  !> Appends copies of nodes at the same positions. Cost: linear.
   subroutine append_node_copies(mesh, nodes)
     type(mesh_type), intent(inout) :: mesh         !< finished
     integer, intent(in) :: nodes(:)                !< their copies become n_nodes + 1, ... in this order

@@ -1,4 +1,4 @@
-!> Model: everything that the deck says, resolved and frozen before the first step.
+!> The complete model as read from the deck, and the job options.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model
   use amontons_kinds, only: DP
@@ -17,32 +17,32 @@ module amontons_model
     is_out, absent_elements, material_in_step, load_now, &
     DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
-  real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< a coefficient is nothing beside one that is so much larger [-]
+  real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< coefficients below this times the largest are dropped [-]
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
   integer, parameter :: DIALECT_CALCULIX = 2
 
-  !> What the command line or a calling program says about a job.
+  !> Job options from the command line or a calling program.
   type :: job_options_type
     character(:), allocatable :: deck           !< path of the deck
     character(:), allocatable :: job            !< name of the job: the deck's name without folder and .inp
     character(:), allocatable :: outdir         !< folder of the result files
     integer :: dialect = DIALECT_FROM_DECK
     integer :: n_threads = 1                    !< 0: as many as OpenMP has, one for a small model
-    logical :: is_check = .false.               !< read, check, audit, stop
+    logical :: is_check = .false.               !< read, check the model, stop
     character(:), allocatable :: deck_text      !< the deck itself; then `deck` only names it in messages
-    character(:), allocatable :: old_job        !< the job that *RESTART, READ goes on from
-    character(:), allocatable :: user           !< file with routines of the user, Fortran or a shared library
+    character(:), allocatable :: old_job        !< the job that *RESTART, READ continues
+    character(:), allocatable :: user           !< file with user routines, Fortran or a shared library
     logical :: has_files = .true.               !< write result files
-    logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards ask for
+    logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards request
     logical :: is_guarded = .false.             !< a checkpoint after each converged increment
-    logical :: is_resumed = .false.             !< go on after the checkpoint
-    logical :: handles_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 asks for its status
+    logical :: is_resumed = .false.             !< continue from the checkpoint
+    logical :: handles_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 requests its status
   end type job_options_type
 
-  !> The state of another job that this one goes on from.
+  !> The state of another job from which this one continues.
   type :: restart_origin_type
-    character(:), allocatable :: path           !< its restart file; not there: the job starts from nothing
+    character(:), allocatable :: path           !< its restart file; unallocated: the job starts from the undeformed state
     integer :: dialect = DIALECT_ABAQUS         !< of the old job
     type(state_key_type) :: label                   !< the state
     logical :: is_step_ended = .false.                 !< END STEP: its step ends there
@@ -55,32 +55,32 @@ module amontons_model
     character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline
     type(mesh_type) :: mesh
     type(material_type), allocatable :: materials(:)
-    type(spring_type), allocatable :: springs(:)      !< laws that are more than a constant; not there: none
+    type(spring_type), allocatable :: springs(:)      !< spring laws beyond a constant; unallocated: none
     type(surface_type), allocatable :: surfaces(:)
     type(interaction_type), allocatable :: interactions(:)
     type(contact_pair_type), allocatable :: pairs(:)
     type(amplitude_type), allocatable :: amplitudes(:)
     type(equation_type), allocatable :: equations(:)
-    real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; not there: 0 [temperature]
-    real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; not there: 0
-    real(DP), allocatable :: initial_stress(:, :)     !< (6, n_points) of INITIAL CONDITIONS; not there: 0 [stress]
+    real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; unallocated: 0 [temperature]
+    real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; unallocated: 0
+    real(DP), allocatable :: initial_stress(:, :)     !< (6, n_points) of INITIAL CONDITIONS; unallocated: 0 [stress]
     type(orientation_type), allocatable :: orientations(:)
-    integer, allocatable :: element_orientation(:)    !< (n_elements) index into orientations, 0: global; not there: 0
-    type(nonlinear_mpc_type), allocatable :: nonlinear_mpcs(:)    !< constraints that are not linear
-    type(tie_type), allocatable :: ties(:)      !< surfaces tied; they become equations before the start
-    type(distributing_coupling_type), allocatable :: distributing_couplings(:)   !< distributing couplings; they become equations
+    integer, allocatable :: element_orientation(:)    !< (n_elements) index into orientations, 0: global; unallocated: 0
+    type(nonlinear_mpc_type), allocatable :: nonlinear_mpcs(:)    !< nonlinear multi-point constraints
+    type(tie_type), allocatable :: ties(:)      !< tie constraints; converted to equations before the start
+    type(distributing_coupling_type), allocatable :: distributing_couplings(:)   !< distributing couplings; converted to equations
                                                                                  !! before the start
     integer, allocatable :: rotation_of(:)      !< (n_nodes) rotation node of a reference node, 0
-    integer, allocatable :: twins(:, :)         !< (2, n) nodes of pre-tension sections, those across; not there: none
+    integer, allocatable :: twins(:, :)         !< (2, n) pairs of nodes at pre-tension sections; unallocated: none
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
     logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
-    type(user_library_type) :: routines             !< of the user; opened before the start
-    real(DP), allocatable :: initial_statev(:, :)   !< (STATEV, n_points) of INITIAL CONDITIONS, TYPE=SOLUTION; not there: 0
-    logical :: has_sdvini = .false.             !< SDVINI gives them
-    type(restart_origin_type) :: origin                 !< of a job that goes on from the restart file of another one
-    logical :: keeps_checkpoint = .false.          !< RESTART, WRITE: the checkpoint stays when the job is done
+    type(user_library_type) :: routines             !< of the user routines; opened before the start
+    real(DP), allocatable :: initial_statev(:, :)   !< (STATEV, n_points) of INITIAL CONDITIONS, TYPE=SOLUTION; unallocated: 0
+    logical :: has_sdvini = .false.             !< SDVINI gives the initial state variables
+    type(restart_origin_type) :: origin                 !< of a job that continues from the restart file of another one
+    logical :: keeps_checkpoint = .false.          !< RESTART, WRITE: the checkpoint is kept when the job is done
   end type model_type
 
 contains
@@ -97,7 +97,7 @@ contains
   end function dof_direction
 
 
-  !> The number of bonds; a model made by hand may have no list.
+  !> The number of nonlinear MPCs; a model built by a program may have no list.
   pure integer function n_nonlinear_mpcs(model) result(n)
     type(model_type), intent(in) :: model
     n = 0
@@ -105,7 +105,7 @@ contains
   end function n_nonlinear_mpcs
 
 
-  !> Nodes, and those that were made of them: what stands across a pre-tension section is at the same place.
+  !> Nodes and their duplicates: the nodes on both sides of a pre-tension section have the same position.
   pure function with_pretension_copies(model, nodes) result(all_nodes)
     type(model_type), intent(in) :: model
     integer, intent(in) :: nodes(:)
@@ -116,7 +116,7 @@ contains
     if (.not. allocated(model%twins)) return
     allocate (is_member(model%mesh%n_nodes), source=.false.)
     is_member(nodes) = .true.
-    do i = 1, size(model%twins, 2)                 ! a twin may have a twin, which comes later
+    do i = 1, size(model%twins, 2)                 ! a duplicate may have a duplicate, which comes later
       if (.not. is_member(model%twins(1, i)) .or. is_member(model%twins(2, i))) cycle
       is_member(model%twins(2, i)) = .true.
       all_nodes = [all_nodes, model%twins(2, i)]
@@ -135,7 +135,7 @@ contains
   end function job_path
 
 
-  !> Whether an element is taken out in a step. Before the first step (0) what holds in that one holds.
+  !> Whether an element is inactive in a step. Step 0, before the first step, counts as step 1.
   pure logical function is_out(model, step, e)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< index into model%steps, or 0
@@ -157,7 +157,7 @@ contains
   end function absent_elements
 
 
-  !> The material of an element in a step; 0: it has none.
+  !> The material of an element in a step; 0: the element has no material.
   pure integer function material_in_step(model, step, e) result(material)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< index into model%steps, or 0
@@ -183,7 +183,7 @@ contains
   end function load_now
 
 
-  !> An equation, coefficients times displacements sum up to zero, without the terms that are nothing beside the largest.
+  !> An equation, sum of coefficients times displacements = 0, without the terms negligible beside the largest.
   pure function new_equation(node, dof, coefficient, card, line) result(equation)
     integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
     real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
@@ -200,7 +200,7 @@ contains
   end function new_equation
 
 
-  !> Appends such an equation to a model that is being read.
+  !> Appends such an equation to a model during reading.
   subroutine append_equation(model, node, dof, coefficient, card, line)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3

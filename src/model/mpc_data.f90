@@ -1,7 +1,7 @@
-!> Ties: what binds displacements together beyond linear equations: rigid bodies, planes, lines, lengths, turns, surfaces.
+!> Data of nonlinear multi-point constraints, tie constraints, distributing couplings and local coordinate systems.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The formulas stand in amontons_nonlinear_mpc. A rotation vector is the displacement of a node of its own, the rotation node.
+!! The formulas are in `nonlinear_mpc`. A rotation vector is stored as the displacement of a rotation node.
 module amontons_mpc_data
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
@@ -16,25 +16,25 @@ module amontons_mpc_data
   integer, parameter :: MPC_DISTANCE = 4    !< two nodes keep their distance
   integer, parameter :: MPC_MEAN_ROTATION = 5        !< the mean rotation of the nodes about an axis is the displacement of a pilot
 
-  !> One bond.
+  !> One nonlinear multi-point constraint.
   type :: nonlinear_mpc_type
     integer :: kind = MPC_RIGID_BODY
-    integer, allocatable :: node(:)          !< the nodes bound; PLANE, STRAIGHT: the node, then those that it follows
-    integer :: reference = 0                 !< BODY: the node that they move with; TURN: the pilot, its first displacement
-    integer :: rotation = 0                  !< BODY: the node whose displacement is the rotation vector
-    logical :: is_bound(3) = .true.          !< BODY: directions that are bound
+    integer, allocatable :: node(:)          !< the constrained nodes; PLANE, STRAIGHT: the node, then those that define it
+    integer :: reference = 0                 !< BODY: the reference node; MEAN_ROTATION: the pilot node, its first displacement
+    integer :: rotation = 0                  !< BODY: the rotation node
+    logical :: is_bound(3) = .true.          !< BODY: constrained directions
     real(DP), allocatable :: axes(:, :, :)   !< (3, 3, n) BODY: these directions at each node, columns; else x, y, z
-    real(DP) :: axis(3) = 0                  !< TURN: unit vector
+    real(DP) :: axis(3) = 0                  !< MEAN_ROTATION: unit vector of the axis
     character(:), allocatable :: card        !< keyword, for messages
     integer :: line = 0                      !< line of the card in the deck, for messages
   end type nonlinear_mpc_type
 
-  !> Two surfaces that are one: the nodes of the slave stay on the master where they are at the start.
+  !> A tie constraint: the slave nodes keep their initial position relative to the master.
   type :: tie_type
     integer :: slave = 0                     !< index of the slave surface
     integer :: master = 0                    !< index of the master surface
     real(DP) :: tolerance = -1               !< nodes farther away are not tied; negative: 2.5 % of a facet [length]
-    logical :: is_cyclic = .false.           !< CYCLIC SYMMETRY: the slave moves as the master, turned
+    logical :: is_cyclic = .false.           !< CYCLIC SYMMETRY: the slave moves as the master, rotated
     real(DP) :: turn(3, 3) = 0               !< by the angle of the sector, about an axis
     real(DP) :: centre(3) = 0                !< through this point [length]
     logical :: is_adjusted = .true.          !< tied nodes are moved onto the master before the start
@@ -42,17 +42,17 @@ module amontons_mpc_data
     integer :: line = 0                      !< line of the card in the deck, for messages
   end type tie_type
 
-  !> A reference node that moves with the mean rigid motion of a surface (DISTRIBUTING).
+  !> A distributing coupling: a reference node moves with the mean rigid body motion of a surface.
   type :: distributing_coupling_type
     integer :: reference = 0
-    integer :: rotation = 0                  !< node whose displacement is the rotation vector
+    integer :: rotation = 0                  !< rotation node
     integer :: surface = 0                   !< index of the surface
-    logical :: is_bound(3) = .true.          !< rotations that are bound
+    logical :: is_bound(3) = .true.          !< constrained rotations
     real(DP) :: axes(3, 3) = 0               !< directions of the reference node's degrees of freedom, columns
     integer :: line = 0                      !< line of the card in the deck, for messages
   end type distributing_coupling_type
 
-  !> A rule that gives three directions at each point (TRANSFORM, ORIENTATION).
+  !> A local coordinate system with three directions at each point (TRANSFORM, ORIENTATION).
   type :: coordinate_system_type
     character(:), allocatable :: name
     logical :: is_cylindrical = .false.
@@ -62,7 +62,7 @@ module amontons_mpc_data
 
 contains
 
-  !> The directions of a rule at a point: x, y, z of a rectangular one; radial, around, along of a cylindrical one.
+  !> The directions of a local system at a point: x, y, z if rectangular; radial, circumferential, axial if cylindrical.
   pure function axes_at(rule, x) result(axes)
     type(coordinate_system_type), intent(in) :: rule
     real(DP), intent(in) :: x(3)                  !< [length]
@@ -72,7 +72,7 @@ contains
     if (rule%is_cylindrical) then
       along = (rule%b - rule%a) / norm2(rule%b - rule%a)
       out = x - rule%a - dot_product(x - rule%a, along) * along
-      if (norm2(out) <= 1.0e-10_DP * norm2(rule%b - rule%a)) then   ! on the axis any direction serves
+      if (norm2(out) <= 1.0e-10_DP * norm2(rule%b - rule%a)) then   ! any direction on the axis
         k = minloc(abs(along), dim=1)
         out = -along(k) * along
         out(k) = out(k) + 1.0_DP

@@ -1,9 +1,9 @@
-!> Archive: the states that RESTART, WRITE keeps in job.res, one behind the other, with the deck that they belong to.
+!> The restart file job.res: records of states and of the deck.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The file is a row of records of 64-bit words in the machine's own order: magic, version, number of words, checksum of the
-!! words behind it, the label (step, increment, whether the step is done, step time, total time), then what it keeps. The first
-!! one keeps the deck. A record is appended and brought to the medium; one that was torn by a crash ends the row.
+!! The file is a sequence of records of 64-bit words in native byte order: magic, version, number of words, checksum of the
+!! following words, the label (step, increment, whether the step is done, step time, total time), then the content. The first
+!! record holds the deck. A record is appended and flushed to the storage device; an incomplete record after a crash ends the file.
 module amontons_restart_file
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
@@ -14,11 +14,11 @@ module amontons_restart_file
   public :: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state, read_restart_deck, &
     find_restart_state, read_restart_state
 
-  integer(I64), parameter :: RESTART_FILE_MAGIC = transfer('AMONTRES', 0_I64)   !< as a number it tells the byte order too
+  integer(I64), parameter :: RESTART_FILE_MAGIC = transfer('AMONTRES', 0_I64)   !< as a number it identifies the byte order too
   integer(I64), parameter :: RESTART_FILE_VERSION = 1
-  integer, parameter :: N_RECORD_HEADER = 9                 !< words of a record before what it keeps
+  integer, parameter :: N_RECORD_HEADER = 9                 !< words of a record before its content
 
-  !> Which state a record keeps.
+  !> The label of a record: which state it holds.
   type :: state_key_type
     integer :: step = 0, increment = 0             !< 0: the deck
     logical :: is_step_done = .false.
@@ -26,9 +26,9 @@ module amontons_restart_file
     integer(I64) :: place = 0                      !< first byte of the record in the file, from 0
   end type state_key_type
 
-  !> An archive that is being written.
+  !> A restart file open for writing.
   type :: restart_file_type
-    character(:), allocatable :: path              !< not there: nothing is written
+    character(:), allocatable :: path              !< unallocated: nothing is written
     integer(I64) :: last = 0                       !< first byte of the last state, from 0
     integer(I64) :: end = 0                        !< bytes of the file
     integer :: step = 0                            !< of the last state
@@ -36,11 +36,11 @@ module amontons_restart_file
 
 contains
 
-  !> Begins a file with the deck. Errors: EXIT_IO.
+  !> Starts a file with the deck. Errors: EXIT_IO.
   subroutine create_restart_file(archive, path, deck, dialect, error)
     type(restart_file_type), intent(inout) :: archive
     character(*), intent(in) :: path
-    character(*), intent(in) :: deck               !< whole, includes in place
+    character(*), intent(in) :: deck               !< complete, includes in place
     integer, intent(in) :: dialect                 !< DIALECT_...
     type(error_type), allocatable, intent(out) :: error
     integer(I64), allocatable :: letters(:)
@@ -58,7 +58,7 @@ contains
   end subroutine create_restart_file
 
 
-  !> Goes on with a file that was so long at a checkpoint. What stands behind is cut off; so is a last state that is not whole.
+  !> Continues a file from its length at a checkpoint. Later records are cut off, and a last state that is incomplete.
   subroutine reopen_restart_file(archive, path, counts, error)
     type(restart_file_type), intent(inout) :: archive
     character(*), intent(in) :: path
@@ -67,7 +67,7 @@ contains
     integer(I64) :: n_bytes
     archive = restart_file_type(path=path, last=counts(1), end=counts(2), step=int(counts(3)))
     inquire (file=path, size=n_bytes)
-    if (n_bytes < archive%end .and. n_bytes >= archive%last) then   ! OVERLAY was at work there
+    if (n_bytes < archive%end .and. n_bytes >= archive%last) then   ! OVERLAY had replaced the last state
       archive%end = archive%last
       archive%step = 0
     end if
@@ -75,7 +75,7 @@ contains
   end subroutine reopen_restart_file
 
 
-  !> Appends a state; with OVERLAY in place of the one before if that is of the same step.
+  !> Appends a state; with OVERLAY it replaces the previous one of the same step.
   subroutine append_restart_state(archive, label, words, is_overlay, error)
     type(restart_file_type), intent(inout) :: archive
     type(state_key_type), intent(in) :: label
@@ -93,7 +93,7 @@ contains
   end subroutine append_restart_state
 
 
-  !> Appends a record and brings it to the medium.
+  !> Appends a record and flushes it to the storage device.
   subroutine append_record(archive, label, words, error)
     type(restart_file_type), intent(inout) :: archive
     type(state_key_type), intent(in) :: label
@@ -112,7 +112,7 @@ contains
       if (status == 0) status = status_of_close
     end if
     if (status /= 0) then
-      call set_error(error, EXIT_IO, 'Cannot write the file ' // archive%path // ': there is no room, or it is not there.')
+      call set_error(error, EXIT_IO, 'Cannot write the file ' // archive%path // ': no disk space, or the file does not exist.')
       return
     end if
     archive%end = archive%end + 8_I64 * size(record, kind=I64)
@@ -120,7 +120,7 @@ contains
   end subroutine append_record
 
 
-  !> The deck of an archive. Errors (EXIT_IO): it is not there, damaged, or of another version of the program.
+  !> Reads the deck of a restart file. Errors (EXIT_IO): file missing, damaged, or of another version of the program.
   subroutine read_restart_deck(path, deck, dialect, error)
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: deck
@@ -158,9 +158,9 @@ contains
   end function word_characters
 
 
-  !> The state of a step and an increment; of a step without one (0) the last; without both the last of all.
+  !> Finds the state of a step and an increment; increment 0: the last of the step; both 0: the last of all.
   !!
-  !! Errors (EXIT_IO): there is no such state; the message tells what there is.
+  !! Errors (EXIT_IO): the state does not exist; the message describes what exists.
   subroutine find_restart_state(path, step, increment, label, error)
     character(*), intent(in) :: path
     integer, intent(in) :: step, increment         !< 0: the last
@@ -197,7 +197,7 @@ contains
   end subroutine find_restart_state
 
 
-  !> A sentence on the last state.
+  !> A sentence about the last state.
   function last_state(label) result(sentence)
     type(state_key_type), intent(in) :: label
     character(:), allocatable :: sentence
@@ -205,14 +205,14 @@ contains
   end function last_state
 
 
-  !> The label of the record at a place, and the place of the next one; 0: there is no whole record.
+  !> The label of the record at a position, and the position of the next one; 0: no complete record.
   subroutine read_label(path, place, n_bytes, label, next, is_sound)
     character(*), intent(in) :: path
     integer(I64), intent(in) :: place              !< [bytes]
     integer(I64), intent(in) :: n_bytes            !< of the file
     type(state_key_type), intent(out) :: label
     integer(I64), intent(out) :: next              !< [bytes]
-    logical, intent(out) :: is_sound               !< .false.: what stands there is no record, not even a torn one
+    logical, intent(out) :: is_sound               !< .false.: not even the start of a record
     integer(I64) :: head(N_RECORD_HEADER)
     integer :: unit, status
     next = 0
@@ -235,7 +235,7 @@ contains
   end subroutine read_label
 
 
-  !> What the record of a label keeps. Errors (EXIT_IO): it is damaged.
+  !> The content of the record of a label. Errors (EXIT_IO): it is damaged.
   subroutine read_restart_state(path, label, words, error)
     character(*), intent(in) :: path
     type(state_key_type), intent(in) :: label
@@ -284,7 +284,7 @@ contains
   end subroutine read_record
 
 
-  !> The error of a file that cannot be used.
+  !> The error for an unusable file.
   subroutine set_damaged_error(path, error)
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(out) :: error

@@ -1,7 +1,7 @@
-!> Topology: the element and facet kinds as tables: names, nodes, integration points, faces, VTK numbers.
+!> Element and facet kinds: nodes, integration points, faces, VTK types.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Node and face numbering are those of Abaqus and CalculiX; VTK orders the nodes of all kinds here the same way.
+!! Node and face numbering follow Abaqus and CalculiX; VTK uses the same node order for all kinds here.
 module amontons_topology
   implicit none
   private
@@ -28,12 +28,12 @@ module amontons_topology
   integer, parameter :: KIND_C3D8I = 8        !< trilinear hexahedron, 8 points, nine incompatible modes
   integer, parameter :: KIND_C3D8R = 9        !< trilinear hexahedron, 1 point, hourglass stiffness
   integer, parameter :: KIND_C3D15 = 10       !< quadratic wedge, 9 points
-  integer, parameter :: N_SOLID_KINDS = 10    !< the kinds up to here are solids in space
+  integer, parameter :: N_SOLID_KINDS = 10    !< the kinds up to here are three-dimensional solids
   integer, parameter :: KIND_CPS3 = 11        !< plane stress: triangle, 1 point
-  integer, parameter :: KIND_CPS4 = 12        !< square, 4 points
-  integer, parameter :: KIND_CPS4R = 13       !< square, 1 point, hourglass stiffness
+  integer, parameter :: KIND_CPS4 = 12        !< quadrilateral, 4 points
+  integer, parameter :: KIND_CPS4R = 13       !< quadrilateral, 1 point, hourglass stiffness
   integer, parameter :: KIND_CPS6 = 14        !< quadratic triangle, 3 points
-  integer, parameter :: KIND_CPS8 = 15        !< quadratic square, 9 points
+  integer, parameter :: KIND_CPS8 = 15        !< quadratic quadrilateral, 9 points
   integer, parameter :: KIND_CPS8R = 16       !< the same, 4 points
   integer, parameter :: KIND_CPE3 = 17        !< plane strain: the same six shapes ...
   integer, parameter :: KIND_CPE4 = 18        !< ... with mean dilatation
@@ -58,7 +58,7 @@ module amontons_topology
   integer, parameter :: KIND_MASS = 37        !< point mass
   integer, parameter :: N_KINDS = 37
 
-  ! What the nodes of an element resist.
+  ! Families: in which displacements an element has stiffness.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
     FAMILY_TRUSS = 5, FAMILY_SPRING = 6, FAMILY_MASS = 7
 
@@ -151,7 +151,7 @@ contains
   end function facet_kind
 
 
-  !> The element kind of a name in upper case; 0 if there is none. C3D8, CPE4, CAX4 give the mean-dilatation kind.
+  !> The element kind of a name in upper case; 0: unknown name. C3D8, CPE4, CAX4 give the mean-dilatation kind.
   pure function element_kind_by_name(name) result(kind)
     character(*), intent(in) :: name          !< e.g. 'C3D8'
     integer :: kind
@@ -171,7 +171,7 @@ contains
     type(element_kind_type) :: entry
     entry = element_kind_type(name=name, n_nodes=n_nodes, n_points=n_points, n_faces=4, vtk_type=vtk_type)
     entry%face_kind(:4) = merge(FACET_TRI3, FACET_TRI6, n_nodes == 4)
-    ! The manuals name the faces 1-2-3, 1-4-2, 2-4-3, 3-4-1, as seen from inside: here they are turned outward.
+    ! The manuals number the faces 1-2-3, 1-4-2, 2-4-3, 3-4-1, as seen from inside: here they are turned outward.
     entry%face_nodes(:3, :4) = reshape([1, 3, 2, 1, 2, 4, 2, 3, 4, 3, 1, 4], [3, 4])
     if (n_nodes == 10) entry%face_nodes(4:6, :4) = reshape([7, 6, 5, 5, 9, 8, 6, 10, 9, 7, 8, 10], [3, 4])
   end function tetrahedron_kind
@@ -196,7 +196,7 @@ contains
   pure function plane_kind(prefix, family, shape) result(entry)
     character(3), intent(in) :: prefix
     integer, intent(in) :: family             !< FAMILY_...
-    integer, intent(in) :: shape              !< 0 to 6: triangle, square (mean, full, 1 point), then quadratic
+    integer, intent(in) :: shape              !< 0 to 6: triangle, quadrilateral (mean, full, 1 point), then quadratic
     type(element_kind_type) :: entry
     character(2), parameter :: NAMES(0:6) = ['3 ', '4 ', '4 ', '4R', '6 ', '8 ', '8R']
     integer, parameter :: NODES(0:6) = [3, 4, 4, 4, 6, 8, 8], POINTS(0:6) = [1, 4, 4, 1, 3, 9, 4], &

@@ -1,8 +1,8 @@
-!> User: the routines of a user in a shared library, with the argument lists of Abaqus; opened, and called by pure kernels.
+!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI) and their calls.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The calls are declared pure because their answers depend on nothing but their arguments as far as a job is concerned:
-!! a routine that remembers things between calls is called one call at a time, but in no fixed order.
+!! The calls are declared pure: pure element procedures call them, and the results depend on the arguments only.
+!! Calls of a routine with internal memory are serialized, but their order is not fixed.
 module amontons_user_routines
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_int, c_null_char, c_null_ptr, c_ptr
   use amontons_kinds, only: DP
@@ -22,10 +22,10 @@ module amontons_user_routines
     ROUTINE_SDVINI = 6
   character(6), parameter :: ROUTINE_NAMES(0:6) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
     'SDVINI']
-  integer, parameter :: USER_NAME_LENGTH = 80             !< letters of a name that a routine is given
-  integer, parameter :: MESSAGE_LENGTH = 8192           !< of what a compiler or a routine says
+  integer, parameter :: USER_NAME_LENGTH = 80             !< longest name passed to a routine
+  integer, parameter :: MESSAGE_LENGTH = 8192           !< of messages of a compiler or a routine
 
-  ! What opening can end with: the shim's numbers.
+  ! Status codes of opening; the same numbers as in the shim.
   integer, parameter :: LIBRARY_OPENED = 0, LIBRARY_NOT_FOUND = 1, LIBRARY_NOT_COMPILED = 2, LIBRARY_NOT_LOADED = 3, &
     LIBRARY_NO_ROUTINE = 4
 
@@ -35,7 +35,7 @@ module amontons_user_routines
     type(c_ptr) :: handle = c_null_ptr
   end type user_library_type
 
-  !> What goes through UMAT beside STATEV and PROPS; components 11 22 33 12 13 23, engineering shears.
+  !> Arguments of UMAT except STATEV and PROPS; components 11 22 33 12 13 23, engineering shears.
   type, bind(C) :: umat_type
     real(c_double) :: stress(6) = 0                !< in: at the start, rotated; out: at the end [stress]
     real(c_double) :: ddsdde(6, 6) = 0             !< [stress]
@@ -48,11 +48,11 @@ module amontons_user_routines
     real(c_double) :: coords(3) = 0                !< of the point [length]
     real(c_double) :: drot(3, 3) = 0, dfgrd0(3, 3) = 0, dfgrd1(3, 3) = 0   !< [-]
     integer(c_int) :: noel = 0, npt = 0, step = 0, increment = 0
-    integer(c_int) :: is_accepted = 0                 !< out; 1: take the answer; 2: PNEWDT < 1; 0: XIT
-    integer(c_int) :: ndi = 3, nshr = 3            !< normal and shear components that UMAT knows; the others are zero
+    integer(c_int) :: is_accepted = 0                 !< out; 1: valid result; 2: PNEWDT < 1; 0: XIT
+    integer(c_int) :: ndi = 3, nshr = 3            !< normal and shear components passed to UMAT; the others are zero
   end type umat_type
 
-  !> What goes through UAMP beside properties and variables.
+  !> Arguments of UAMP except properties and variables.
   type, bind(C) :: uamp_type
     real(c_double) :: time(2) = 0                  !< step, total, at the end of the increment [time]
     real(c_double) :: dt = 0                       !< [time]
@@ -63,13 +63,13 @@ module amontons_user_routines
     integer(c_int) :: is_accepted = 0                 !< out; 0: XIT
   end type uamp_type
 
-  !> What goes through FRIC beside names, STATEV and PROPS; in the plane only the first components count.
+  !> Arguments of FRIC except names, STATEV and PROPS; in the plane only the first components count.
   type, bind(C) :: fric_type
     real(c_double) :: tau(2) = 0, ddtddg(2, 2) = 0, ddtddp(2) = 0   !< out [stress], [stress/length], [-]
-    real(c_double) :: dslip(2) = 0                 !< out: of the increment, that is not recovered [length]
+    real(c_double) :: dslip(2) = 0                 !< out: irrecoverable slip of the increment [length]
     real(c_double) :: sed = 0, sfd = 0             !< out [stress length]
     real(c_double) :: dgam(2) = 0                  !< of the increment [length]
-    real(c_double) :: taulm(2) = 0                 !< that holds the point [stress]
+    real(c_double) :: taulm(2) = 0                 !< friction stress required for stick [stress]
     real(c_double) :: press = 0, dpress = 0, ddpddh = 0   !< [stress], [stress], [stress/length]
     real(c_double) :: slip(2) = 0                  !< at the start of the increment [length]
     real(c_double) :: time(2) = 0, dtime = 0       !< step, total, at the end of the increment [time]
@@ -80,7 +80,7 @@ module amontons_user_routines
     integer(c_int) :: is_accepted = 0                 !< out; 0: XIT
   end type fric_type
 
-  !> What goes through UINTER beside names, STATEV and PROPS; in the plane only the first two components count.
+  !> Arguments of UINTER except names, STATEV and PROPS; in the plane only the first two components count.
   type, bind(C) :: uinter_type
     real(c_double) :: stress(3) = 0, ddsddr(3, 3) = 0   !< in: at the start; out [stress], [stress/length]
     real(c_double) :: sed = 0, sfd = 0             !< [stress length]
@@ -205,7 +205,7 @@ contains
 
   !> Opens a shared library, or compiles a Fortran file into one first.
   !!
-  !! Errors: EXIT_IO (not there, does not compile, is no library for this machine), EXIT_SETUP (no known routine in it).
+  !! Errors: EXIT_IO (missing, compilation failed, not a library for this machine), EXIT_SETUP (no known routine in it).
   subroutine open_routines(path, routines, error)
     character(*), intent(in) :: path
     type(user_library_type), intent(out) :: routines
@@ -216,7 +216,7 @@ contains
     select case (open_c(path // c_null_char, message, len(message), routines%handle))
     case (LIBRARY_OPENED)
     case (LIBRARY_NOT_FOUND)
-      call set_error(error, EXIT_IO, who // 'are not there: no such file.')
+      call set_error(error, EXIT_IO, who // 'do not exist: no such file.')
     case (LIBRARY_NOT_COMPILED)
       call set_error(error, EXIT_IO, who // 'do not compile:' // NEWLINE // text_before_null(message))
     case (LIBRARY_NOT_LOADED)
@@ -230,7 +230,7 @@ contains
   end subroutine open_routines
 
 
-  !> A text of C up to its end.
+  !> A C string up to its terminator.
   pure function text_before_null(text) result(short)
     character(*), intent(in) :: text
     character(:), allocatable :: short
@@ -246,7 +246,7 @@ contains
   end subroutine close_routines
 
 
-  !> Whether a library is open and has a routine.
+  !> Whether a library is open and contains a routine.
   pure logical function has_routine(routines, which)
     type(user_library_type), intent(in) :: routines
     integer, intent(in) :: which                   !< USER_...
@@ -263,8 +263,8 @@ contains
   end subroutine pass_job_name
 
 
-  !> What the routines have to say since the last call of this: the smallest PNEWDT (1: none), the lines of STDB_ABQERR,
-  !! whether they called XIT.
+  !> Reports of the routines since the last call of this procedure: the smallest PNEWDT (1: none), the lines of STDB_ABQERR,
+  !! whether XIT was called.
   subroutine collect_user_messages(routines, smallest, text, is_stopped)
     type(user_library_type), intent(in) :: routines
     real(DP), intent(out) :: smallest              !< [-]
@@ -282,7 +282,7 @@ contains
   end subroutine collect_user_messages
 
 
-  !> UMAT.
+  !> Calls UMAT.
   pure subroutine call_umat(routines, name, props, statev, values)
     type(user_library_type), intent(in) :: routines
     character(USER_NAME_LENGTH), intent(in) :: name       !< CMNAME
@@ -293,7 +293,7 @@ contains
   end subroutine call_umat
 
 
-  !> SDVINI.
+  !> Calls SDVINI.
   pure subroutine call_sdvini(routines, statev, coordinates, element, point, is_taken)
     type(user_library_type), intent(in) :: routines
     real(DP), intent(inout) :: statev(:)           !< STATEV
@@ -306,12 +306,12 @@ contains
   end subroutine call_sdvini
 
 
-  !> DLOAD.
+  !> Calls DLOAD.
   pure subroutine call_dload(routines, magnitude, time, coordinates, name, counts, is_taken)
     type(user_library_type), intent(in) :: routines
     real(DP), intent(inout) :: magnitude           !< F
     real(DP), intent(in) :: time(2)                !< step, total, at the end of the increment [time]
-    real(DP), intent(in) :: coordinates(3)         !< of the point, now [length]
+    real(DP), intent(in) :: coordinates(3)         !< of the point, current configuration [length]
     character(USER_NAME_LENGTH), intent(in) :: name       !< SNAME
     integer, intent(in) :: counts(5)               !< step, increment, NOEL, NPT, JLTYP
     logical, intent(out) :: is_taken
@@ -321,12 +321,12 @@ contains
   end subroutine call_dload
 
 
-  !> DISP.
+  !> Calls DISP.
   pure subroutine call_disp(routines, u, time, coordinates, counts, is_taken)
     type(user_library_type), intent(in) :: routines
     real(DP), intent(inout) :: u                   !< U(1) [length]
     real(DP), intent(in) :: time(3)                !< step, total, at the end of the increment; its length [time]
-    real(DP), intent(in) :: coordinates(3)         !< of the node, now [length]
+    real(DP), intent(in) :: coordinates(3)         !< of the node, current configuration [length]
     integer, intent(in) :: counts(4)               !< step, increment, NODE, JDOF
     logical, intent(out) :: is_taken
     integer(c_int) :: taken
@@ -335,7 +335,7 @@ contains
   end subroutine call_disp
 
 
-  !> UAMP.
+  !> Calls UAMP.
   pure subroutine call_uamp(routines, name, props, svars, values)
     type(user_library_type), intent(in) :: routines
     character(USER_NAME_LENGTH), intent(in) :: name       !< ampName
@@ -346,7 +346,7 @@ contains
   end subroutine call_uamp
 
 
-  !> FRIC.
+  !> Calls FRIC.
   pure subroutine call_fric(routines, names, props, statev, values)
     type(user_library_type), intent(in) :: routines
     character(USER_NAME_LENGTH), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME
@@ -357,7 +357,7 @@ contains
   end subroutine call_fric
 
 
-  !> UINTER.
+  !> Calls UINTER.
   pure subroutine call_uinter(routines, names, props, statev, values)
     type(user_library_type), intent(in) :: routines
     character(USER_NAME_LENGTH), intent(in) :: names(3)   !< CINAME, SLNAME, MSNAME

@@ -1,9 +1,9 @@
-/* User shim: the routines of a user in a shared library: compiled if they are Fortran, loaded, and called.
+/* User shim for user_routines.f90: user routines in a shared library: compiled if they are Fortran, loaded, and called.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * The routines have the argument lists of Abaqus. They are called one at a time, whatever the number of threads: common
- * blocks and saved variables of the user are safe. XIT and STDB_ABQERR are here; XIT leaves the routine, and its caller
- * is told. All state lives in the handle, but for a thread's own note of the call that it is in. */
+ * The routines have the argument lists of Abaqus. Calls are serialized, whatever the number of threads: common
+ * blocks and saved variables of the user are safe. XIT and STDB_ABQERR are defined here; XIT leaves the routine, and its
+ * caller gets a status. All state is in the handle, except a thread's pointer to its current call. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>
@@ -21,11 +21,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* The routines, in the order that user.f90 knows. */
+/* The routines, in the order of user_routines.f90. */
 enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, N_ROUTINES };
 static const char *const NAMES[N_ROUTINES] = {"umat", "fric", "uinter", "dload", "disp", "uamp", "sdvini"};
 
-/* What opening can end with; user.f90 knows them. */
+/* Status codes of opening; the same numbers as in user_routines.f90. */
 enum { OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4, NO_MEMORY = 5 };
 
 enum { TEXT_ROOM = 8192, NAME_ROOM = 80 };
@@ -34,18 +34,18 @@ typedef struct {
   void *library;
   void *routine[N_ROUTINES];
   pthread_mutex_t lock;
-  double smallest;       /* PNEWDT asked for since the last question */
+  double smallest;       /* smallest PNEWDT requested since the last query */
   int is_stopped;        /* XIT was called, or STDB_ABQERR with -3 */
   int n_text;
-  char text[TEXT_ROOM];  /* what STDB_ABQERR said since the last question */
+  char text[TEXT_ROOM];  /* messages of STDB_ABQERR since the last query */
   char folder[1024], job[256];
 } routines;
 
-/* The call that a thread is in. */
+/* The current call of a thread. */
 static _Thread_local routines *inside;
 static _Thread_local jmp_buf way_out;
 
-/* --- what the routines may call ---------------------------------------------------------------------------------- */
+/* --- procedures that the routines may call ------------------------------------------------------------------------ */
 
 static void say(routines *self, const char *text, size_t length)
 {
@@ -125,7 +125,7 @@ void getjobname_(char *to, int *length, size_t room)
   give_text(to, room, length, inside ? inside->job : "job");
 }
 
-/* --- from a file to routines ------------------------------------------------------------------------------------- */
+/* --- compilation and loading --------------------------------------------------------------------------------------- */
 
 static int ends_with(const char *path, const char *const *endings)
 {
@@ -135,7 +135,7 @@ static int ends_with(const char *path, const char *const *endings)
   return 0;
 }
 
-/* Writes ABA_PARAM.INC, in both spellings: good for fixed and for free form. */
+/* Writes ABA_PARAM.INC, in both spellings: valid in fixed and in free form. */
 static int write_include(const char *folder)
 {
   static const char *const names[] = {"ABA_PARAM.INC", "aba_param.inc"};
@@ -164,7 +164,7 @@ static void remove_folder(const char *folder)
   rmdir(folder);
 }
 
-/* The first lines of what the compiler said. */
+/* The first lines of the compiler's output. */
 static void read_log(const char *folder, char *message, int room)
 {
   char path[1200];
@@ -212,7 +212,7 @@ static int compile(const char *source, const char *folder, char *message, int ro
   return 0;
 }
 
-/* XIT and STDB_ABQERR must be seen by what is loaded, also where Amontons itself was loaded for a few only. */
+/* XIT and STDB_ABQERR must be visible to the loaded library, even if Amontons itself was loaded with local symbols. */
 static void show_ourselves(void)
 {
   Dl_info info;
@@ -253,7 +253,7 @@ static int load(routines *self, const char *path, char *message, int room)
   return NO_ROUTINE;
 }
 
-/* Opens a shared library, or a Fortran file that is compiled first. OPENED or what went wrong, with the words of the
+/* Opens a shared library, or a Fortran file that is compiled first. Returns OPENED or an error status, with the message of the
  * compiler or the loader. */
 int amontons_user_open(const char *path, char *message, int room, void **handle)
 {
@@ -298,7 +298,7 @@ void amontons_user_close(void *handle)
   free(self);
 }
 
-/* 1: the library has the routine. */
+/* 1: the library contains the routine. */
 int amontons_user_has(const void *handle, int which)
 {
   const routines *self = handle;
@@ -313,7 +313,7 @@ void amontons_user_job(void *handle, const char *folder, const char *job)
   snprintf(self->job, sizeof self->job, "%s", job);
 }
 
-/* What happened since the last question: the smallest PNEWDT, what was said, whether XIT was called. */
+/* Reports since the last query: the smallest PNEWDT, the messages, whether XIT was called. */
 void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *text, int room)
 {
   routines *self = handle;
@@ -331,7 +331,7 @@ void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *t
 
 /* --- the calls --------------------------------------------------------------------------------------------------- */
 
-/* Around each call: one at a time, and back here after XIT. */
+/* Around each call: serialized, with return to this point after XIT. */
 #define CALL(self, statement)           \
   do {                                  \
     pthread_mutex_lock(&(self)->lock);  \
@@ -350,17 +350,17 @@ typedef void umat_routine(double *stress, double *statev, double *ddsdde, double
                           const double *dfgrd1, const int *noel, const int *npt, const int *layer, const int *kspt,
                           const int *jstep, const int *kinc, size_t n_cmname);
 
-/* What goes through UMAT beside STATEV and PROPS; components 11 22 33 12 13 23, of which the routine gets those that its
- * element has. umat_type of user.f90. */
+/* Arguments of UMAT except STATEV and PROPS; components 11 22 33 12 13 23, of which the routine gets those of its
+ * element. The same layout as umat_type of user_routines.f90. */
 typedef struct {
   double stress[6], ddsdde[36], energies[3], stran[6], dstran[6], time[2], dtime, temp, dtemp, celent, coords[3], drot[9],
     dfgrd0[9], dfgrd1[9];
   int noel, npt, step, increment;
-  int is_taken;          /* 1: take the answer; 2: PNEWDT < 1; 0: it has called XIT */
-  int ndi, nshr;         /* normal and shear components: 3 3 in space, 3 1 in plane strain, 2 1 in plane stress, 1 0 in bars */
+  int is_taken;          /* 1: valid result; 2: PNEWDT < 1; 0: it has called XIT */
+  int ndi, nshr;         /* normal and shear components: 3 3 for solids, 3 1 in plane strain, 2 1 in plane stress, 1 0 in bars */
 } umat_values;
 
-/* The places of the components that an element has; how many. */
+/* The positions of the components of an element; their number. */
 static int list_components(const umat_values *v, int *place)
 {
   for (int i = 0; i < v->ndi; i++) place[i] = i;
@@ -450,7 +450,7 @@ typedef void uamp_routine(const char *name, const double *time, const double *ol
                           int *defined, double *derivative, double *second, double *integral, double *double_integral,
                           size_t n_name, size_t n_sensor_names);
 
-/* uamp_type of user.f90. */
+/* uamp_type of user_routines.f90. */
 typedef struct {
   double time[2], dt, old, value;   /* time: step, total */
   int is_first, step, increment;    /* is_first: the call before the first increment */
@@ -485,7 +485,7 @@ typedef void fric_routine(int *lm, double *tau, double *ddtddg, double *ddtddp, 
                           const int *nstatv, const double *chrlngth, const double *props, const int *nprops, size_t n_ciname,
                           size_t n_slname, size_t n_msname);
 
-/* fric_type of user.f90. */
+/* fric_type of user_routines.f90. */
 typedef struct {
   double tau[2], ddtddg[4], ddtddp[2], dslip[2], sed, sfd, dgam[2], taulm[2], press, dpress, ddpddh, slip[2], time[2], dtime,
     coords[3], length, temp[2];
@@ -519,13 +519,13 @@ typedef void uinter_routine(double *stress, double *ddsddr, double *dviscous, do
                             const int *kinc, const int *kit, const int *linper, int *lopenclose, int *lstate, int *lsdi,
                             const int *lprint, size_t n_ciname, size_t n_slname, size_t n_msname);
 
-/* uinter_type of user.f90. */
+/* uinter_type of user_routines.f90. */
 typedef struct {
   double stress[3], ddsddr[9], sed, sfd, rdisp[3], drdisp[3], temp[2], time[2], dtime, coords[3], axes[9], area;
   int node, ndir, mcrd, step, increment, is_closed, is_taken;
 } uinter_values;
 
-/* UINTER: in the plane the matrices are of two rows. */
+/* UINTER: in the plane the matrices have two rows. */
 void amontons_user_uinter(void *handle, const char *names, const double *props, int nprops, double *statev, int nstatv,
                           uinter_values *v)
 {

@@ -169,7 +169,7 @@ def test_the_example_of_the_manual(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("law", "sentence"),
     [
-        (SOFT_FRIC.replace("PROPERTIES=2", "PROPERTIES=20"), "there is room for only"),
+        (SOFT_FRIC.replace("PROPERTIES=2", "PROPERTIES=20"), "the data lines hold only"),
         (UINTER + "*FRICTION\n0.1\n", "UINTER gives friction too"),
         (UINTER + LINEAR, "UINTER gives the pressure too"),
         (HARD_FRIC.replace("USER=FRIC", "USER=COEFFICIENT"), "Write it as FRIC"),

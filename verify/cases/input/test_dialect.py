@@ -173,13 +173,13 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, PART=Brick\n*END INSTANCE\n*END ASSEMBLY\n", "needs the parameter NAME=name"),
     (f"{BRICK}*ASSEMBLY\n{INSTANCE}{INSTANCE}*END ASSEMBLY\n", "The instance 'I' is defined twice"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n*END ASSEMBLY\n", "no *END INSTANCE"),
-    (f"{BRICK}{INSTANCE}", "must stand between *ASSEMBLY"),
-    (f"{BRICK}*ASSEMBLY\n{INSTANCE}{STEP}*END ASSEMBLY\n", "must stand after *END ASSEMBLY"),
+    (f"{BRICK}{INSTANCE}", "must be between *ASSEMBLY"),
+    (f"{BRICK}*ASSEMBLY\n{INSTANCE}{STEP}*END ASSEMBLY\n", "must be after *END ASSEMBLY"),
     (f"{BRICK}*ASSEMBLY\n{INSTANCE}*NSET, NSET=N, INSTANCE=J\n1\n*END ASSEMBLY\n", "There is no instance 'J'"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n1., 2., 3., 4.\n*END INSTANCE\n*END ASSEMBLY\n", "translation of three"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n\n0,0,0\n1.,1.,1.,1.,1.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "must differ"),
     (BRICK.replace("*END PART", "*BOUNDARY\n1, 1\n*END PART")
-     + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is turned"),
+     + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is rotated"),
     (BRICK.replace("*END PART", "*CYCLIC SYMMETRY MODEL\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
 ])
 def test_refused_parts(run_deck: Run, deck: str, told: str) -> None:
@@ -252,7 +252,7 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
     ("DEFINITION=PERIODIC\n2, 3., .2, .5\n1., 2.", "PERIODIC needs the number n"),
     ("DEFINITION=PERIODIC\n2, 3.", "at least 4 numbers"),
     ("DEFINITION=DECAY\n1., 2., 3., -1.", "a positive td"),
-    ("DEFINITION=USER\n1.", "at most 0 can stand here"),
+    ("DEFINITION=USER\n1.", "at most 0 are allowed here"),
     ("DEFINITION=DECAY, SHIFTX=1.\n1., 2., 3., 1.", "shift tables"),
     ("\n0., 1., 0., 2.", "must ascend"),
     ("\n0., 1., 2.", "odd number"),

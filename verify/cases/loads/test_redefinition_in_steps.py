@@ -69,7 +69,7 @@ def test_equation_in_a_step(run_deck: Run) -> None:
     """A new one is refused there; removing nothing is told."""
     done = run_deck(SPRINGS + STEP.format("*EQUATION\n2\n2, 1, 1., 3, 1, -1.\n"))
     assert done.returncode == 3
-    assert "must stand before the first step" in re.sub(r"\s+", " ", done.stdout)
+    assert "must be before the first step" in re.sub(r"\s+", " ", done.stdout)
     done = run_deck(f"{SPRINGS}*BOUNDARY\n4, 1\n" + STEP.format("*EQUATION, REMOVE\n2, 1\n*CLOAD\n2, 1, 8.\n"))
     assert done.returncode == 0
     assert "none is removed" in re.sub(r"\s+", " ", done.stdout)
@@ -145,7 +145,7 @@ def test_change_plastic(run_deck: Run, tmp_path: Path, change: str, expected: fl
 @pytest.mark.parametrize(("change", "told"), [
     ("*CHANGE MATERIAL, NAME=NONE\n*CHANGE PLASTIC\n4., 0.\n", "There is no material 'NONE'"),
     ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC, HARDENING=KINEMATIC\n4., 0.\n", "has no *PLASTIC with this HARDENING"),
-    ("*CHANGE PLASTIC\n4., 0.\n", "must stand in the block of a *CHANGE MATERIAL"),
+    ("*CHANGE PLASTIC\n4., 0.\n", "must be in the block of a *CHANGE MATERIAL"),
     ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC\n4., .1\n", "first point of a hardening curve must be 0"),
 ])  # fmt: skip
 def test_wrong_change(run_deck: Run, change: str, told: str) -> None:

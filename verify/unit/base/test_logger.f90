@@ -1,4 +1,4 @@
-!> Unit test of the journal: what a person reads, and what programs that start us look for.
+!> Unit test of the logger: the printed lines, and the marks that calling programs search for.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_logger
   use check, only: suite_type
@@ -21,7 +21,7 @@ program test_logger
 
 contains
 
-  !> A journal that writes into a scratch file.
+  !> A logger that writes to a scratch file.
   subroutine open_scratch(logger, unit, is_quiet, progress)
     type(logger_type), intent(out) :: logger
     integer, intent(out) :: unit
@@ -32,7 +32,7 @@ contains
   end subroutine open_scratch
 
 
-  !> All lines that were written.
+  !> All lines written.
   function lines_of(unit) result(lines)
     integer, intent(in) :: unit
     character(WIDTH), allocatable :: lines(:)
@@ -53,7 +53,7 @@ contains
   end function lines_of
 
 
-  !> The first line of a message comes last, and starts with the word.
+  !> The first line of a message comes last, and starts with the mark.
   subroutine test_failure()
     type(logger_type) :: logger
     character(WIDTH), allocatable :: lines(:)
@@ -67,7 +67,7 @@ contains
   end subroutine test_failure
 
 
-  !> No echo of a deck looks like a failure.
+  !> Echoed deck lines do not look like a failure.
   subroutine test_harmless_echo()
     type(logger_type) :: logger
     character(WIDTH), allocatable :: lines(:)
@@ -107,7 +107,7 @@ contains
   end subroutine test_complaints
 
 
-  !> A quiet journal writes failures and errors of the deck, nothing else.
+  !> A quiet logger writes failures and errors of the deck, nothing else.
   subroutine test_quiet()
     type(logger_type) :: logger
     type(diagnostic_list_type) :: diagnostics
@@ -130,7 +130,7 @@ contains
   end subroutine test_quiet
 
 
-  !> One head, one line for each attempt, and why an attempt failed.
+  !> One header, one line for each attempt, and the reason of a failed attempt.
   subroutine test_increments()
     type(logger_type) :: logger
     type(increment_record_type) :: record
@@ -166,7 +166,7 @@ contains
   end subroutine compare_columns
 
 
-  !> Sums over all attempts; the worst balance is that of a converged increment.
+  !> Sums over all attempts; the largest force imbalance is that of a converged increment.
   subroutine test_summary()
     type(logger_type) :: logger
     type(increment_record_type) :: records(3)
@@ -189,7 +189,7 @@ contains
   end subroutine test_summary
 
 
-  !> Whether one line holds both texts.
+  !> Whether one line contains both texts.
   pure function has(lines, first, second) result(is_there)
     character(*), intent(in) :: lines(:), first, second
     logical :: is_there

@@ -1,4 +1,4 @@
-!> Unit test of amontons_tensor: identities of 3x3 and Voigt algebra, and eigenvalues where they are hardest.
+!> Unit test of amontons_tensor: identities of 3x3 and Voigt algebra, and nearly equal eigenvalues.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_tensor
   use amontons_kinds, only: DP
@@ -77,7 +77,7 @@ contains
   end subroutine check_voigt
 
 
-  !> Eigenvalues apart, equal, and equal but for a little; small and large matrices; axes turned at random.
+  !> Eigenvalues distinct, equal, and nearly equal; small and large matrices; random axes.
   subroutine check_eigen()
     real(DP), parameter :: SPLIT(8) = [1.0_DP, 1e-2_DP, 1e-5_DP, 1e-8_DP, 1e-11_DP, 1e-14_DP, 1e-16_DP, 0.0_DP]
     real(DP) :: Q(3, 3), values(3), vectors(3, 3), A(6)

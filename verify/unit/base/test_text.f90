@@ -1,4 +1,4 @@
-!> Tests of text and lookup: numbers and words as a deck has them; names, labels, lists, sorting.
+!> Unit test of text and containers: numbers and words of a deck; names, labels, lists, sorting.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_text
   use amontons_kinds, only: DP
@@ -65,7 +65,7 @@ contains
   end subroutine expect_integer
 
 
-  !> All forms of reals; what is no number and what is not finite.
+  !> All forms of reals; invalid and non-finite numbers.
   subroutine test_reals(suite)
     type(suite_type), intent(inout) :: suite
     call expect_real(suite, '1', 1.0_DP, NUMBER_OK)
@@ -115,7 +115,7 @@ contains
   end subroutine expect_real
 
 
-  !> Our own reading rounds as the compiler's library does: numbers of 1 to 20 digits, all magnitudes, ties included.
+  !> Numbers are rounded as by the compiler's library: 1 to 20 digits, all magnitudes, ties included.
   subroutine test_real_rounding(suite)
     type(suite_type), intent(inout) :: suite
     real(DP) :: got, expected, r(2)
@@ -158,7 +158,7 @@ contains
   end subroutine test_written_numbers
 
 
-  !> Names: numbered in the order of arrival, found whatever their case; many of them.
+  !> Names: numbered in the order of insertion, found in upper and lower case; many of them.
   subroutine test_names(suite)
     type(suite_type), intent(inout) :: suite
     type(name_table_type) :: table
@@ -181,7 +181,7 @@ contains
   end subroutine test_names
 
 
-  !> Labels: dense ones by a direct table, sparse ones by a search; twice the same keeps the first.
+  !> Labels: dense ones by a direct table, sparse ones by a search; a repeated label keeps the first index.
   subroutine test_labels(suite)
     type(suite_type), intent(inout) :: suite
     type(label_table_type) :: table
@@ -201,7 +201,7 @@ contains
   end subroutine test_labels
 
 
-  !> Sorting is ascending, stable, and carries a companion; lists grow.
+  !> Sorting is ascending, stable, and permutes a second array; lists grow.
   subroutine test_sorting(suite)
     type(suite_type), intent(inout) :: suite
     type(integer_list_type) :: list
@@ -229,8 +229,8 @@ contains
   end subroutine test_sorting
 
 
-  !> Rows of numbers have the characters of Fortran's own formatted write of them in single precision, where that can hold
-  !! them: random numbers of all sizes that two digits of an exponent hold, and sums of powers of two, half of which are ties.
+  !> Rows of numbers have the characters of Fortran's formatted write in single precision, within its range:
+  !! random numbers of all sizes with two-digit exponents, and sums of powers of two, half of which are ties.
   subroutine test_rows(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: N = 20000
@@ -268,7 +268,7 @@ contains
   end function in_single
 
 
-  !> What a reader of the columns knows.
+  !> The value that a reader of the columns gets.
   subroutine test_known_rows(suite)
     type(suite_type), intent(inout) :: suite
     real(DP) :: values(6, 1)

@@ -128,7 +128,7 @@ contains
   end subroutine check_patch
 
 
-  !> The force is the derivative of the energy and the tangent that of the force, on a distorted, turned, strongly
+  !> The force is the derivative of the energy and the tangent that of the force, on a distorted, rotated, strongly
   !! deformed element; the three procedures agree to the last bit, and the tangent is symmetric.
   subroutine check_derivatives(kind, is_nlgeom)
     integer, intent(in) :: kind
@@ -195,7 +195,7 @@ contains
   end subroutine displaced
 
 
-  !> At displacements of 1e-9 the large theory gives the small one's forces and tangent to 1e-8.
+  !> At displacements of 1e-9 the finite theory gives the forces and tangent of the small one to 1e-8.
   subroutine check_tiny(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), f1(3, MAX_ELEMENT_NODES), f2(3, MAX_ELEMENT_NODES), K1(N_DOF, &
@@ -216,7 +216,7 @@ contains
   end subroutine check_tiny
 
 
-  !> A translation, however far, gives exactly nothing; a rotation nothing but rounding, and turns the tangent.
+  !> Any translation gives exactly zero force; a rotation gives only rounding, and rotates the tangent.
   subroutine check_rigid_motion(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: Q(3, 3) = reshape([0.36_DP, 0.48_DP, -0.8_DP, -0.8_DP, 0.6_DP, 0.0_DP, 0.48_DP, 0.64_DP, &
@@ -251,7 +251,7 @@ contains
   end subroutine check_rigid_motion
 
 
-  !> Internal forces have neither sum nor moment: about the current places under NLGEOM, the reference ones without.
+  !> Internal forces have zero sum and moment: about the current positions under NLGEOM, the reference ones without.
   subroutine check_balance(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), place(3, MAX_ELEMENT_NODES), &
@@ -312,8 +312,8 @@ contains
   end subroutine check_volume
 
 
-  !> Six modes cost no energy; with reduced integration more: the wedge's twist about its axis (1), the hourglass
-  !! modes of C3D20R (6), which do not spread through a mesh.
+  !> Six modes have zero energy; with reduced integration more: the wedge's twist about its axis (1), the hourglass
+  !! modes of C3D20R (6), which do not propagate through a mesh.
   subroutine check_modes(kind)
     integer, intent(in) :: kind
     integer, parameter :: EXPECTED(N_SOLID_KINDS) = [6, 7, 6, 6, 6, 6, 12, 6, 6, 6]
@@ -333,7 +333,7 @@ contains
   end subroutine check_modes
 
 
-  !> Near incompressibility one mode of a C3D8 is stiff, the change of its volume; without mean dilatation seven are
+  !> Near incompressibility one mode of a C3D8 is stiff, the change of its volume; without mean dilatation there are seven
   !! more.
   subroutine check_no_locking()
     real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(24)
@@ -383,7 +383,7 @@ contains
   end subroutine check_mean_dilatation
 
 
-  !> Eigenvalues of a symmetric matrix by cyclic Jacobi rotations: slow and sure.
+  !> Eigenvalues of a symmetric matrix by cyclic Jacobi rotations: slow and reliable.
   subroutine find_eigenvalues(matrix, values)
     real(DP), intent(in) :: matrix(:, :)
     real(DP), intent(out) :: values(:)
@@ -414,8 +414,8 @@ contains
   end subroutine find_eigenvalues
 
 
-  !> Internal forces of a uniform pressure are those of the pressure on all faces, current and exact; and these have
-  !! no sum. (Not of C3D6, C3D15, C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
+  !> Internal forces of a uniform pressure equal those of the pressure on all faces, current and exact; their sum is
+  !! zero. (Not of C3D6, C3D15, C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly.)
   subroutine check_hydrostatic(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), outside(3, MAX_ELEMENT_NODES), &
@@ -454,7 +454,7 @@ contains
   end subroutine check_hydrostatic
 
 
-  !> A pressure on a flat square or triangle has the right sum and sense; the load stiffness agrees with differences.
+  !> A pressure on a flat quadrilateral or triangle has the right sum and direction; the load stiffness agrees with differences.
   subroutine check_pressure(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: STEP = 1e-6_DP
@@ -491,7 +491,7 @@ contains
   end subroutine check_pressure
 
 
-  !> Inside out, NaN and infinity, and a mesh that was never right.
+  !> Inverted elements, NaN and infinity, and an invalid reference mesh.
   subroutine check_exits(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), volume

@@ -1,5 +1,5 @@
-!> Batches of hexahedra: the same numbers as the elements one by one, a tangent that is the derivative of the forces, and what is
-!! not sound is seen.
+!> Unit test of hex8_simd: results equal to those of single elements, a tangent that is the derivative of the forces, and detection
+!! of invalid elements.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_hex8_simd
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -48,7 +48,7 @@ contains
   end subroutine fill
 
 
-  !> All that a batch gives against the elements one by one; rounding only between them.
+  !> All results of a batch against single elements; they differ by rounding only.
   subroutine test_case(name, kind, is_nlgeom, size_of_u)
     character(*), intent(in) :: name
     integer, intent(in) :: kind
@@ -92,7 +92,8 @@ contains
   end subroutine test_case
 
 
-  !> The tangent under NLGEOM against central differences of the forces: their error is that of cubes of 1e-5.
+  !> The tangent under NLGEOM against central differences of the forces with a step of 1e-5: their error is of the order
+  !! of its cube.
   subroutine test_difference()
     real(DP), parameter :: H = 1.0e-5_DP
     type(batch_type) :: batch, moved
@@ -121,7 +122,7 @@ contains
   end subroutine test_difference
 
 
-  !> One inverted element, or one that is not a number, makes the batch unsound; so does a degenerate one.
+  !> One inverted element, or one with NaN, makes the batch invalid; so does a degenerate one.
   subroutine test_unsound()
     type(batch_type) :: batch, bad
     type(material_type) :: materials(BATCH_WIDTH)
@@ -143,7 +144,7 @@ contains
   end subroutine test_unsound
 
 
-  !> Other kinds, laws and materials are left to the room element.
+  !> Other kinds, laws and materials are left to the module `element`.
   subroutine test_choice()
     type(material_type) :: material
     material%law = LAW_SAINT_VENANT

@@ -1,4 +1,4 @@
-!> Unit test of amontons_plane: patch, energy, tangent, rotation, modes, pressure on edges, body force, error exits.
+!> Unit test of amontons_plane_elements: patch, energy, tangent, rotation, modes, pressure on edges, body force, error exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_plane_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -82,7 +82,7 @@ contains
 
 
   !> A linear displacement field (axisymmetric: u_x = a X, u_y = b Y, so that the hoop strain is a too) gives the same
-  !! stress everywhere; plane stress has none across, plane strain no strain there.
+  !! stress everywhere; plane stress has zero transverse stress, plane strain zero transverse strain.
   subroutine check_patch(kind, is_nlgeom)
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
@@ -171,7 +171,7 @@ contains
   end subroutine check_derivatives
 
 
-  !> At displacements of 1e-9 the large theory gives the small one's forces and tangent to 1e-8.
+  !> At displacements of 1e-9 the finite theory gives the forces and tangent of the small one to 1e-8.
   subroutine check_tiny(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), f1(3, MAX_ELEMENT_NODES), f2(3, MAX_ELEMENT_NODES), K1(N_DOF, &
@@ -193,7 +193,7 @@ contains
   end subroutine check_tiny
 
 
-  !> A translation gives exactly nothing, along the axis too; a rotation nothing but rounding (plane kinds).
+  !> A translation gives exactly zero, along the axis too; a rotation gives only rounding (plane kinds).
   subroutine check_rotation(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES)
@@ -243,8 +243,8 @@ contains
   end subroutine check_volume
 
 
-  !> Three modes cost no energy in the plane, one about an axis; the reduced quadratic squares have one more, and so have
-  !! axisymmetric kinds of one point (a turn about the point); these do not fit from element to element.
+  !> Three modes have zero energy in the plane, one about an axis; the reduced quadratic quadrilaterals have one more, and so have
+  !! axisymmetric kinds of one point (a rotation about the point); these modes do not propagate through a mesh.
   subroutine check_modes(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(24)
@@ -293,7 +293,7 @@ contains
   end subroutine check_no_locking
 
 
-  !> Eigenvalues of a symmetric matrix by cyclic Jacobi rotations: slow and sure.
+  !> Eigenvalues of a symmetric matrix by cyclic Jacobi rotations: slow and reliable.
   subroutine find_eigenvalues(matrix, values)
     real(DP), intent(in) :: matrix(:, :)
     real(DP), intent(out) :: values(:)
@@ -355,7 +355,7 @@ contains
   end subroutine check_edge
 
 
-  !> Inside out, NaN, and a mesh that counts clockwise.
+  !> Inverted elements, NaN, and a mesh with clockwise node order.
   subroutine check_exits(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), volume

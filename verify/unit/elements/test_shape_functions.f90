@@ -1,4 +1,4 @@
-!> Unit test of amontons_shapes: partition of unity, derivatives, exactness of the rules, faces, extrapolation.
+!> Unit test of amontons_shape_functions: partition of unity, derivatives, exactness of the rules, faces, extrapolation.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_shape_functions
   use amontons_kinds, only: DP
@@ -34,7 +34,7 @@ program test_shape_functions
 
 contains
 
-  !> A name leads back to its kind; the names of two kinds of one shape lead to the first of them.
+  !> A name is mapped to its kind; two kinds with one name map to the first of them.
   subroutine check_name(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry, found
@@ -45,7 +45,7 @@ contains
   end subroutine check_name
 
 
-  !> Natural coordinates that count: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
+  !> Number of natural coordinates: 3 solids, 2 plane kinds, 1 trusses, 0 the rest.
   pure integer function n_dims(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry
@@ -116,7 +116,7 @@ contains
   end subroutine check_rule
 
 
-  !> Is the monomial of these exponents within the degree promised?
+  !> Whether the monomial of these exponents is within the degree of the rule.
   logical function is_exact(kind, i, j, k)
     integer, intent(in) :: kind, i, j, k
     type(element_kind_type) :: entry
@@ -214,7 +214,7 @@ contains
   end subroutine check_faces
 
 
-  !> Linear fields come out exactly at every node, constants for the one-point tetrahedron.
+  !> Linear fields are exact at every node, constants for the one-point tetrahedron.
   subroutine check_extrapolation(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry
@@ -232,14 +232,14 @@ contains
     if (entry%n_points == 1) return
     field = matmul(xi, transpose(matrix))
     if (kind == KIND_C3D6) then
-      field(:2, :) = 0                            ! two points know nothing of xi and eta
+      field(:2, :) = 0                            ! two points do not resolve xi and eta
       at(:2, :) = 0
     end if
     call suite%near(entry%name // 'extrapolates a linear field', maxval(abs(field - at)), 0.0_DP, 1e-13_DP)
   end subroutine check_extrapolation
 
 
-  !> The coefficients are those that CalculiX prints with, to its printed digits.
+  !> The coefficients agree with CalculiX's output, to its printed digits.
   subroutine check_calculix()
     real(DP) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     integer :: n_nodes, n_points
@@ -292,7 +292,7 @@ contains
   end subroutine check_facet
 
 
-  !> CalculiX's rules of the faces: constants and linear functions are exact, their points are as few as it takes.
+  !> CalculiX's rules of the faces: constants and linear functions are exact, with the least number of points.
   subroutine check_calculix_rules(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry
@@ -309,7 +309,7 @@ contains
   end subroutine check_calculix_rules
 
 
-  !> All monomials of the degree promised are exact.
+  !> All monomials within the degree of the rule are exact.
   subroutine check_facet_rule(kind)
     integer, intent(in) :: kind
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), approximate

@@ -1,4 +1,4 @@
-!> Unit test of amontons_discrete and amontons_condition: trusses and springs: closed forms, energy, tangent, rotation, exits.
+!> Unit test of amontons_truss_spring_mass and amontons_zero_stress_condition: closed forms, energy, tangent, rotation, exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_truss_spring_mass
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -136,7 +136,7 @@ contains
   end subroutine check_derivatives
 
 
-  !> Hencky's law in uniaxial stress: tau = E ln s, J = s^(1 - 2 nu), whatever s.
+  !> Hencky's law in uniaxial stress: tau = E ln s, J = s^(1 - 2 nu), for any s.
   subroutine check_hencky_bar(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: STRETCH(3) = [0.3_DP, 1.0_DP + 1e-9_DP, 3.0_DP]
@@ -179,7 +179,7 @@ contains
   end subroutine check_green_bar
 
 
-  !> A turn gives no force, and a stretched bar turned has the turned force.
+  !> A rotation gives no force, and a stretched bar after rotation has the rotated force.
   subroutine check_rotation(kind)
     integer, intent(in) :: kind
     real(DP), parameter :: Q(3, 3) = reshape([0.36_DP, 0.48_DP, -0.8_DP, -0.8_DP, 0.6_DP, 0.0_DP, 0.48_DP, 0.64_DP, &
@@ -202,7 +202,7 @@ contains
   end subroutine check_rotation
 
 
-  !> Springs pull with constant times elongation.
+  !> Spring tension: constant times elongation.
   subroutine check_springs()
     real(DP) :: X(3, 3), u(3, 3), force(3, MAX_ELEMENT_NODES)
     type(integration_points_type) :: points
@@ -244,7 +244,7 @@ contains
   end subroutine check_weights
 
 
-  !> NaN, a bar pressed to nothing, nodes on one place.
+  !> NaN, a bar compressed to zero length, coincident nodes.
   subroutine check_exits()
     real(DP) :: X(3, 3), u(3, 3), force(3, MAX_ELEMENT_NODES), volume
     type(integration_points_type) :: points

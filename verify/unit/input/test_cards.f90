@@ -1,4 +1,4 @@
-!> Tests of cards, card_form and card_table: text to cards, rows, fields, includes; the table and what it finds wrong.
+!> Unit test of cards, card_schema and card_table: text to cards, rows, fields, includes; the table and its error messages.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_cards
   use amontons_kinds, only: DP
@@ -29,7 +29,7 @@ program test_cards
 
 contains
 
-  !> Keywords squeezed, comments skipped, gmsh's stars are comments.
+  !> Keywords without blanks, comments skipped; lines of stars from gmsh are comments.
   subroutine test_cutting(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
@@ -65,7 +65,7 @@ contains
   end subroutine test_continuation
 
 
-  !> Names without case and blanks, values as written, quotation marks guard commas.
+  !> Names without case and blanks, values as written, quotation marks protect commas.
   subroutine test_parameters(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
@@ -153,7 +153,7 @@ contains
   end subroutine test_line_ends
 
 
-  !> Included text stands in place, beside the including file first; the chain of files is told.
+  !> Included text is in place, searched beside the including file first; messages name the chain of files.
   subroutine test_includes(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
@@ -185,7 +185,7 @@ contains
   end subroutine test_includes
 
 
-  !> A file that is not there, one that includes itself, a card without a name.
+  !> A missing file, a file that includes itself, a card without a name.
   subroutine test_include_trouble(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards

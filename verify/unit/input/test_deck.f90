@@ -1,4 +1,4 @@
-!> Tests of deck: each card's good form and what it refuses, and the loads that steps hand to one another.
+!> Unit test of deck: each card's valid form and its errors, and the propagation of loads over steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck
   use amontons_kinds, only: DP
@@ -62,7 +62,7 @@ program test_deck
 
 contains
 
-  !> Reads a deck and returns what came of it. In the decks of this test a semicolon ends a line.
+  !> Reads a deck and returns the outcome. In the decks of this test a semicolon ends a line.
   subroutine read(text, model, diagnostics, error, dialect)
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
@@ -87,7 +87,7 @@ contains
   end function with_newlines
 
 
-  !> Reads a deck that must be good.
+  !> Reads a valid deck.
   subroutine read_good(suite, name, text, model, n_notes, dialect)
     type(suite_type), intent(inout) :: suite
     character(*), intent(in) :: name, text
@@ -106,7 +106,7 @@ contains
   end subroutine read_good
 
 
-  !> Reads a deck that must give just one error, with a message that has a piece of text in it and points to a line.
+  !> Reads a deck that must give exactly one error, with a given piece of text in its message, at a given line.
   subroutine expect_error(suite, text, piece, line, dialect)
     type(suite_type), intent(inout) :: suite
     character(*), intent(in) :: text
@@ -133,7 +133,7 @@ contains
   end subroutine expect_error
 
 
-  !> The first complaint, for the name of a check.
+  !> The first error, for the name of a check.
   function first_text(diagnostics) result(text)
     type(diagnostic_list_type), intent(in) :: diagnostics
     character(:), allocatable :: text
@@ -183,7 +183,7 @@ contains
   end subroutine test_order
 
 
-  !> From a file; a file that is not there.
+  !> From a file; a missing file.
   subroutine test_files(suite)
     type(suite_type), intent(inout) :: suite
     type(job_options_type) :: options
@@ -208,7 +208,7 @@ contains
   end subroutine test_files
 
 
-  !> The dialect: from the deck, from the caller, and what hangs on it.
+  !> The dialect: from the deck, from the caller, and its effects.
   subroutine test_dialect(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -488,7 +488,7 @@ contains
   end subroutine test_interactions
 
 
-  !> CalculiX lets a surface of faces and one of nodes share a name: the slave is that of nodes, the master that of faces.
+  !> CalculiX allows a surface of faces and one of nodes with one name: the slave is that of nodes, the master that of faces.
   subroutine test_twins(suite)
     type(suite_type), intent(inout) :: suite
     character(*), parameter :: TWINS(2) = [character(80) :: '*SURFACE,NAME=a,TYPE=NODE;TOP;*SURFACE,NAME=a;1,S2;', &
@@ -614,7 +614,7 @@ contains
   end subroutine test_boundary
 
 
-  !> BOUNDARY over steps: what is kept, changed, released, held.
+  !> BOUNDARY over steps: kept, changed, released, fixed.
   subroutine test_boundary_steps(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -644,7 +644,7 @@ contains
   end subroutine test_boundary_steps
 
 
-  !> The index of a prescribed displacement; 0 if there is none.
+  !> The index of a prescribed displacement; 0: not prescribed.
   function find_prescribed(step, node, dof) result(i)
     type(step_type), intent(in) :: step
     integer, intent(in) :: node, dof             !< the label of nodes 1 to 8 is their index, 11 is 9
@@ -683,7 +683,7 @@ contains
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;nix,3,1.;' // STEP_END, 'node set ''nix''')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;TOP,3,1.,2.;' // STEP_END, '4 values')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD,FOLLOWER;TOP,3,1.;' // STEP_END, 'direction')
-    call expect_error(suite, MODEL_PART // '*CLOAD;TOP,3,1.;' // STEP_PART, 'must stand in a step')
+    call expect_error(suite, MODEL_PART // '*CLOAD;TOP,3,1.;' // STEP_PART, 'must be in a step')
   end subroutine test_cload
 
 
@@ -702,7 +702,7 @@ contains
   end function force
 
 
-  !> CLOAD over steps: kept, replaced, faded out.
+  !> CLOAD over steps: kept, replaced, ramped to zero.
   subroutine test_cload_steps(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -782,7 +782,7 @@ contains
     call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC;.1,1.;' // STEP_END, 'Use *STATIC')
     call expect_error(suite, MODEL_PART // STEP_START // STEP_PART, 'no *END STEP')
     call expect_error(suite, MODEL_PART // STEP_START, 'no *END STEP')
-    call expect_error(suite, MODEL_PART // STEP_PART // STEP_END, 'must stand in a step')
+    call expect_error(suite, MODEL_PART // STEP_PART // STEP_END, 'must be in a step')
     call expect_error(suite, MODEL_PART // '*STEP,INC=0;*STATIC;' // STEP_END, 'INC must be')
     call expect_error(suite, MODEL_PART // STEP_START // '*HEADING;' // STEP_END, 'before the first step')
     call expect_error(suite, MODEL_PART // STEP_START // STEP_END // 'text;', 'takes no data', 'text')
@@ -869,7 +869,7 @@ contains
       LINE_SEARCH_NONE]))
     call expect_error(suite, MODEL_PART // STEP_START // '*LINE SEARCH;' // STEP_END, 'TYPE=')
     call expect_error(suite, MODEL_PART // STEP_START // '*LINE SEARCH, TYPE=ARMIJO;' // STEP_END, 'ARMIJO')
-    call expect_error(suite, MODEL_PART // '*LINE SEARCH, TYPE=ALL;' // STEP_PART, 'must stand in a step')
+    call expect_error(suite, MODEL_PART // '*LINE SEARCH, TYPE=ALL;' // STEP_PART, 'must be in a step')
   end subroutine test_line_search
 
 
@@ -914,7 +914,7 @@ contains
   end subroutine test_file_cards
 
 
-  !> Cards and places that are refused or noted.
+  !> Cards and places that are rejected or noted.
   subroutine test_refused(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -935,7 +935,7 @@ contains
   end subroutine test_refused
 
 
-  !> All errors at once, in the order of the deck.
+  !> All errors are reported together, in the order of the deck.
   subroutine test_several_errors(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model

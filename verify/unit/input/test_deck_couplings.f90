@@ -1,4 +1,4 @@
-!> Tests of deck_bonds: what TRANSFORM, MPC, RIGID BODY, COUPLING, TIE and PRE-TENSION SECTION accept and refuse.
+!> Unit test of deck_couplings: valid and rejected forms of TRANSFORM, MPC, RIGID BODY, COUPLING, TIE and PRE-TENSION SECTION.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck_couplings
   use amontons_kinds, only: DP
@@ -53,7 +53,7 @@ contains
   end subroutine read
 
 
-  !> Reads a deck that must be good.
+  !> Reads a valid deck.
   subroutine read_good(text, model, dialect, step)
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
@@ -70,7 +70,7 @@ contains
   end subroutine read_good
 
 
-  !> Reads a deck that must give one error with a piece of text in it.
+  !> Reads a deck that must give one error with a given piece of text.
   subroutine expect_error(text, piece, step)
     character(*), intent(in) :: text, piece
     character(*), intent(in), optional :: step
@@ -170,7 +170,7 @@ contains
     call suite%that('all bound, with axes', all(model%nonlinear_mpcs(1)%is_bound) .and. allocated(model%nonlinear_mpcs(1)%axes))
     call read_good(COUPLING // '*DISTRIBUTING;1,4;', model)
     call suite%that('distributing', all(model%distributing_couplings(1)%is_bound .eqv. [.true., .false., .false.]))
-    call expect_error(COUPLING // '*MPC;PIN, 1, 2;', 'must stand')
+    call expect_error(COUPLING // '*MPC;PIN, 1, 2;', 'must be followed by')
     call expect_error(COUPLING // '*KINEMATIC;4,6;', 'at least one of the degrees of freedom 1 to 3')
     call expect_error(COUPLING // '*KINEMATIC;3,7;', '1 to 6')
     call expect_error('*COUPLING, REF NODE=90, SURFACE=NIX;*KINEMATIC;', 'no surface ''NIX''')

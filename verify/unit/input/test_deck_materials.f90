@@ -1,4 +1,4 @@
-!> Unit test of amontons_deck_materials and amontons_deck_conditions: what each card gives, and what it refuses.
+!> Unit test of amontons_deck_materials and amontons_deck_initial_conditions: the result of each card, and rejected forms.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck_materials
   use amontons_kinds, only: DP
@@ -49,7 +49,7 @@ contains
   end subroutine read
 
 
-  !> Reads a deck that must be good.
+  !> Reads a valid deck.
   subroutine good(text, model, dialect)
     character(*), intent(in) :: text
     type(model_type), intent(out) :: model
@@ -67,7 +67,7 @@ contains
   end subroutine good
 
 
-  !> Reads a deck that must be refused with a message that holds a piece of text.
+  !> Reads a deck that must be rejected with a message that contains a given piece of text.
   subroutine bad(text, piece)
     character(*), intent(in) :: text, piece
     type(model_type) :: model
@@ -281,7 +281,7 @@ contains
   end subroutine check_initial
 
 
-  !> Temperatures over steps: ramps from what was, amplitudes, OP=NEW.
+  !> Temperatures over steps: ramps from the last value, amplitudes, OP=NEW.
   subroutine check_temperatures()
     type(model_type) :: model
     character(*), parameter :: START = NODES // STEEL // SECTION // '*INITIAL CONDITIONS,TYPE=TEMPERATURE;ALL,20.;' // &

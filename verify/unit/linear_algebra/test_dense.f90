@@ -1,4 +1,4 @@
-!> Tests of dense: residual ratios as LAPACK tests itself, and the exits for singular and not finite matrices.
+!> Unit test of dense: residual ratios as in LAPACK's own tests, and the exits for singular and non-finite matrices.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -142,8 +142,8 @@ contains
   end subroutine test_singular
 
 
-  !> Points joined two by two by springs of very different stiffness, free as a whole: singular whatever their number; held at one
-  !! point by a spring that is 1e-9 as stiff: not.
+  !> Points connected in pairs by springs of very different stiffness, free as a whole: singular whatever their number. Supported
+  !! at one point by a spring of relative stiffness 1e-9: not singular.
   subroutine test_rank_lost()
     integer, parameter :: N(3) = [3, 60, 700]
     real(DP), allocatable :: a(:, :), lu(:, :), row(:), column(:)
@@ -164,7 +164,7 @@ contains
           a(j, j) = a(j, j) + draw
         end do
       end do
-      do stiff = 0, 1                              ! one law stiffer than all others says nothing of the rank by its size
+      do stiff = 0, 1                              ! one law much stiffer than all others does not change the rank
         do held = stiff, 1
           lu = a
           lu(1, 1) = lu(1, 1) * (1.0_DP + 1.0e-9_DP * real(held, DP))
@@ -231,8 +231,8 @@ contains
   end subroutine test_least_squares
 
 
-  !> The inverse of a positive matrix is one, symmetric to the last bit; one that is singular, or nearly, is found. Products with
-  !! symmetric and transposed matrices are those of matmul.
+  !> The inverse of a positive definite matrix is its inverse, symmetric to the last bit; singular and nearly singular ones are
+  !! detected. Products with symmetric and transposed matrices equal those of matmul.
   subroutine test_positive()
     real(DP) :: left(9, 9), a(9, 9), inverse(9, 9), x(9), y(9), z(5), wide(9, 5)
     integer :: status
@@ -262,8 +262,8 @@ contains
   end subroutine test_positive
 
 
-  !> An LU and products of a matrix large enough for threads: right as matmul is, the same bits twice, and alike for all numbers of
-  !! them.
+  !> LU and products of a matrix large enough for threads: they agree with matmul, repeat bitwise, and are equal for all numbers of
+  !! threads.
   subroutine test_threads()
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     integer, parameter :: N = 501

@@ -1,4 +1,4 @@
-!> Tests of factor: residual ratios, repeatability to the bit, and every way out of a factorisation.
+!> Unit test of factorization: residual ratios, bitwise repeatability, and every exit of a factorization.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_factorization
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
@@ -65,7 +65,7 @@ contains
   end subroutine laplacian
 
 
-  !> |b - A x| over |A| |x| n eps in the largest norm; LAPACK's tests want it below about 30.
+  !> |b - A x| over |A| |x| n eps in the largest norm; LAPACK's tests require less than about 30.
   real(DP) function ratio(full, x, b)
     type(sparse_type), intent(in) :: full      !< both triangles
     real(DP), intent(in) :: x(:), b(:)
@@ -109,8 +109,7 @@ contains
   end subroutine test_cholesky
 
 
-  !> A processor with AVX2 is never left with the kernels that OpenBLAS has for processors that it does not know; the
-  !! choice stands when it is made again.
+  !> A processor with AVX2 never uses OpenBLAS's kernels for unknown processors; the choice is the same when repeated.
   subroutine test_kernels()
     character(:), allocatable :: name, again
     character(8192) :: line
@@ -166,7 +165,7 @@ contains
   end subroutine test_repeat
 
 
-  !> A matrix that stops being definite in its last elimination steps, where threads work together, or in its first.
+  !> A matrix that is indefinite in its last elimination steps, where threads work together, or in its first.
   subroutine test_broken_together(n_threads)
     use omp_lib, only: omp_set_num_threads
     integer, intent(in) :: n_threads
@@ -250,7 +249,7 @@ contains
   end subroutine test_shift
 
 
-  !> Two factors live side by side; a copy is empty and harms neither.
+  !> Two factors exist side by side; a copy is empty and changes neither.
   subroutine test_two_factors()
     type(sparse_type) :: small, large
     type(cholesky_type) :: first, second, third
@@ -275,7 +274,7 @@ contains
   end subroutine test_two_factors
 
 
-  !> Not positive definite: the unknown is named, and the factor serves again for a better matrix.
+  !> Not positive definite: the unknown is reported, and the factor can be used again for another matrix.
   subroutine test_breakdown()
     type(sparse_type) :: matrix
     type(cholesky_type) :: factor
@@ -299,7 +298,7 @@ contains
   end subroutine test_breakdown
 
 
-  !> A floating grid: the last pivot is nothing but rounding, of either sign; a hinge as small as it is harmless.
+  !> An unsupported grid: the last pivot is at rounding level, of either sign; a hinge as small as it is harmless.
   subroutine test_singular()
     type(sparse_type) :: matrix
     type(cholesky_type) :: factor
@@ -346,7 +345,7 @@ contains
   end subroutine test_not_finite
 
 
-  !> Everything may be fixed: no unknown is left.
+  !> All unknowns fixed: an empty matrix.
   subroutine test_empty()
     type(sparse_type) :: matrix
     type(cholesky_type) :: factor

@@ -1,4 +1,4 @@
-!> Tests of krylov: convergence in the steps that theory allows, true residuals, and every way out; never NaN.
+!> Unit test of krylov: convergence in the steps that theory allows, true residuals, and every exit; never NaN.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module krylov_samples
   use amontons_kinds, only: DP
@@ -236,7 +236,7 @@ contains
   end subroutine test_friction
 
 
-  !> Good, useless and poisoned first guesses; nothing to do.
+  !> Good, useless and non-finite first guesses; a zero right-hand side.
   subroutine test_guesses()
     type(dense_operator_type) :: a
     type(krylov_report_type) :: report
@@ -269,7 +269,7 @@ contains
   end subroutine test_guesses
 
 
-  !> A singular matrix: solved where b is in the range, and told where it is not, with the least residual.
+  !> A singular matrix: solved where b is in the range, reported where it is not, with the least residual.
   subroutine test_singular()
     type(dense_operator_type) :: a
     type(krylov_report_type) :: report

@@ -1,4 +1,4 @@
-!> Tests of partition: balance, few shared nodes, repeatability, and orders that are permutations with little fill.
+!> Unit test of partition: balance, few shared nodes, repeatability, and orders that are permutations with little fill.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_partition
   use amontons_kinds, only: DP
@@ -73,7 +73,7 @@ contains
   end subroutine test_parts
 
 
-  !> The pattern of the cube, so many unknowns to a node: those of an element are all coupled. Upper triangle, zeros.
+  !> The pattern of the cube with several unknowns a node: those of an element are all coupled. Upper triangle, zeros.
   subroutine couple(n_unknowns, matrix)
     integer, intent(in) :: n_unknowns              !< to a node
     type(sparse_type), intent(out) :: matrix
@@ -98,8 +98,8 @@ contains
   end subroutine couple
 
 
-  !> Three unknowns a node: nothing smaller than a layer of nodes separates a cube into halves that are nearly even, and one
-  !! layer does.
+  !> Three unknowns a node: the smallest separator of a cube into nearly equal halves is a layer of nodes, and the result is one
+  !! layer.
   subroutine test_separator()
     type(sparse_type) :: matrix
     type(error_type), allocatable :: error

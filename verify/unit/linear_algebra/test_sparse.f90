@@ -1,4 +1,4 @@
-!> Tests of sparse: every product against its dense twin, as a ratio to the rounding error that theory allows.
+!> Unit test of sparse: every product against its dense equivalent, as a ratio to the rounding error that theory allows.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_sparse
   use amontons_kinds, only: DP
@@ -24,7 +24,7 @@ program test_sparse
 
 contains
 
-  !> A random matrix of about three entries a row, some places met twice, and its dense twin.
+  !> A random matrix of about three entries a row, with some duplicates, and its dense equivalent.
   subroutine random_matrix(n, m, sparse, dense)
     integer, intent(in) :: n, m
     type(sparse_type), intent(out) :: sparse
@@ -75,7 +75,7 @@ contains
   end subroutine random_symmetric
 
 
-  !> The dense twin of a sparse matrix.
+  !> The dense equivalent of a sparse matrix.
   function dense_of(sparse) result(dense)
     type(sparse_type), intent(in) :: sparse
     real(DP) :: dense(sparse%n_rows, sparse%n_columns)
@@ -103,7 +103,7 @@ contains
   end function is_sorted
 
 
-  !> |y - M x| over n eps |M| |x|, the largest component; LAPACK's tests want it below about 30.
+  !> |y - M x| over n eps |M| |x|, the largest component; LAPACK's tests require less than about 30.
   real(DP) function ratio(dense, x, y)
     real(DP), intent(in) :: dense(:, :), x(:), y(:)
     real(DP) :: expected(size(y)), scale(size(y))

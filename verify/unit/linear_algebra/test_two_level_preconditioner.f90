@@ -1,4 +1,4 @@
-!> Tests of iterative: an exact factor where there is no fill, symmetry, iterations that do not grow with the length of a bar.
+!> Unit test of two_level_preconditioner: an exact factor without fill, symmetry, iterations independent of the length of a bar.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module iterative_samples
   use amontons_kinds, only: DP
@@ -46,7 +46,7 @@ contains
 
 
   !> A square bar of nodes m x m x length, joined along edges and diagonals of the faces by springs in their own direction
-  !! (a truss: it has the six rigid motions), and held at one end.
+  !! (a truss: it has the six rigid body motions), and fixed at one end.
   subroutine bar(m, length, matrix, axis, place, part)
     integer, intent(in) :: m, length
     type(sparse_type), intent(out) :: matrix
@@ -216,7 +216,7 @@ contains
   end subroutine test_motions
 
 
-  !> A bar of twice the length, as slender as it may be, needs hardly more iterations: the parts carry the smooth motion.
+  !> A slender bar of twice the length needs hardly more iterations: the coarse space represents the smooth motion.
   subroutine test_length()
     integer :: short, long, alone
     short = iterations_of(64, .true.)
@@ -227,7 +227,7 @@ contains
   end subroutine test_length
 
 
-  !> A matrix far from positive is refused, one that is nearly so gets a shift.
+  !> A matrix far from positive definite is rejected, a nearly definite one gets a shift.
   subroutine test_broken()
     type(two_level_type) :: m
     type(sparse_type), target :: a

@@ -1,5 +1,5 @@
-!> Tests of sprung: solutions of S - B A - M X against LAPACK, bodies that are hardly held, springs that are too stiff, and the same
-!! bits for any number of threads.
+!> Unit test of woodbury_interface: solutions of S - B A - M X against LAPACK, weakly supported bodies, springs that are too stiff,
+!! and bitwise equal results for any number of threads.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_woodbury_interface
   use amontons_kinds, only: DP
@@ -24,7 +24,7 @@ program test_woodbury_interface
 
 contains
 
-  !> A well-held body: L, D with S = L L' - D positive, S about `size`.
+  !> A well supported body: L, D with S = L L' - D positive, S about `size`.
   subroutine make_body(n, size, triangle, shift)
     integer, intent(in) :: n
     real(DP), intent(in) :: size
@@ -40,7 +40,7 @@ contains
   end subroutine make_body
 
 
-  !> Springs between three unknowns and two others, followed by six, whose forces also move; unsymmetric.
+  !> Springs between three unknowns and two others, followed by six, with moving forces; unsymmetric.
   subroutine make_springs(n, m, stiffness, springs)
     integer, intent(in) :: n, m                    !< unknowns, springs (three columns each)
     real(DP), intent(in) :: stiffness
@@ -52,7 +52,7 @@ contains
   end subroutine make_springs
 
 
-  !> Five entries a row or a column, whichever are more.
+  !> Five entries a row or a column, whichever gives more.
   subroutine random_matrix(n_rows, n_columns, size, matrix)
     integer, intent(in) :: n_rows, n_columns
     real(DP), intent(in) :: size
@@ -81,7 +81,7 @@ contains
   end function dense_of
 
 
-  !> The residual of the solution is as small as was allowed, down to what rounding allows, and the solution is LAPACK's.
+  !> The residual of the solution meets the limit, down to rounding, and the solution is LAPACK's.
   subroutine test_solution(name, n, m, stiffness, size)
     character(*), intent(in) :: name
     integer, intent(in) :: n, m
@@ -120,7 +120,7 @@ contains
   end subroutine test_solution
 
 
-  !> A body that nothing holds has no inverse; springs ten thousand times as stiff as it want more digits than there are.
+  !> An unsupported body has no inverse; springs of ten thousand times its stiffness exceed single precision.
   subroutine test_limits()
     integer, parameter :: N = 30
     type(woodbury_type) :: sprung
@@ -144,7 +144,7 @@ contains
   end subroutine test_limits
 
 
-  !> Threads do not change a bit.
+  !> Bitwise equal results with threads.
   subroutine test_threads()
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     integer, parameter :: N = 900, M = 170

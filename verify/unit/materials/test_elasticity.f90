@@ -1,4 +1,4 @@
-!> Unit test of amontons_stress: closed forms, objectivity, energy and tangent by differences, tiny strains, exits.
+!> Unit test of amontons_elasticity: closed forms, objectivity, energy and tangent by differences, tiny strains, exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
@@ -116,7 +116,7 @@ contains
   end subroutine check_saint_venant_closed_forms
 
 
-  !> Small, large, turned, with two and three equal stretches, nearly equal ones, and none at all.
+  !> Small, large, rotated, with two and three equal stretches, nearly equal ones, and zero strain.
   subroutine check_derivatives_of_many()
     real(DP) :: H(3, 3), R(3, 3)
     real(DP), parameter :: NEARBY(4) = [1e-3_DP, 1e-6_DP, 1e-9_DP, 1e-13_DP]
@@ -177,7 +177,7 @@ contains
   end subroutine check_derivatives
 
 
-  !> A rotation after the deformation turns the stress and leaves the energy; one before leaves both.
+  !> A rotation after the deformation rotates the stress and leaves the energy unchanged; one before changes neither.
   subroutine check_objectivity()
     real(DP) :: H(3, 3), Q(3, 3), t1(6), t2(6), strain(6), w1, w2
     integer :: status
@@ -197,7 +197,7 @@ contains
   end subroutine check_objectivity
 
 
-  !> At a strain of 1e-9 stress and tangent are Hooke's to 1e-8; at none exactly nothing and Hooke's.
+  !> At a strain of 1e-9 stress and tangent are Hooke's to 1e-8; at zero strain exactly zero and Hooke's.
   subroutine check_small_limit()
     real(DP) :: H(3, 3), tau(6), c(6, 6), strain(6), w, stress(6), hooke(6, 6), energy
     integer :: status

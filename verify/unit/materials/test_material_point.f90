@@ -308,7 +308,7 @@ contains
   end subroutine check_energy
 
 
-  !> A rotation put on top rotates the stress and leaves energy and history.
+  !> A superposed rotation rotates the stress and leaves energy and history unchanged.
   subroutine check_objectivity(name, material, start)
     character(*), intent(in) :: name
     type(material_type), intent(in) :: material
@@ -329,7 +329,7 @@ contains
   end subroutine check_objectivity
 
 
-  !> Without table, temperature and history the general way gives what the plain way gives.
+  !> Without table, temperature and history the general law equals plain elasticity.
   subroutine check_elastic_is_plain()
     type(material_type) :: material
     type(material_point_type) :: point
@@ -360,7 +360,7 @@ contains
   end subroutine check_elastic_is_plain
 
 
-  !> Free thermal expansion costs no stress; held back it does, E a dT/(1 - 2 nu).
+  !> Free thermal expansion has zero stress; restrained expansion has E a dT/(1 - 2 nu).
   subroutine check_thermal()
     type(material_type) :: material
     type(material_point_type) :: point
@@ -487,7 +487,7 @@ contains
   end subroutine check_plastic
 
 
-  !> Simo's plasticity: objectivity, a tangent that is right to the order of the elastic strains, exact without flow.
+  !> Simo's plasticity: objectivity, a tangent accurate to the order of the elastic strains, exact without flow.
   subroutine check_simo(simo, name)
     type(material_type), intent(in) :: simo
     character(*), intent(in) :: name
@@ -575,7 +575,7 @@ contains
   end subroutine check_simo_tension
 
 
-  !> Orthotropic and anisotropic elasticity: tangents, objectivity in both finite laws; the frame turns the material.
+  !> Orthotropic and anisotropic elasticity: tangents, objectivity in both finite laws; the material axes rotate with the frame.
   subroutine check_axes()
     type(material_type) :: material, full
     type(material_point_type) :: point, turned
@@ -651,7 +651,7 @@ contains
   end subroutine check_tension
 
 
-  !> A cycle in shear: isotropic hardening yields on the way back at the stress reached, kinematic at that less twice the
+  !> A cycle in shear: isotropic hardening yields in reverse at the stress reached, kinematic at that less twice the
   !! first yield stress.
   subroutine check_cycle()
     type(material_type) :: material
@@ -674,7 +674,7 @@ contains
   end subroutine check_cycle
 
 
-  !> Goes on in shear by an elastic change of stress, and looks whether it is one.
+  !> Continues in shear by a stress change, and checks whether it is elastic.
   subroutine probe(material, start, dq, is_elastic)
     type(material_type), intent(in) :: material
     type(material_point_type), intent(in) :: start
@@ -690,7 +690,7 @@ contains
   end subroutine probe
 
 
-  !> A state on the yield surface stays where it is: rounding must not make the return fail.
+  !> A state on the yield surface is unchanged: rounding must not make the return fail.
   subroutine check_standing_still()
     type(material_type) :: material
     type(material_point_type) :: point, again
@@ -713,8 +713,8 @@ contains
   end subroutine check_standing_still
 
 
-  !> Finite strain without rotation of the axes: the multiplicative and the additive way agree, isotropic or kinematic in
-  !! one direction; and history is one and the same in small and finite strain.
+  !> Finite strain without rotation of the axes: the multiplicative and the additive formulation agree, isotropic or kinematic in
+  !! one direction; and history is the same in small and finite strain.
   subroutine check_shared_finite_strain()
     type(material_type) :: material, linear
     type(material_point_type) :: point, other
@@ -755,7 +755,7 @@ contains
   end subroutine check_shared_finite_strain
 
 
-  !> Relaxation at held strain, power law n = 4.5: q^(1 - n) = q0^(1 - n) + 3 G A (n - 1) t; and creep under held stress
+  !> Relaxation at constant strain, power law n = 4.5: q^(1 - n) = q0^(1 - n) + 3 G A (n - 1) t; and creep under constant stress
   !! by strain hardening: the same as time hardening.
   subroutine check_creep_closed_forms()
     type(material_type) :: material
@@ -785,7 +785,7 @@ contains
   end subroutine check_creep_closed_forms
 
 
-  !> Creep strain after ten units of time under a von Mises stress held in shear.
+  !> Creep strain after ten units of time under a constant von Mises stress in shear.
   subroutine hold_stress(material, q, c)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: q
@@ -806,7 +806,7 @@ contains
   end subroutine hold_stress
 
 
-  !> An initial stress is there at rest, and adds to what the strain gives.
+  !> An initial stress is present without strain, and adds to the stress of the strain.
   subroutine check_initial_stress()
     type(material_type) :: material
     type(material_point_type) :: point
