@@ -1,4 +1,4 @@
-!> Failure words: the sentences about a failure, its name and its remedy, made of its code.
+!> Sentences of a failure: its name, its cause and its remedy, from the failure code.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_failure_words
   use amontons_text, only: to_text
@@ -16,7 +16,7 @@ module amontons_failure_words
 
 contains
 
-  !> One sentence or two: why the attempt failed. It begins with its name, which programs can look for. Empty for FAILURE_NONE.
+  !> Cause of the failure in one or two sentences. They begin with its name, which programs can search. Empty for FAILURE_NONE.
   pure function failure_words(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
@@ -31,7 +31,7 @@ contains
   end function failure_words
 
 
-  !> What follows the name.
+  !> The sentence after the name.
   pure function detail_words(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
@@ -77,7 +77,7 @@ contains
   end function detail_words
 
 
-  !> The name of a failure; of a cycle with its length and its nodes.
+  !> Name of a failure; for a cycle with length and nodes.
   pure function failure_name(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
@@ -141,7 +141,7 @@ contains
   end function remedy_words
 
 
-  !> Whether two failures have the same name: of cycles also the same length and the same nodes.
+  !> Whether two failures have the same name; for cycles also the same length and nodes.
   pure logical function is_same_failure(a, b) result(is_same)
     type(failure_type), intent(in) :: a, b
     integer :: n
@@ -154,7 +154,7 @@ contains
   end function is_same_failure
 
 
-  !> The labels of nodes: the first of them, and how many more.
+  !> Labels of nodes: the first N_NAMED, and the number of the others.
   pure function node_list(labels) result(names)
     integer, intent(in) :: labels(:)
     character(:), allocatable :: names
@@ -188,7 +188,7 @@ contains
   !> A sentence if all closed slave nodes slip; else nothing.
   pure function all_slip(failure, what) result(words)
     type(failure_type), intent(in) :: failure
-    character(*), intent(in) :: what               !< follows from it
+    character(*), intent(in) :: what               !< the consequence
     character(:), allocatable :: words
     words = ''
     if (failure%n_slipping > 1) words = ' All ' // to_text(failure%n_slipping) // ' closed slave nodes slip: ' // what

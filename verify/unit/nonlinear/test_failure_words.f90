@@ -1,4 +1,4 @@
-!> Failures: each code has a family, words that begin with its name, and a remedy; decisions are by code, never by words.
+!> Failures: each code has a family, a text that begins with its name, and a remedy; decisions use the code, never the text.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_failure_words
   use amontons_kinds, only: DP
@@ -21,7 +21,7 @@ program test_failure_words
 
 contains
 
-  !> A failure with something in each component.
+  !> A failure with all components set.
   function sample(code) result(failure)
     integer, intent(in) :: code
     type(failure_type) :: failure
@@ -33,7 +33,7 @@ contains
   end function sample
 
 
-  !> Every code has a family; its words are one sentence or more, different from those of all others, and begin with its name.
+  !> Every code has a family; its text is one sentence or more, differs from all others, and begins with its name.
   subroutine check_all_codes()
     type(failure_type) :: failure, other
     character(:), allocatable :: words, name
@@ -56,7 +56,7 @@ contains
   end subroutine check_all_codes
 
 
-  !> Whole sentences, word for word: programs look for them.
+  !> Whole sentences, word for word: programs search for them.
   subroutine check_sentences()
     type(failure_type) :: failure
     integer :: i
@@ -87,7 +87,7 @@ contains
   end subroutine check_sentences
 
 
-  !> The same name: the family, and of cycles also length and nodes.
+  !> Equal names: the family, and for cycles also length and nodes.
   subroutine check_sameness()
     type(failure_type) :: a, b
     a = sample(FAILURE_FREE_FLYING)
@@ -127,7 +127,7 @@ contains
   end subroutine check_attempts
 
 
-  !> Four attempts running that find a free body are enough, whatever words the others have.
+  !> Four consecutive attempts that fail by a free body are enough, whatever the others failed by.
   subroutine check_giving_up()
     integer, parameter :: CODES(4) = [FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION]
     type(increment_record_type) :: records(4)
