@@ -1,4 +1,4 @@
-!> Main: the command line, the three verbs of a job, and the exit code; the only room that stops.
+!> Main program: command line, the three stages of a job, and the exit code; the only module that stops the process.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
   use omp_lib, only: omp_get_max_threads
@@ -16,7 +16,7 @@ program amontons
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4
 
-  !> What the command line asks for.
+  !> Options of the command line.
   type :: command_type
     integer :: action = ACTION_RUN
     integer :: progress = PROGRESS_AUTO
@@ -62,7 +62,7 @@ contains
   end subroutine run_command
 
 
-  !> The three verbs. A job that fails on the way is finished all the same: what has converged stays on disk.
+  !> Start, advance and finish. A job that fails is finished too: converged increments are on disk.
   subroutine run_job(options, logger, error)
     type(job_options_type), intent(in) :: options
     type(logger_type), intent(inout) :: logger
@@ -99,10 +99,10 @@ contains
   end subroutine read_command
 
 
-  !> One option with its value, or the name of the job. Values stand behind = or in the next word.
+  !> Reads one option with its value, or the name of the job. A value follows = or is the next word.
   subroutine read_option(command, i, error)
     type(command_type), intent(inout) :: command
-    integer, intent(inout) :: i                !< number of the word; on return that of the next one
+    integer, intent(inout) :: i                !< number of the word; out: that of the next one
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: word, name, value
     integer :: equals
@@ -139,7 +139,7 @@ contains
   end function is_with_value
 
 
-  !> What each option does.
+  !> Applies an option.
   subroutine apply_option(command, name, value, error)
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: name, value
@@ -187,7 +187,7 @@ contains
   end subroutine apply_option
 
 
-  !> Where a job may have several threads, the program starts again with threads that do not wait for long.
+  !> If a job may have several threads, restarts the program with a passive wait policy of the threads.
   subroutine restart_with_passive_threads(options)
     type(job_options_type), intent(in) :: options
     integer :: n
@@ -245,7 +245,7 @@ contains
   end subroutine set_dialect
 
 
-  !> The one word that is no option: the job.
+  !> Sets the job: the only word that is not an option.
   subroutine set_job(options, value, error)
     type(job_options_type), intent(inout) :: options
     character(*), intent(in) :: value
@@ -258,7 +258,7 @@ contains
   end subroutine set_job
 
 
-  !> From the word of the user to the deck, the name of the job and the folder of the results (default: the deck's own).
+  !> Finds the deck, the name of the job and the folder of the results (default: that of the deck).
   subroutine find_deck(options, error)
     type(job_options_type), intent(inout) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -303,7 +303,7 @@ contains
   end function is_inp
 
 
-  !> A sentence and the line that tells the usage.
+  !> Sets an error with a sentence and the usage line.
   subroutine set_usage_error(error, sentence)
     type(error_type), allocatable, intent(out) :: error
     character(*), intent(in) :: sentence
@@ -311,7 +311,7 @@ contains
   end subroutine set_usage_error
 
 
-  !> The i-th word of the command line; empty if there is none.
+  !> The i-th word of the command line; empty beyond the last.
   function argument(i) result(word)
     integer, intent(in) :: i
     character(:), allocatable :: word
@@ -322,7 +322,7 @@ contains
   end function argument
 
 
-  !> What --help prints.
+  !> Prints the help text.
   subroutine print_help(logger)
     type(logger_type), intent(inout) :: logger
     character(*), parameter :: TEXT(*) = [character(112) :: &
