@@ -1,8 +1,8 @@
-!> Columns: the tables of the result file as data: names, widths, units, sentences; and how they are made and filled.
+!> Result schema: names, widths, units and descriptions of the tables of the result file, and their creation and filling.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A group of columns is a group of the file with one data set per column and the same number of rows in each. What is
-!! written comes as two matrices, integers and reals, with the values of the columns one below the other.
+!! A group of columns is a group of the file with one data set per column and the same number of rows in each. The values are
+!! passed as two matrices, integers and reals, with the columns one below the other.
 module amontons_result_schema
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
@@ -210,7 +210,7 @@ contains
   end subroutine create_columns
 
 
-  !> Opens the tables of a group that is there, to go on after their last rows.
+  !> Opens the tables of an existing group to append rows.
   subroutine open_columns(store, folder, columns, n_rows_hint, tables, error)
     type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: folder              !< full path of the group
@@ -238,7 +238,7 @@ contains
   end function field_rows
 
 
-  !> What the table of a column looks like.
+  !> Layout of the table of a column.
   pure function layout_of(column, n_rows_hint) result(form)
     type(result_column_type), intent(in) :: column
     integer, intent(in) :: n_rows_hint
@@ -248,7 +248,7 @@ contains
   end function layout_of
 
 
-  !> Adds rows to all tables of a group of columns. (The brackets say that a copy is meant: rows of a matrix are apart.)
+  !> Adds rows to all tables of a group of columns. (The brackets make a copy: rows of a matrix are not contiguous.)
   subroutine append_columns(store, columns, integers, reals, tables, error)
     type(hdf5_file_type), intent(in) :: store
     type(result_column_type), intent(in) :: columns(:)
@@ -301,9 +301,9 @@ contains
   end subroutine write_columns
 
 
-  !> An error if a value is NaN or infinite: a mistake of the program that must not reach the file.
+  !> Sets an error if a value is NaN or infinite: a program error that must not reach the file.
   subroutine check_finite(where, columns, reals, error)
-    character(*), intent(in) :: where               !< what a row is, e.g. 'node'
+    character(*), intent(in) :: where               !< meaning of a row, e.g. 'node'
     type(result_column_type), intent(in) :: columns(:)
     real(DP), intent(in) :: reals(:, :)             !< (widths of the real columns, rows)
     type(error_type), allocatable, intent(out) :: error
