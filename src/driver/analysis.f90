@@ -122,7 +122,7 @@ contains
       call restore_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
       call rollback_analysis(analysis, error)
       if (allocated(error)) return
-      call logger%say('The job goes on from increment ' // to_text(origin%label%increment) // ' of step ' // &
+      call logger%say('The job continues from increment ' // to_text(origin%label%increment) // ' of step ' // &
         to_text(origin%label%step) // ' in ' // origin%path // ', at time ' // to_text(origin%label%total_time) // '.')
     end associate
   end subroutine continue_from_restart
@@ -139,9 +139,9 @@ contains
     call rollback_analysis(analysis, error)
     if (allocated(error)) return
     if (analysis%stepper%step == 0) then
-      call logger%say('The job goes on from its start.')
+      call logger%say('The job starts again from its beginning.')
     else
-      call logger%say('The job goes on after the checkpoint at time ' // to_text(analysis%stepper%total_time) // &
+      call logger%say('The job continues after the checkpoint at time ' // to_text(analysis%stepper%total_time) // &
         ' in step ' // to_text(analysis%stepper%step) // '.')
     end if
   end subroutine resume_from_checkpoint
@@ -423,7 +423,7 @@ contains
     integer, parameter :: SIGINT = 2               ! POSIX
     sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', pending_stop_signal() == SIGINT)) // &
       ' at time ' // to_text(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
-      '--resume ' // analysis%options%job // ' goes on after them.'
+      '--resume ' // analysis%options%job // ' continues after them.'
   end function signal_message
 
 
@@ -623,7 +623,7 @@ contains
       call solve_symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
     else
       call set_error(error, EXIT_SOLVER, 'There is not enough memory to begin: ' // to_text(BLAS_BUFFER_MEGABYTES) // &
-        ' megabytes are wanted.')
+        ' megabytes are needed.')
     end if
   end subroutine reserve_blas
 
@@ -672,7 +672,7 @@ contains
     integer :: megabytes
     megabytes = int(min(n_bytes / MEGABYTE, int(huge(1), I64))) + 1
     if (.not. has_memory(megabytes)) call set_error(error, EXIT_SOLVER, 'There is not enough memory to ' // what // &
-      ': at least ' // to_text(megabytes) // ' megabytes are wanted.')
+      ': at least ' // to_text(megabytes) // ' megabytes are needed.')
   end subroutine reserve_memory
 
 end module amontons_analysis

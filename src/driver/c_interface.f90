@@ -341,7 +341,7 @@ contains
       if (present(columns)) columns = size(found, 1, kind=c_int64_t)
       if (present(rows)) rows = size(found, 2, kind=c_int64_t)
       if (c_associated(values) .and. capacity < size(found, kind=c_int64_t)) then
-        call set_error(error, EXIT_USAGE, 'There is not enough room for the values of ' // text_at(quantity) // '.')
+        call set_error(error, EXIT_USAGE, 'The array is too small for the values of ' // text_at(quantity) // '.')
       else if (c_associated(values)) then
         call c_f_pointer(values, target, shape(found))
         target = found
@@ -392,7 +392,7 @@ contains
       at = max(1, sum(len_trim(names) + 1))
       if (present(needed)) needed = int(at, c_int64_t)
       if (c_associated(text) .and. buffer_size < int(at, c_int64_t)) then
-        call set_error(error, EXIT_USAGE, 'There is not enough room for the names of ' // text_at(kind) // '.')
+        call set_error(error, EXIT_USAGE, 'The buffer is too small for the names of ' // text_at(kind) // '.')
       else if (c_associated(text)) then
         call c_f_pointer(text, letters, [at])
         at = 0

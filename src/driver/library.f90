@@ -250,7 +250,7 @@ contains
     end if
     if (job%analysis%n_records > job%analysis%n_committed) then
       if (job%is_begun .or. .not. job%analysis%records(job%analysis%n_records)%is_converged) then
-        call set_error(error, EXIT_USAGE, 'What has not converged cannot be committed; iterate on or roll back.')
+        call set_error(error, EXIT_USAGE, 'An increment that has not converged cannot be committed; iterate on or roll back.')
         return
       end if
     end if

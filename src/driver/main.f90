@@ -333,10 +333,10 @@ contains
       '', &
       'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
       '', &
-      '  --explain                    tell card by card what is used, has no effect or is refused, with the numbers', &
+      '  --explain                    list card by card what is used, has no effect or is refused, with the numbers', &
       '                               taken, then stop', &
-      '  --check                      read the deck, check and audit the model, then stop', &
-      '  --resume                     go on with a job that was stopped, from its checkpoint job.restart', &
+      '  --check                      read the deck, check the model, then stop', &
+      '  --resume                     continue a job that was stopped, from its checkpoint job.restart', &
       '  --no-checkpoint              write no checkpoint', &
       '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors;', &
       '                               one for a small model)', &
@@ -344,24 +344,24 @@ contains
       '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
       '                               "** dialect: calculix" in the first comments of the deck says)', &
       '  --frd                        write all fields to job.frd too, for CGX, PrePoMax and the like (under the', &
-      '                               calculix dialect the FILE cards of the deck ask for it)', &
-      '  --user FILE, user=FILE       routines of the user (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
+      '                               calculix dialect the FILE cards of the deck request it)', &
+      '  --user FILE, user=FILE       user routines (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
       '                               shared library', &
-      '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ goes on from', &
+      '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ continues from', &
       '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
       '  --quiet                      write nothing but failures', &
       '  --cards                      list the cards', &
       '  --version                    print the version', &
       '  --help                       print this text', &
       '', &
-      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.frd (if asked for), job.sta and job.cvg (what', &
+      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.frd (if requested), job.sta and job.cvg (what', &
       'each increment and iteration cost), and until the job is done job.restart, the checkpoint of the last converged', &
       'increment.', &
-      'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 asks for a line of status.', &
+      'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 requests a status line.', &
       '', &
-      'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model cannot stand, 5 not converged (all', &
-      'converged increments are on disk), 6 linear solver or memory, 7 reading or writing a file, 8 a mistake of', &
-      'Amontons itself.']
+      'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model check found errors, 5 not converged (all', &
+      'converged increments are on disk), 6 linear solver or memory, 7 reading or writing a file, 8 an internal', &
+      'error of Amontons.']
     integer :: i
     do i = 1, size(TEXT)
       call logger%say(trim(TEXT(i)))

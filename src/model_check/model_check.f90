@@ -59,8 +59,8 @@ contains
     else
       call check_bodies(model, contact, slaves, report)
     end if
-    if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model cannot stand as it is: the audit found ' // &
-      plural(report%n_errors, 'error') // '. No step was begun.')
+    if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model check found ' // &
+      plural(report%n_errors, 'error') // '. No step was started.')
   end subroutine check_model
 
 
@@ -161,10 +161,10 @@ contains
       end do
     end do
     if (loaded%n > 0) call report_warning(report, 'A force (*CLOAD) acts on ' // plural(loaded%n, 'node') // &
-      ' without elements (' // label_list(loaded%trimmed()) // '): no body feels it. Check the node labels of ' // &
+      ' without elements (' // label_list(loaded%trimmed()) // '): it has no effect. Check the node labels of ' // &
       'the load.')
     if (held%n > 0) call report_warning(report, 'A displacement (*BOUNDARY) is given for ' // plural(held%n, 'node') // &
-      ' without elements (' // label_list(held%trimmed()) // '): it holds nothing. Check the node labels ' // &
+      ' without elements (' // label_list(held%trimmed()) // '): it has no effect. Check the node labels ' // &
       'of the support.')
 
   contains
@@ -516,8 +516,8 @@ contains
     do b = 1, bodies%n
       if (is_only_pushed(b) .and. norm2(mean_normal(:, b)) > 0.5_DP) call report_warning(report, &
         'Nothing but contact holds the ' // &
-        body_name(model, bodies%list(b)) // ', no load acts on it, and all contact pushes it one way: it will move off. ' // &
-        'Hold it by *BOUNDARY, or load it against what it touches.')
+        body_name(model, bodies%list(b)) // ', no load acts on it, and all contact pushes it in one direction: it will ' // &
+        'move away. Hold it by *BOUNDARY, or load it against what it touches.')
     end do
   end subroutine check_unilateral_support
 

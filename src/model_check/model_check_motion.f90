@@ -660,10 +660,10 @@ contains
     select case (code)
     case (FINDING_PLACED)
       text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
-        'held where the steps before have brought it.'
+        'held after the previous steps have moved it.'
     case (FINDING_OPEN)
-      text = ' until its contact closes: what could hold it is open at the start. It will be carried to where it ' // &
-        'touches; a body that shall not move so is to be driven by a prescribed displacement.'
+      text = ' until its contact closes: what could hold it is open at the start. Proximal steps will move it to ' // &
+        'first contact; to control this motion, prescribe a displacement.'
     case default
       text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
         'that is held (only friction holds it along the surface).'

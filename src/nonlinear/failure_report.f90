@@ -307,7 +307,7 @@ contains
       state%old%slaves%overrides%edge /= NODE_OVERRIDE_EXTENDED)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(labels_of(model, state%new%slaves, &
       slaves)) // &
-      ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
+      ' left the master and returned in a cycle: the facet at its edge is extended for them.']
     slaves = slaves_off_master(state%old%slaves, state%new%slaves)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: lines, 'Slave ' // &
       node_list(labels_of(model, state%new%slaves, slaves)) // ' ran off the master surface in this increment: nothing ' // &

@@ -37,7 +37,7 @@ contains
     character(:), allocatable :: words
     select case (failure%code)
     case (FAILURE_MATERIAL)
-      words = 'element ' // first_of(failure) // ' turned inside out, or its material found no answer.'
+      words = 'element ' // first_of(failure) // ' is inverted, or its material law has no solution.'
     case (FAILURE_SINGULAR)
       words = 'the stiffness matrix is singular: a body is free to move, or the structure has buckled.'
     case (FAILURE_NOT_FINITE)
@@ -60,11 +60,11 @@ contains
     case (FAILURE_PASSED_THROUGH)
       words = 'node ' // first_of(failure) // ' passed through its master within the increment.'
     case (FAILURE_DEEP)
-      words = node_list(failure%labels) // ' went deep into the master at once.'
+      words = node_list(failure%labels) // ' penetrated deeply into the master in one iteration.'
     case (FAILURE_LIMIT_POINT)
       words = 'the stiffness is not positive: the structure buckles, snaps through, or softens.'
     case (FAILURE_CONTACT_LIMIT)
-      words = 'contact finds no balance near by: it lets go faster than the bodies follow'
+      words = 'no equilibrium nearby: contact is lost unstably'
       if (size(failure%labels) > 0) words = words // ', first at ' // node_list(failure%labels)
       words = words // '.' // all_slip(failure, 'if nothing else holds a body, friction does not.')
     case (FAILURE_GROWING)
@@ -105,7 +105,7 @@ contains
     case (FAMILY_SLOW)
       words = 'SLOW'
     case (FAMILY_USER_ROUTINE)
-      words = 'A user routine asks for a smaller increment'
+      words = 'A user routine requests a smaller increment'
     case (FAMILY_SIGNAL)
       words = 'The job was stopped by a signal'
     case default

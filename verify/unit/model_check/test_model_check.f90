@@ -93,8 +93,7 @@ contains
           end do
         end do
       end do
-      if (allocated(mesh%section_value)) deallocate (mesh%section_value, mesh%directions, mesh%is_auxiliary)   ! of the blocks
-                                                                                                               ! before
+      if (allocated(mesh%section_value)) deallocate (mesh%section_value, mesh%directions, mesh%is_auxiliary)   ! outdated
     end associate
     call finalize_mesh(model%mesh)
   end subroutine add_block

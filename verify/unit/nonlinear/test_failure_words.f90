@@ -68,18 +68,18 @@ contains
       'STICK-SLIP FLIP of length 3 at nodes 1, 2, 3, 4, 5, 6, 7, 8 and 2 more.')
     failure%labels = [5]
     failure%code = FAILURE_DEEP
-    call suite%that('one node', failure_words(failure) == 'PENETRATION JUMP: node 5 went deep into the master at once.')
+    call suite%that('one node', failure_words(failure) == 'PENETRATION JUMP: node 5 penetrated deeply into the master in one ' // &
+      'iteration.')
     failure%code = FAILURE_CONTACT_LIMIT
     failure%n_slipping = 4
-    call suite%that('limit of contact', failure_words(failure) == 'LIMIT POINT: contact finds no balance near by: it lets go ' // &
-      'faster than the bodies follow, first at node 5. All 4 closed slave nodes slip: if nothing else holds a body, friction ' // &
-      'does not.')
+    call suite%that('limit of contact', failure_words(failure) == 'LIMIT POINT: no equilibrium nearby: contact is lost ' // &
+      'unstably, first at node 5. All 4 closed slave nodes slip: if nothing else holds a body, friction does not.')
     failure%labels = [integer ::]
     failure%n_slipping = 0
-    call suite%that('the same without nodes', failure_words(failure) == 'LIMIT POINT: contact finds no balance near by: it ' // &
-      'lets go faster than the bodies follow.')
+    call suite%that('the same without nodes', failure_words(failure) == 'LIMIT POINT: no equilibrium nearby: contact is lost ' // &
+      'unstably.')
     failure = sample(FAILURE_USER_ROUTINE)
-    call suite%that('user routine', failure_words(failure) == 'A user routine asks for a smaller increment: PNEWDT is 0.5.')
+    call suite%that('user routine', failure_words(failure) == 'A user routine requests a smaller increment: PNEWDT is 0.5.')
     failure = sample(FAILURE_SIGNAL)
     call suite%that('signal', failure_words(failure) == 'The job was stopped by a signal.')
     failure = sample(FAILURE_CONSTRAINTS)
