@@ -172,7 +172,7 @@ contains
   end function n_all_slipping
 
 
-  !> Cause within contact; FAILURE_NONE if there is none.
+  !> Cause within contact; FAILURE_NONE if contact is not the cause.
   function failure_of_contact(model, system, state, newton) result(failure)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system

@@ -69,8 +69,7 @@ contains
     newton = newton_type(convergence_measures_type(), iteration_record_type(), active_set_history=active_set_history_type(), &
       n_shifted=system%n_shifted, &
       force_scale=newton%force_scale)
-    if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! left by an attempt that ended
-                                                                                                    ! in a proximal step
+    if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! of a failed attempt
     call begin_increment(system, model, step, is_step_start, state)
     newton%outcome = OUTCOME_ELEMENT
     if (.not. is_step_start) then

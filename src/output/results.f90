@@ -340,7 +340,7 @@ contains
     columns = INTEGRATION_COLUMNS
     n = 0
     if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
-    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'Variables of UMAT (STATEV), as it left them.')]
+    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'State variables of UMAT (STATEV).')]
   end function columns_of_points
 
 
@@ -645,9 +645,9 @@ contains
       'Why the attempt failed; empty if it converged.', error)
     if (.not. allocated(error)) call create_group(store, FAILURE_TEXT_GROUP, error)
     if (.not. allocated(error)) call create_table(store, failure_texts%line, FAILURE_TEXT_GROUP // '/line', LINE_FORM, '[-]', &
-      'What was told of attempts: of those that failed the worst nodes with their contact, and a remedy.', error)
+      'Reports on failed attempts: worst nodes with their contact, and a remedy.', error)
     if (.not. allocated(error)) call create_table(store, failure_texts%attempt, FAILURE_TEXT_GROUP // '/attempt', ROW_FORM, '[-]', &
-      'The row of the history that the line is about.', error)
+      'Row of the history for each line.', error)
   end subroutine create_failure_texts
 
 
