@@ -1,12 +1,12 @@
-!> Analysis: the job in three verbs: start, advance by one increment, finish; and the smaller verbs that they are made of.
+!> Job driver: start, advance by one increment, finish; attempts, cut-back, commit and rollback.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `advance_analysis` is `solve_increment` and `commit_analysis`. Between the two the solution can be looked at and thrown
-!! away: `rollback_analysis` makes everything bitwise what it was at the last commit. Only a commit writes fields.
+!! `advance_analysis` is `solve_increment` and `commit_analysis`. Between the two the solution can be inspected and
+!! discarded: `rollback_analysis` restores the state of the last commit bitwise. Only a commit writes fields.
 !!
-!! An allocation that fails without a word of what to do ends the process, that of a caller of the library too. The large and
-!! foreseeable ones (factor, vectors of GMRES, dense blocks) look at their own status; for the many others their sum is asked for at
-!! once, before a job begins to take it piece by piece (`claim_...`).
+!! An allocation without `stat=` that fails ends the process, including that of a caller of the library. The large and
+!! predictable allocations (factor, vectors of GMRES, dense blocks) check their own status. For the many others the job tests
+!! beforehand whether their sum is available (`reserve_...`).
 module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
@@ -50,13 +50,13 @@ module amontons_analysis
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
-  integer, parameter :: BLAS_BUFFER_MEGABYTES = 160          !< what OpenBLAS takes at its first call, and some more [megabytes]
+  integer, parameter :: BLAS_BUFFER_MEGABYTES = 160          !< allocated by OpenBLAS at its first call, with a margin [megabytes]
 
-  integer, parameter :: MIN_NODES_THREADED = 4000         !< nodes below which threads wait longer for each other than they save
+  integer, parameter :: MIN_NODES_THREADED = 4000         !< below, synchronization of threads costs more than it saves
 
 contains
 
-  !> Reads the deck, builds and audits the system, and opens the result files; or goes on after the checkpoint
+  !> Reads the deck, builds and checks the model, and opens the result files; or resumes from the checkpoint
   !! (options%is_resumed). With options%is_check it stops before the files.
   !!
   !! Errors: EXIT_DECK, EXIT_SETUP (nothing has been written), EXIT_IO, EXIT_SOLVER.
@@ -108,7 +108,7 @@ contains
   end subroutine start_analysis
 
 
-  !> Goes on from the state of another job.
+  !> Continues from the state of another job.
   subroutine continue_from_restart(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -122,13 +122,13 @@ contains
       call restore_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
       call rollback_analysis(analysis, error)
       if (allocated(error)) return
-      call logger%say('The job goes on from increment ' // to_text(origin%label%increment) // ' of step ' // &
+      call logger%say('The job continues from increment ' // to_text(origin%label%increment) // ' of step ' // &
         to_text(origin%label%step) // ' in ' // origin%path // ', at time ' // to_text(origin%label%total_time) // '.')
     end associate
   end subroutine continue_from_restart
 
 
-  !> Goes back to the checkpoint.
+  !> Restores the checkpoint.
   subroutine resume_from_checkpoint(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -139,15 +139,15 @@ contains
     call rollback_analysis(analysis, error)
     if (allocated(error)) return
     if (analysis%stepper%step == 0) then
-      call logger%say('The job goes on from its start.')
+      call logger%say('The job starts again from its beginning.')
     else
-      call logger%say('The job goes on after the checkpoint at time ' // to_text(analysis%stepper%total_time) // &
+      call logger%say('The job continues after the checkpoint at time ' // to_text(analysis%stepper%total_time) // &
         ' in step ' // to_text(analysis%stepper%step) // '.')
     end if
   end subroutine resume_from_checkpoint
 
 
-  !> Threads of the element loop of this job; without OpenMP nothing happens. The number belongs to the calling thread.
+  !> Sets the number of threads of this job; no effect without OpenMP. The number is a property of the calling thread.
   subroutine use_threads(n_threads)
 !$  use omp_lib, only: omp_set_num_threads
     integer, intent(in) :: n_threads               !< 0: as many as OpenMP has
@@ -158,7 +158,7 @@ contains
   end subroutine use_threads
 
 
-  !> The head of the log: the version, and how far results are the same when the job is run again.
+  !> Head of the log: the version, and how reproducible the results are.
   subroutine log_threads(n_threads, logger)
 !$  use omp_lib, only: omp_get_max_threads
     integer, intent(in) :: n_threads               !< 0: as many as OpenMP has
@@ -171,7 +171,7 @@ contains
   end subroutine log_threads
 
 
-  !> The model's audit on the contact as it stands before the first increment.
+  !> Model check with the contact before the first increment.
   subroutine check_initial_model(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -191,7 +191,7 @@ contains
   end subroutine check_initial_model
 
 
-  !> One increment, with as many attempts as it takes, committed and written.
+  !> Solves one increment with cut-backs, commits and writes it.
   !!
   !! Errors: EXIT_NOT_CONVERGED after the last cut-back, EXIT_SETUP for a step whose constraints contradict each other,
   !! EXIT_SOLVER, EXIT_IO. Every converged increment is on disk.
@@ -223,10 +223,10 @@ contains
   end subroutine advance_analysis
 
 
-  !> One increment, with as many attempts as it takes; it ends at `until` at the latest. Nothing is committed.
+  !> Solves one increment with cut-backs; it ends at `until` at the latest. Nothing is committed.
   !!
-  !! After: without an error the stepper and the committed fields of the state stand at the end of the increment; what
-  !! was there at the last commit is in the snapshot. With an error they stand where they stood.
+  !! After: without an error the stepper and the committed fields of the state are those at the end of the increment; the
+  !! snapshot contains those of the last commit. After an error they are unchanged.
   subroutine solve_increment(analysis, logger, until, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -262,7 +262,7 @@ contains
   end subroutine solve_increment
 
 
-  !> Says how the equations are solved, where that is worth a word.
+  !> Logs the message of the linear solver about its method, if any.
   subroutine log_solver_choice(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -274,12 +274,12 @@ contains
   end subroutine log_solver_choice
 
 
-  !> The next step begins if the last one is done.
+  !> Starts the next step if the last one is done.
   subroutine enter_step(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_step_start) return
-    if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has begun
+    if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has started
     call begin_stepping(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
     analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
     call begin_loads(analysis%driven_loads, analysis%model, analysis%stepper%step)
@@ -288,7 +288,7 @@ contains
   end subroutine enter_step
 
 
-  !> An attempt at an increment of length dt begins, from the last converged one.
+  !> Starts an attempt at an increment of length dt, from the last converged one.
   subroutine begin_trial(analysis, dt, error)
     type(analysis_type), intent(inout) :: analysis
     real(DP), intent(in) :: dt                     !< [time]
@@ -301,7 +301,7 @@ contains
   end subroutine begin_trial
 
 
-  !> One Newton iteration of the attempt. A converged one is accepted: stepper and state stand at its end.
+  !> One Newton iteration of the attempt. A converged attempt is accepted: stepper and state advance to its end.
   subroutine iterate_trial(analysis, logger, verdict, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -309,7 +309,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: turn
     associate (step => analysis%driven_loads%step)
-      turn = suspend_lock()                            ! other jobs of the process may read, write and tell meanwhile
+      turn = suspend_lock()                            ! other jobs of the process may read, write and log meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
       call resume_lock(turn)
       if (.not. allocated(error)) call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
@@ -320,7 +320,7 @@ contains
   end subroutine iterate_trial
 
 
-  !> A converged attempt: its forces and works are added up, and the trial fields become the ones to go on from.
+  !> Accepts a converged attempt: sums forces and works, and makes the trial fields the committed ones.
   subroutine accept_attempt(analysis, step)
     type(analysis_type), intent(inout) :: analysis
     type(step_type), intent(in) :: step
@@ -342,7 +342,7 @@ contains
   end subroutine accept_attempt
 
 
-  !> Commits what was solved since the last commit: the increments go to the files, the fields of the last of them too.
+  !> Commits the increments solved since the last commit: writes them, and the fields of the last one, to the files.
   subroutine commit_analysis(analysis, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -370,7 +370,7 @@ contains
   end subroutine commit_analysis
 
 
-  !> Notes the state as the last commit.
+  !> Stores the state as the last commit.
   subroutine save_commit(analysis)
     type(analysis_type), intent(inout) :: analysis
     analysis%n_committed = analysis%n_records
@@ -380,7 +380,7 @@ contains
   end subroutine save_commit
 
 
-  !> Everything is as at the last commit, bitwise; what was solved since then is forgotten.
+  !> Restores the state of the last commit bitwise and discards what was solved since.
   subroutine rollback_analysis(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
@@ -395,7 +395,7 @@ contains
   end subroutine rollback_analysis
 
 
-  !> SIGUSR1: a line that tells where the job is. SIGINT and SIGTERM: the attempt ends here, and with it the job.
+  !> SIGUSR1: logs a status line. SIGINT and SIGTERM: end the attempt and the job.
   subroutine handle_signals(analysis, logger, verdict, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -416,18 +416,18 @@ contains
   end subroutine handle_signals
 
 
-  !> What is told when a signal has stopped the job.
+  !> Message after a signal stopped the job.
   function signal_message(analysis) result(sentence)
     type(analysis_type), intent(in) :: analysis
     character(:), allocatable :: sentence
     integer, parameter :: SIGINT = 2               ! POSIX
     sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', pending_stop_signal() == SIGINT)) // &
       ' at time ' // to_text(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
-      '--resume ' // analysis%options%job // ' goes on after them.'
+      '--resume ' // analysis%options%job // ' continues after them.'
   end function signal_message
 
 
-  !> The trial state starts from the committed one, at the time of the end of the increment; counters start from zero.
+  !> Resets the trial state to the committed one at the end time of the increment, and the counters to zero.
   subroutine start_attempt(analysis, dt)
     type(analysis_type), intent(inout) :: analysis
     real(DP), intent(in) :: dt                     !< [time]
@@ -454,7 +454,7 @@ contains
   end subroutine start_attempt
 
 
-  !> Room for twice as many records.
+  !> Doubles the capacity for records.
   subroutine enlarge_records(records)
     type(increment_record_type), allocatable, intent(inout) :: records(:)
     type(increment_record_type), allocatable :: larger(:)
@@ -464,7 +464,7 @@ contains
   end subroutine enlarge_records
 
 
-  !> Iteration to the screen, to .cvg and to the list for the iteration table; its counts into the record of the attempt.
+  !> Logs an iteration, writes it to .cvg and to the list for the iteration table, and adds its counts to the attempt.
   subroutine log_iteration(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -492,7 +492,7 @@ contains
   end subroutine log_iteration
 
 
-  !> A failed attempt: tell it, go back to the committed state, cut back or give up.
+  !> Rejects a failed attempt: reports it, restores the committed state, then cuts back or gives up.
   subroutine reject_attempt(analysis, step, dt, verdict, logger, error)
     type(analysis_type), intent(inout) :: analysis
     type(step_type), intent(in) :: step
@@ -528,7 +528,7 @@ contains
   end subroutine reject_attempt
 
 
-  !> A failed attempt to the screen and to .sta.
+  !> Logs a failed attempt and writes it to .sta.
   subroutine log_attempt(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -539,12 +539,12 @@ contains
   end subroutine log_attempt
 
 
-  !> Slip, work and the sums of the forces of a converged increment.
+  !> Computes slip, work and force sums of a converged increment.
   subroutine sum_works(model, state, record, damping_work)
     type(model_type), intent(in) :: model
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
-    real(DP), intent(in) :: damping_work                 !< work of damping forces, which are among the applied ones [energy]
+    real(DP), intent(in) :: damping_work                 !< work of damping forces, included in the applied ones [energy]
     integer :: s
     call accumulate_slip(state%old, state%new)
     associate (old => state%old, new => state%new, is_abstract => model%mesh%is_auxiliary)
@@ -570,7 +570,7 @@ contains
   end subroutine sum_works
 
 
-  !> Counters and seconds of the attempt.
+  !> Sets counters and times of the attempt.
   subroutine complete_record(analysis, record)
     type(analysis_type), intent(in) :: analysis
     type(increment_record_type), intent(inout) :: record
@@ -584,7 +584,7 @@ contains
   end subroutine complete_record
 
 
-  !> How much of the time of all steps is done.
+  !> Completed fraction of the time of all steps [-].
   pure real(DP) function done_fraction(analysis) result(fraction)
     type(analysis_type), intent(in) :: analysis
     associate (steps => analysis%model%steps, stepper => analysis%stepper)
@@ -609,8 +609,9 @@ contains
   end subroutine finish_analysis
 
 
-  !> Kernels of the BLAS, and its buffer: OpenBLAS takes it at its first call, and asks for ever if there is no room. It works with
-  !! one thread: threads share what is above it, and its own, which wait by asking, would only be in their way.
+  !> Chooses the kernels of the BLAS and checks the memory for its buffer: OpenBLAS allocates it at its first call, and retries
+  !! forever if memory is short. The BLAS runs with one thread: the program's threads share the loops above it, and the busy
+  !! waiting of further threads would slow them down.
   subroutine reserve_blas(error)
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: kernels
@@ -622,12 +623,12 @@ contains
       call solve_symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), values, vectors, unused)
     else
       call set_error(error, EXIT_SOLVER, 'There is not enough memory to begin: ' // to_text(BLAS_BUFFER_MEGABYTES) // &
-        ' megabytes are wanted.')
+        ' megabytes are needed.')
     end if
   end subroutine reserve_blas
 
 
-  !> Room for the text of a deck and what is made of it. Asked for at once, so that a lack of memory is told and ends no process.
+  !> Checks the memory for the text of a deck and its tables in advance, so that a lack of memory is an error message.
   subroutine reserve_deck(options, error)
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -643,8 +644,8 @@ contains
   end subroutine reserve_deck
 
 
-  !> Room for what a model of this size has at least beside its factor, which is asked for later: places and entries of the
-  !! stiffness and of one more matrix, stresses and histories of three states.
+  !> Checks the least memory of a model of this size without its factor, which is checked later: structure and entries of the
+  !! stiffness and of one more matrix, stresses and history variables of three states.
   subroutine reserve_matrices(model, error)
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
@@ -662,7 +663,7 @@ contains
   end subroutine reserve_matrices
 
 
-  !> Whether so much memory can be had at once. Errors: EXIT_SOLVER.
+  !> Checks whether so much memory is available. Errors: EXIT_SOLVER.
   subroutine reserve_memory(what, n_bytes, error)
     character(*), intent(in) :: what                 !< to follow 'to'
     integer(I64), intent(in) :: n_bytes
@@ -671,7 +672,7 @@ contains
     integer :: megabytes
     megabytes = int(min(n_bytes / MEGABYTE, int(huge(1), I64))) + 1
     if (.not. has_memory(megabytes)) call set_error(error, EXIT_SOLVER, 'There is not enough memory to ' // what // &
-      ': at least ' // to_text(megabytes) // ' megabytes are wanted.')
+      ': at least ' // to_text(megabytes) // ' megabytes are needed.')
   end subroutine reserve_memory
 
 end module amontons_analysis

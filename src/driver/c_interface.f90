@@ -1,4 +1,4 @@
-!> Capi: the verbs of the library for C, behind an opaque handle; the face is amontons.h.
+!> The C API behind an opaque handle (amontons.h).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_c_interface
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, &
@@ -26,15 +26,15 @@ module amontons_c_interface
     type(c_ptr) :: context
   end type options_type
 
-  !> What the handle points to.
+  !> Target of the handle.
   type :: handle_type
     type(job_type) :: job
     character(kind=c_char), pointer :: message(:) => null()
-    type(sparse_type) :: matrix                    !< the one asked for last
+    type(sparse_type) :: matrix                    !< the last one requested
     real(DP), allocatable :: residual(:)
   end type handle_type
 
-  !> Hands the lines of the journal to a function of the caller.
+  !> Log sink that passes the lines to a function of the caller.
   type, extends(log_sink_type) :: c_listener_type
     type(c_funptr) :: log
     type(c_ptr) :: context = c_null_ptr
@@ -69,7 +69,7 @@ contains
   end function capi_abi
 
 
-  !> State, scenario and step length of slave nodes of the caller's own; the indices of the arrays run the other way in C.
+  !> Status, scenario and step length of the caller's own slave nodes; array indices have the reverse order in C.
   integer(c_int) function capi_classify(n, Rt, normal_force, slip, direction, mu, controls, verdicts, alpha) &
     bind(C, name='amontons_classify') result(status)
     integer(c_int64_t), value :: n                 !< nodes
@@ -109,7 +109,7 @@ contains
   end function capi_classify
 
 
-  !> The version of the program, cut off to the room there is.
+  !> The version of the program, truncated to the buffer.
   subroutine capi_version(text, buffer_size) bind(C, name='amontons_version')
     integer(c_int), value :: buffer_size                  !< characters, the ending 0 included
     character(kind=c_char), intent(out) :: text(buffer_size)
@@ -121,10 +121,10 @@ contains
   end subroutine capi_version
 
 
-  !> Begins a job.
+  !> Opens a job.
   integer(c_int) function capi_open(options, handle) bind(C, name='amontons_open') result(status)
     type(c_ptr), value :: options                  !< amontons_options
-    type(c_ptr), intent(out), optional :: handle   !< optional, like all answers here: a caller may give NULL
+    type(c_ptr), intent(out), optional :: handle   !< optional like all output arguments here: NULL is allowed
     type(options_type), pointer :: given
     type(handle_type), pointer :: self
     type(job_options_type) :: wanted
@@ -156,7 +156,7 @@ contains
   end function capi_open
 
 
-  !> Options of C in ours. Errors: another binary interface, an unknown dialect.
+  !> Converts the options of C. Errors: another binary interface, an unknown dialect.
   subroutine convert_options(options, wanted, error)
     type(options_type), intent(in) :: options
     type(job_options_type), intent(inout) :: wanted
@@ -189,7 +189,7 @@ contains
   end subroutine convert_options
 
 
-  !> Ends a job and gives its memory back.
+  !> Closes a job and frees its memory.
   subroutine capi_close(handle) bind(C, name='amontons_close')
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
@@ -202,7 +202,7 @@ contains
   end subroutine capi_close
 
 
-  !> The message of the last verb that failed.
+  !> The message of the last call that failed.
   type(c_ptr) function capi_message(handle) bind(C, name='amontons_message') result(text)
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
@@ -225,7 +225,7 @@ contains
   end function capi_is_done
 
 
-  !> One increment, committed.
+  !> Solves and commits one increment.
   integer(c_int) function capi_advance(handle) bind(C, name='amontons_advance') result(status)
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
@@ -236,7 +236,7 @@ contains
   end function capi_advance
 
 
-  !> Increments until a total time, each committed.
+  !> Solves increments until a total time, each committed.
   integer(c_int) function capi_advance_to(handle, total_time) bind(C, name='amontons_advance_to') result(status)
     type(c_ptr), value :: handle
     real(c_double), value :: total_time            !< [time]
@@ -248,7 +248,7 @@ contains
   end function capi_advance_to
 
 
-  !> Solves to now + dt without a commit.
+  !> Solves to the current time + dt without a commit.
   integer(c_int) function capi_try(handle, dt) bind(C, name='amontons_try') result(status)
     type(c_ptr), value :: handle
     real(c_double), value :: dt                    !< [time]
@@ -260,7 +260,7 @@ contains
   end function capi_try
 
 
-  !> Begins an increment to be iterated.
+  !> Starts an increment to be iterated.
   integer(c_int) function capi_begin(handle, dt) bind(C, name='amontons_begin') result(status)
     type(c_ptr), value :: handle
     real(c_double), value :: dt                    !< [time]
@@ -287,7 +287,7 @@ contains
   end function capi_iterate
 
 
-  !> Keeps what was solved since the last commit.
+  !> Commits the increments solved since the last commit.
   integer(c_int) function capi_commit(handle) bind(C, name='amontons_commit') result(status)
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
@@ -298,7 +298,7 @@ contains
   end function capi_commit
 
 
-  !> Everything as at the last commit.
+  !> Restores the last commit.
   integer(c_int) function capi_rollback(handle) bind(C, name='amontons_rollback') result(status)
     type(c_ptr), value :: handle
     type(handle_type), pointer :: self
@@ -341,7 +341,7 @@ contains
       if (present(columns)) columns = size(found, 1, kind=c_int64_t)
       if (present(rows)) rows = size(found, 2, kind=c_int64_t)
       if (c_associated(values) .and. capacity < size(found, kind=c_int64_t)) then
-        call set_error(error, EXIT_USAGE, 'There is not enough room for the values of ' // text_at(quantity) // '.')
+        call set_error(error, EXIT_USAGE, 'The array is too small for the values of ' // text_at(quantity) // '.')
       else if (c_associated(values)) then
         call c_f_pointer(values, target, shape(found))
         target = found
@@ -372,7 +372,7 @@ contains
   end function capi_set
 
 
-  !> The names of a kind, one in a line, ended by 0; with text = NULL only the room that they need, the 0 included.
+  !> The names of a kind, one per line, ended by 0; with text = NULL only the size needed, including the 0.
   integer(c_int) function capi_names(handle, kind, text, buffer_size, needed) bind(C, name='amontons_names') result(status)
     type(c_ptr), value :: handle, kind
     type(c_ptr), value :: text                     !< char[room], or NULL
@@ -392,7 +392,7 @@ contains
       at = max(1, sum(len_trim(names) + 1))
       if (present(needed)) needed = int(at, c_int64_t)
       if (c_associated(text) .and. buffer_size < int(at, c_int64_t)) then
-        call set_error(error, EXIT_USAGE, 'There is not enough room for the names of ' // text_at(kind) // '.')
+        call set_error(error, EXIT_USAGE, 'The buffer is too small for the names of ' // text_at(kind) // '.')
       else if (c_associated(text)) then
         call c_f_pointer(text, letters, [at])
         at = 0
@@ -407,7 +407,7 @@ contains
   end function capi_names
 
 
-  !> Makes a matrix and tells its sizes.
+  !> Computes a matrix and returns its sizes.
   integer(c_int) function capi_matrix(handle, name, rows, columns, entries) bind(C, name='amontons_matrix') &
     result(status)
     type(c_ptr), value :: handle, name
@@ -430,7 +430,7 @@ contains
   end function capi_matrix
 
 
-  !> Copies the matrix made last.
+  !> Copies the matrix computed last.
   integer(c_int) function capi_matrix_copy(handle, first, column, values) bind(C, name='amontons_matrix_copy') &
     result(status)
     type(c_ptr), value :: handle
@@ -461,11 +461,11 @@ contains
   end function capi_residual_copy
 
 
-  !> What a handle points to: what every verb asks first. There is nothing behind NULL.
+  !> Dereferences a handle; every procedure calls this first. NULL is invalid.
   logical function is_handle_valid(handle, self, status)
     type(c_ptr), intent(in) :: handle
     type(handle_type), pointer, intent(out) :: self
-    integer(c_int), intent(out) :: status          !< EXIT_USAGE if there is nothing
+    integer(c_int), intent(out) :: status          !< EXIT_USAGE for an invalid handle
     nullify (self)
     status = EXIT_SUCCESS
     is_handle_valid = c_associated(handle)
@@ -474,7 +474,7 @@ contains
   end function is_handle_valid
 
 
-  !> The status of a verb; the message of an error is kept.
+  !> Status of a call; stores the message of an error.
   integer(c_int) function status_of(self, error) result(status)
     type(handle_type), intent(inout) :: self
     type(error_type), allocatable, intent(in) :: error
@@ -485,7 +485,7 @@ contains
   end function status_of
 
 
-  !> Keeps a message for C.
+  !> Stores a message as a C string.
   subroutine keep_message(self, text)
     type(handle_type), intent(inout) :: self
     character(*), intent(in) :: text
@@ -499,7 +499,7 @@ contains
   end subroutine keep_message
 
 
-  !> A text of C; NULL is empty.
+  !> Text of a C string; NULL gives an empty text.
   function text_at(address) result(text)
     type(c_ptr), intent(in) :: address
     character(:), allocatable :: text
@@ -517,7 +517,7 @@ contains
   end function text_at
 
 
-  !> Hands lines on one by one.
+  !> Passes lines on one by one.
   subroutine forward_lines(self, text)
     class(c_listener_type), intent(inout) :: self
     character(*), intent(in) :: text

@@ -1,12 +1,12 @@
-!> Drive: loads and displacements that a calling program sets while the job runs.
+!> Loads and displacements set by a calling program during the run.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A value that is set is reached at the end of the increments solved next, straight from where it stands, and kept after
-!! that. Each driven degree of freedom or face has an amplitude of its own, of two points, which replaces what the deck said.
-!! What is reached and what stands are those of the last commit: a rollback needs no more.
+!! A value that is set is reached linearly, from the current value, at the end of the increments solved next, and stays
+!! constant after that. Each driven degree of freedom or face has its own amplitude of two points, which replaces the load of the
+!! deck. Start and target values refer to the last commit: a rollback needs no more.
 !!
-!! The model does not change. What is solved with is the present step, drive%step: that of the model, its loads on driven items
-!! replaced, with coefficients of friction that were set, and with the amplitudes as they are now (those of UAMP among them).
+!! The model does not change. The solver uses the current step, `driven_loads%step`: the step of the model with the loads on driven
+!! items replaced, with the coefficients of friction that were set, and with the current amplitudes (including those of UAMP).
 module amontons_driven_loads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
@@ -26,21 +26,21 @@ module amontons_driven_loads
   integer, parameter :: DRIVEN_PRESSURE = 3         !< item: 6 (element - 1) + face
   integer, parameter :: DRIVEN_TEMPERATURE = 4      !< item: node
   integer, parameter :: N_DRIVEN_KINDS = 4
-  integer, parameter :: N_ENTRY_NUMBERS = 8              !< of one driven value in a checkpoint
+  integer, parameter :: N_ENTRY_NUMBERS = 8              !< per driven value in a checkpoint
 
   !> One driven value.
   type :: driven_entry_type
-    integer :: kind = 0                            !< DRIVE_...
+    integer :: kind = 0                            !< DRIVEN_...
     integer :: item = 0
-    integer :: amplitude = 0                       !< index into step%amplitudes of the present step
+    integer :: amplitude = 0                       !< index into step%amplitudes of the current step
     real(DP) :: target = 0                         !< [force], [length] or [stress]
     logical :: is_pending = .false.                !< the target is set and no increment towards it is committed
-    logical :: is_active = .false.                  !< the amplitude runs to the target
+    logical :: is_active = .false.                  !< the amplitude leads to the target
   end type driven_entry_type
 
-  !> All that is driven in a job, and the step that runs.
+  !> All driven values of a job, and the current step.
   type :: driven_loads_type
-    type(step_type) :: step                        !< the present one; its amplitudes are there if something sets any of them
+    type(step_type) :: step                        !< current step; its amplitudes are allocated if any can be set
     type(driven_entry_type), allocatable :: entries(:)
     integer, allocatable :: entry_index(:, :)            !< (items, N_DRIVEN_KINDS) index into entries, 0: not driven
     real(DP), allocatable :: friction(:)           !< (n_interactions) coefficient that was set; negative: the deck's [-]
@@ -53,7 +53,7 @@ module amontons_driven_loads
 
 contains
 
-  !> Before the first step: the loads of that one.
+  !> Before the first step: sets its loads.
   subroutine start_loads(driven_loads, model)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -62,7 +62,7 @@ contains
   end subroutine start_loads
 
 
-  !> A step becomes the present one.
+  !> Makes a step the current one.
   subroutine begin_loads(driven_loads, model, i_step)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -71,7 +71,7 @@ contains
   end subroutine begin_loads
 
 
-  !> A step of the model with what is driven.
+  !> A step of the model with the driven loads.
   function driven_step(driven_loads, model, i_step) result(step)
     type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
@@ -94,7 +94,7 @@ contains
   end function driven_step
 
 
-  !> Amplitudes that can be set: those of the model to begin with.
+  !> Makes the amplitudes settable: a copy of those of the model.
   subroutine own_amplitudes(driven_loads, model)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -108,11 +108,11 @@ contains
   subroutine set_driven(driven_loads, model, i_step, kind, items, values, now, error)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
-    integer, intent(in) :: i_step                  !< step that runs, or the first
-    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: i_step                  !< current step, or the first
+    integer, intent(in) :: kind                    !< DRIVEN_...
     integer, intent(in) :: items(:)                !< each once
     real(DP), intent(in) :: values(:)              !< one per item
-    real(DP), intent(in) :: now(:)                 !< total time, step time, then for displacements and temperatures the values now
+    real(DP), intent(in) :: now(:)                 !< total and step time; displacements, temperatures: also current values
     type(error_type), allocatable, intent(out) :: error
     integer :: i
     logical :: has_new
@@ -134,7 +134,7 @@ contains
   end subroutine set_driven
 
 
-  !> Room for what is driven.
+  !> Allocates the index of driven values.
   subroutine allocate_entries(driven_loads, model)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -144,7 +144,7 @@ contains
   end subroutine allocate_entries
 
 
-  !> Sets the coefficient of friction of an interaction, for the steps that begin from now on.
+  !> Sets the coefficient of friction of an interaction, for the current and later steps.
   subroutine set_friction(driven_loads, model, i, mu)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -167,7 +167,7 @@ contains
   end function friction_now
 
 
-  !> All that is driven, as numbers for a checkpoint: what stands after the commit that is under way. (8, n): kind,
+  !> All driven values as numbers for a checkpoint, valid after the current commit. (8, n): kind,
   !! item, target, whether it is pending, two times, two factors.
   pure subroutine list_driven(driven_loads, model, driven, friction)
     type(driven_loads_type), intent(in) :: driven_loads
@@ -191,7 +191,7 @@ contains
   end subroutine list_driven
 
 
-  !> Drives what a checkpoint says, from the loads of the deck.
+  !> Restores the driven values of a checkpoint, starting from the loads of the deck.
   subroutine restore_driven(driven_loads, model, driven, friction)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -228,7 +228,7 @@ contains
   end subroutine restore_driven
 
 
-  !> Without temperatures in the deck the materials have no expansion.
+  !> Temperatures can be set only if the deck has some: otherwise the materials have no thermal expansion.
   subroutine check_temperature(model, error)
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
@@ -237,7 +237,7 @@ contains
   end subroutine check_temperature
 
 
-  !> Only what the deck prescribes can be driven: the rest is free, and the equations know it.
+  !> Only displacements that the deck prescribes can be driven: the others are free unknowns of the equations.
   subroutine check_prescribed(model, step, items, error)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -255,7 +255,7 @@ contains
   end subroutine check_prescribed
 
 
-  !> New entries with their amplitudes, which stand at the values now.
+  !> Adds entries with constant amplitudes at the current values.
   subroutine add_entries(driven_loads, model, i_step, kind, items, positions, now)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
@@ -289,7 +289,7 @@ contains
   end subroutine add_entries
 
 
-  !> What the loads on some items are at a time, summed: those of the deck, or what drives them.
+  !> Loads on some items at a time, summed: driven values, else those of the deck.
   function current_loads(driven_loads, model, i_step, kind, items, now) result(values)
     type(driven_loads_type), intent(in) :: driven_loads
     type(model_type), intent(in) :: model
@@ -335,10 +335,10 @@ contains
   end function item_of_pressure
 
 
-  !> The loads of a step on some items follow amplitudes; forces and pressures of the deck on them are taken out.
+  !> Replaces the loads of a step on some items by driven ones with amplitudes; forces and pressures of the deck are removed.
   subroutine redirect_loads(step, kind, items, amplitudes)
     type(step_type), intent(inout) :: step
-    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: kind                    !< DRIVEN_...
     integer, intent(in) :: items(:)                !< each once
     integer, intent(in) :: amplitudes(:)           !< of the items: index into step%amplitudes
     integer, allocatable :: order(:)
@@ -347,7 +347,7 @@ contains
     if (kind == DRIVEN_TEMPERATURE) then
       if (.not. allocated(step%temperatures)) allocate (step%temperatures(0))
       step%temperatures = [step%temperatures, [(temperature_type(end=1.0_DP, amplitude=amplitudes(i), node=items(i)), &
-        i=1, size(items))]]                        ! of several for a node the last counts
+        i=1, size(items))]]                        ! the last of several for a node counts
       return
     end if
     allocate (order(maxval(items)), source=0)
@@ -375,7 +375,7 @@ contains
   end subroutine redirect_loads
 
 
-  !> Position of an item in the list of new ones; 0: it is not there.
+  !> Position of an item in the list of new ones; 0: not in it.
   pure integer function order_of_item(order, item) result(position)
     integer, intent(in) :: order(:), item
     position = 0
@@ -383,7 +383,7 @@ contains
   end function order_of_item
 
 
-  !> The same of several.
+  !> The same for several items.
   pure function order_of_items(order, items) result(positions)
     integer, intent(in) :: order(:), items(:)
     integer :: positions(size(items)), i
@@ -391,7 +391,7 @@ contains
   end function order_of_items
 
 
-  !> Before an attempt from t0 to t1: what is pending runs straight to its target.
+  !> Before an attempt from t0 to t1: pending values get an amplitude linear to their target.
   pure subroutine activate_driven(driven_loads, t0, t1)
     type(driven_loads_type), intent(inout) :: driven_loads
     real(DP), intent(in) :: t0, t1                 !< total time [time]
@@ -408,7 +408,7 @@ contains
   end subroutine activate_driven
 
 
-  !> After a commit: what was pending is on its way.
+  !> After a commit: pending values become active.
   pure subroutine finish_driven(driven_loads)
     type(driven_loads_type), intent(inout) :: driven_loads
     if (allocated(driven_loads%entries)) driven_loads%entries%is_pending = driven_loads%entries%is_pending &

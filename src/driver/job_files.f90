@@ -1,8 +1,8 @@
-!> Job: what one job holds, and how it is kept on disk: result files, texts, checkpoint, and the restart file.
+!> The files of a job: result and text output, checkpoint and restart file, written at each commit.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! All files are written at a commit, from the committed state alone. The checkpoint is the last: at any moment it and the files are
-!! of one commit, or the checkpoint has the pages that lead there.
+!! All files are written at a commit, from the committed state alone. The checkpoint comes last: at any moment it and the files
+!! belong to one commit, or the checkpoint contains the pages that restore the files to that commit.
 module amontons_job_files
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, diagnostic_list_type
@@ -28,14 +28,14 @@ module amontons_job_files
   private
   public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
 
-  real(DP), parameter :: MAX_CHECKPOINT_SHARE = 0.03_DP     !< most of the time that may go into checkpoints [-]
+  real(DP), parameter :: MAX_CHECKPOINT_SHARE = 0.03_DP     !< largest share of checkpoints in the run time [-]
 
-  !> One job: nothing of it lives outside.
+  !> All data of one job.
   type :: analysis_type
     type(job_options_type) :: options
     type(model_type) :: model
     type(state_type) :: state
-    type(slave_state_type), allocatable :: initial_slaves(:)   !< as the first increment finds them: facets and gaps before
+    type(slave_state_type), allocatable :: initial_slaves(:)   !< at the start of the first increment: facets and gaps before
                                                                !! anything moves
     type(equilibrium_type) :: system
     type(newton_type) :: newton
@@ -43,26 +43,26 @@ module amontons_job_files
     type(results_type) :: results
     type(text_output_type) :: text_output
     type(frd_type) :: frd
-    type(restart_file_type) :: archive                  !< states kept by RESTART, WRITE
-    type(driven_loads_type) :: driven_loads                      !< what a calling program has set
-    type(diagnostic_list_type) :: diagnostics            !< what the reader remarked
+    type(restart_file_type) :: archive                  !< states written by RESTART, WRITE
+    type(driven_loads_type) :: driven_loads                      !< values set by a calling program
+    type(diagnostic_list_type) :: diagnostics            !< errors, warnings and notes of the deck
     type(snapshot_type) :: snapshot                !< the last commit
     type(increment_record_type), allocatable :: records(:)   !< all attempts
     integer :: n_records = 0
     integer :: n_committed = 0                     !< records up to the last commit
-    logical :: is_open = .false.                   !< the job has begun and was not finished
+    logical :: is_open = .false.                   !< the job has started and is not finished
     logical :: has_files = .false.                 !< result files are open
-    type(iteration_record_type), allocatable :: iterations(:)   !< those that are not in the result file
+    type(iteration_record_type), allocatable :: iterations(:)   !< those not yet in the result file
     integer :: n_iterations = 0
-    real(DP) :: smallest_pnewdt = 1                         !< smallest that user routines asked for in this attempt [-]
-    logical :: is_trial = .false.                  !< .sta and .cvg get their lines only when they are committed
+    real(DP) :: smallest_pnewdt = 1                         !< smallest PNEWDT of user routines in this attempt [-]
+    logical :: is_trial = .false.                  !< .sta and .cvg are written at the commit only
     logical :: is_step_start = .true.              !< the next increment is the first of its step
-    integer(I64) :: clock = 0                      !< when the attempt began
+    integer(I64) :: clock = 0                      !< start of the attempt
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat at the last commit [bytes]
-    integer(I64) :: frd_counts(3) = 0              !< the same of .frd: bytes, frames, blocks
+    integer(I64) :: frd_counts(3) = 0              !< the same for .frd: bytes, frames, blocks
     logical :: is_guarded = .false.                !< the checkpoint is that of the last commit
     integer(I64) :: checkpoint_clock = 0                !< when the last checkpoint was written
-    real(DP) :: checkpoint_seconds = 0                  !< what it cost [s]
+    real(DP) :: checkpoint_seconds = 0                  !< its duration [s]
   end type analysis_type
 
 contains
@@ -97,7 +97,7 @@ contains
   end subroutine open_files
 
 
-  !> The frame before the first increment: slave nodes show the gaps that the audit found; the state itself does not know them yet.
+  !> Writes the frame before the first increment, with the gaps of the model check, which the state does not contain yet.
   subroutine write_first(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
@@ -115,7 +115,7 @@ contains
   end subroutine write_first
 
 
-  !> The row of the history before the first increment: of a job that goes on from another one's state what that had reached.
+  !> Row of the history before the first increment; a restarted job takes the values of the previous job.
   pure function first_record(analysis) result(record)
     type(analysis_type), intent(in) :: analysis
     type(increment_record_type) :: record
@@ -128,7 +128,7 @@ contains
   end function first_record
 
 
-  !> Goes back to the checkpoint: the result files are made what they were then, and the snapshot is that of the checkpoint.
+  !> Restores the checkpoint: result files and snapshot are those of its commit.
   subroutine reopen_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
@@ -182,7 +182,7 @@ contains
   end subroutine write_committed
 
 
-  !> .sta, .cvg, .dat and .frd: text, beside which the result file can be packed.
+  !> Writes .sta, .cvg, .dat and .frd; a second thread can compress the result file meanwhile.
   subroutine write_texts(analysis, record, error)
     type(analysis_type), intent(inout) :: analysis
     type(increment_record_type), intent(in) :: record
@@ -194,7 +194,7 @@ contains
   end subroutine write_texts
 
 
-  !> Whether there are two threads: one for each kind of file. More share the packing and the conversion of each file.
+  !> Whether there are exactly two threads: one per kind of file. More threads share compression and conversion of each file.
   logical function has_two_threads()
 !$  use omp_lib, only: omp_get_max_threads, omp_get_level
     has_two_threads = .false.
@@ -202,7 +202,7 @@ contains
   end function has_two_threads
 
 
-  !> RESTART, WRITE: keeps the state of an increment if it is due: every n-th and the last of the step; under the calculix
+  !> RESTART, WRITE: writes the state of an increment if it is due: every n-th and the last of the step; under the calculix
   !! dialect the last of every n-th step.
   subroutine keep_state(analysis, record, error)
     type(analysis_type), intent(inout) :: analysis
@@ -217,7 +217,7 @@ contains
       if (is_calculix) is_due = analysis%is_step_start .and. mod(record%step, step%restart_frequency) == 0
       if (.not. is_due) return
       call pack_state(analysis%model, analysis%snapshot, words)
-      if (is_calculix .and. step%is_restart_overlay) analysis%archive%step = record%step   ! the last of all is replaced
+      if (is_calculix .and. step%is_restart_overlay) analysis%archive%step = record%step   ! OVERLAY keeps only the last state
       call append_restart_state(analysis%archive, state_key_type(step=record%step, increment=record%increment, &
         is_step_done=analysis%is_step_start, step_time=record%step_time, total_time=record%total_time), words, &
         step%is_restart_overlay, error)
@@ -238,7 +238,7 @@ contains
     end do
     analysis%n_iterations = 0
     do i = first, last
-      if (analysis%is_trial .or. analysis%records(i)%is_converged) then   ! the others were told when they failed
+      if (analysis%is_trial .or. analysis%records(i)%is_converged) then   ! the others were written when they failed
         call print_increment(analysis%text_output, analysis%records(i))
       end if
       call write_attempt(analysis%results, analysis%records(i), error)
@@ -247,8 +247,8 @@ contains
   end subroutine write_attempts
 
 
-  !> Whether it is time for a checkpoint: at each commit, unless it would take more than its share of the time. At the end
-  !! of a step it is always time.
+  !> Whether a checkpoint is due: at each commit unless it would exceed MAX_CHECKPOINT_SHARE of the run time. At the end
+  !! of a step it is always due.
   logical function is_checkpoint_due(analysis)
     type(analysis_type), intent(in) :: analysis
     integer(I64) :: now, rate
@@ -258,11 +258,11 @@ contains
   end function is_checkpoint_due
 
 
-  !> Writes the checkpoint, then lets the result file follow: at any moment either the last checkpoint and its result file
-  !! are there, or the pages that lead to them are in the checkpoint.
+  !> Writes the checkpoint, then updates the result file: at any moment either the result file matches the checkpoint, or the
+  !! checkpoint contains the pages that make it match.
   subroutine save_checkpoint(analysis, is_old, error)
     type(analysis_type), intent(inout) :: analysis
-    logical, intent(in) :: is_old                  !< .true.: the pages lead back to the last commit
+    logical, intent(in) :: is_old                  !< .true.: the pages restore the last commit
     type(error_type), allocatable, intent(out) :: error
     type(output_lengths_type) :: files
     integer(I64) :: start, rate
@@ -284,8 +284,8 @@ contains
   end subroutine save_checkpoint
 
 
-  !> Writes what failed since the last commit and closes the files. The checkpoint then holds the way back to the last
-  !! commit; a job that is done needs none.
+  !> Writes the attempts that failed since the last commit and closes the files. The checkpoint then contains the pages that
+  !! restore the last commit; a finished job needs none.
   subroutine close_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
@@ -303,7 +303,7 @@ contains
   end subroutine close_files
 
 
-  !> The result file: checkpoint of the last commit, what failed since then, end, and the way back.
+  !> Closes the result file: checkpoint of the last commit, failed attempts since then, end mark, and pages to restore the commit.
   subroutine close_result_file(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error

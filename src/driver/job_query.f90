@@ -1,8 +1,8 @@
-!> Values: what a calling program asks of a job, and sets in it, by name. Manual: doc/manual/library.md.
+!> Queries and settings by name for a calling program. Manual: doc/manual/library.md.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Names are those of the result file; case and blanks in them do not count. Nodes are named by a node set, a surface or
-!! a label, elements by an element set or a label, all of them by ''. What is set is handed to `drive`.
+!! Names are those of the result file; case and blanks are ignored. A node set, a surface or a label selects nodes, an element
+!! set or a label selects elements, '' selects all of them. `amontons_driven_loads` applies what is set.
 module amontons_job_query
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
@@ -23,7 +23,7 @@ module amontons_job_query
   private
   public :: query_values, set_driven_values, query_names, current_step, time_in_step, time_left_in_step
 
-  !> What query_values knows besides the columns of the result file at nodes, for query_names.
+  !> Quantities of query_values besides the nodal columns of the result file, for query_names.
   character(16), parameter :: NUMBER_QUANTITIES(*) = [character(16) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', &
     'ITERATIONS', &
     'IMBALANCE', 'EXTERNAL WORK', 'FRICTION WORK', 'DAMPED WORK', 'STRAIN ENERGY', 'FRICTION']
@@ -37,7 +37,7 @@ contains
 
   !> A quantity by name, one column per row of the set. The names are in doc/manual/library.md.
   !!
-  !! Before: the job has begun. Errors: EXIT_USAGE.
+  !! Before: the job has started. Errors: EXIT_USAGE.
   subroutine query_values(analysis, quantity, set, values, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: quantity           !< e.g. 'U', 'CPRESS', 'POINT S', 'TIME'
@@ -65,8 +65,8 @@ contains
   end subroutine query_values
 
 
-  !> The names that a job knows, of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS, and the QUANTITIES
-  !! that query_values gives. Errors: EXIT_USAGE.
+  !> The names of a kind in a job: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS, and the QUANTITIES of
+  !! query_values. Errors: EXIT_USAGE.
   subroutine query_names(analysis, kind, names, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: kind
@@ -160,7 +160,7 @@ contains
   end subroutine get_number
 
 
-  !> The middles of the faces of a surface, in the order in which P is set: means of their corners.
+  !> The centres of the faces of a surface (means of their corners), in the order in which P is set.
   subroutine get_face_centres(analysis, set, values, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: set                !< surface
@@ -252,7 +252,7 @@ contains
   end subroutine get_column
 
 
-  !> Forces on nodes or pressures on faces, as deck and caller say them at the time of what is solved now.
+  !> Forces on nodes or pressures on faces, of the deck or set by the caller, at the current time.
   subroutine get_loads(analysis, quantity, set, values, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: quantity           !< squeezed: P, CF, CF1, CF2, CF3
@@ -271,7 +271,7 @@ contains
   end subroutine get_loads
 
 
-  !> What integration points have (POINT ...), its mean over the reference volume of each element (ELEMENT ...); LABEL
+  !> Values at integration points (POINT ...), their mean over the reference volume of each element (ELEMENT ...); LABEL
   !! is that of the element.
   subroutine get_of_elements(analysis, quantity, set, values, is_known, error)
     type(analysis_type), intent(in) :: analysis
@@ -308,7 +308,7 @@ contains
   end subroutine get_of_elements
 
 
-  !> The mean of the columns of a table, weighted; if no weight is positive, plain.
+  !> Weighted mean of the columns of a table; the plain mean if no weight is positive.
   pure function mean_of(rows, weight) result(mean)
     real(DP), intent(in) :: rows(:, :)             !< (components, n)
     real(DP), intent(in) :: weight(:)              !< (n)
@@ -382,8 +382,8 @@ contains
 
 
   !> Sets a quantity: FRICTION of an interaction; P of a surface; NT, CF, CF1 to CF3, U, U1 to U3 of a node set. One value
-  !! per component, for all, or one per component and row. The manual says when it is reached: at the end of the
-  !! increments solved next.
+  !! per component for all rows, or one per component and row. The value is reached at the end of the increments solved next
+  !! (manual).
   subroutine set_driven_values(analysis, quantity, set, values, error)
     type(analysis_type), intent(inout) :: analysis
     character(*), intent(in) :: quantity
@@ -426,10 +426,10 @@ contains
   end subroutine set_driven_friction
 
 
-  !> Gives the values to the items: all the same, or as many as there are items, or one per component.
+  !> Sets the values of the items: one for all, one per component, or one per item.
   subroutine set_driven_items(analysis, kind, items, quantity, values, error)
     type(analysis_type), intent(inout) :: analysis
-    integer, intent(in) :: kind                    !< DRIVE_...
+    integer, intent(in) :: kind                    !< DRIVEN_...
     integer, intent(in) :: items(:)
     character(*), intent(in) :: quantity
     real(DP), intent(in) :: values(:)
@@ -453,12 +453,12 @@ contains
   end subroutine set_driven_items
 
 
-  !> What a quantity and a set mean for drive.f90.
+  !> Finds kind and items of amontons_driven_loads for a quantity and a set.
   subroutine find_items(analysis, quantity, set, kind, items, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: quantity           !< squeezed
     character(*), intent(in) :: set
-    integer, intent(out) :: kind                   !< DRIVE_...
+    integer, intent(out) :: kind                   !< DRIVEN_...
     integer, allocatable, intent(out) :: items(:)
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: nodes(:)
@@ -527,7 +527,7 @@ contains
   end subroutine find_nodes
 
 
-  !> Index of a surface; 0: there is none.
+  !> Index of a surface; 0: not found.
   pure integer function surface_of(analysis, name) result(i)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: name
@@ -538,7 +538,7 @@ contains
   end function surface_of
 
 
-  !> Index of an interaction; '' is the only one there is.
+  !> Index of an interaction; '' selects the only one.
   subroutine find_interaction(analysis, name, i, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: name
@@ -555,7 +555,7 @@ contains
   end subroutine find_interaction
 
 
-  !> Index of the step in which the next increment runs.
+  !> Index of the step of the next increment.
   pure integer function current_step(analysis) result(i_step)
     type(analysis_type), intent(in) :: analysis
     i_step = max(1, analysis%stepper%step)
@@ -564,14 +564,14 @@ contains
   end function current_step
 
 
-  !> Time within that step.
+  !> Time within the step of the next increment [time].
   pure real(DP) function time_in_step(analysis) result(time)
     type(analysis_type), intent(in) :: analysis
     time = merge(0.0_DP, analysis%stepper%step_time, analysis%is_step_start)
   end function time_in_step
 
 
-  !> Time left in that step.
+  !> Time left in the step of the next increment [time].
   pure real(DP) function time_left_in_step(analysis) result(time)
     type(analysis_type), intent(in) :: analysis
     time = analysis%model%steps(current_step(analysis))%period - time_in_step(analysis)

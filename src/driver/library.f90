@@ -1,11 +1,11 @@
-!> Library: a job in the hands of another program: solve, look, commit or roll back; get and set by name.
+!> The Fortran API: open, solve, commit or roll back, get and set values by name.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The Fortran face of the library; capi.f90 and amontons.h are the same verbs for C. Manual: doc/manual/library.md.
+!! c_interface.f90 and amontons.h provide the same procedures for C. Manual: doc/manual/library.md.
 !!
-!! A job stands at a commit. `try_job` and `iterate_job` solve from there without committing: what they give can be
-!! looked at, then kept (`commit_job`) or thrown away (`rollback_job`). `advance_job` does both. Nothing is printed
-!! unless a listener is given, nothing stops the program, and nothing is kept outside the job.
+!! Solution starts from the last commit. `try_job` and `iterate_job` solve without a commit: the caller can inspect their
+!! result, then keep it (`commit_job`) or discard it (`rollback_job`). `advance_job` solves and commits. The library prints nothing
+!! without a listener, never stops the program, and has no data outside the job.
 module amontons_library
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
@@ -33,22 +33,22 @@ module amontons_library
   public :: job_type, job_options_type, log_sink_type, error_type, sparse_type
   public :: open_job, advance_job, advance_job_to, try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job
   public :: is_job_done, get_values, set_values, get_names, get_matrix, VERDICT_CONTINUE, VERDICT_CONVERGED
-  ! For the nodes of a program that solves by itself: no job.
+  ! For the nodes of a program with its own solver: no job needed.
   public :: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, slip_result_type
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
 
-  real(DP), parameter :: TOL_TIME = 1.0e-9_DP          !< a time this near to the one asked for is it, of the step's period [-]
+  real(DP), parameter :: TOL_TIME = 1.0e-9_DP          !< difference of equal times, over the step's period [-]
 
-  !> A job; what is in it is nobody else's.
+  !> A job with all its data.
   type :: job_type
     private
     type(analysis_type) :: analysis
     type(logger_type) :: logger
-    logical :: is_ready = .false.                  !< it has begun and was not finished
-    logical :: is_begun = .false.                  !< begin_job was called and its attempt has not ended
+    logical :: is_ready = .false.                  !< started and not finished
+    logical :: is_begun = .false.                  !< the attempt started by begin_job has not ended
   end type job_type
 
-  !> Hears nothing.
+  !> Log sink that discards its lines.
   type, extends(log_sink_type) :: deaf_type
   contains
     procedure :: write_lines => discard_line
@@ -56,14 +56,14 @@ module amontons_library
 
 contains
 
-  !> Begins a job from options%deck (a file) or options%deck_text (memory).
+  !> Starts a job from options%deck (a file) or options%deck_text (memory).
   !!
-  !! Errors: EXIT_USAGE, EXIT_DECK (the message has all remarks of the reader), EXIT_SETUP, EXIT_IO, EXIT_SOLVER.
+  !! Errors: EXIT_USAGE, EXIT_DECK (the message contains all errors of the deck), EXIT_SETUP, EXIT_IO, EXIT_SOLVER.
   subroutine open_job(job, options, error, listener)
     type(job_type), intent(inout) :: job
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    class(log_sink_type), intent(in), optional :: listener   !< hears what the program would print
+    class(log_sink_type), intent(in), optional :: listener   !< receives the lines of the log
     type(job_options_type) :: whole
     type(process_lock_type) :: turn
     call acquire_lock(turn)
@@ -84,7 +84,7 @@ contains
   end subroutine open_job
 
 
-  !> The job is named after its deck, and its results lie beside it.
+  !> Derives name and result folder of the job from its deck.
   subroutine derive_job_name(options)
     type(job_options_type), intent(inout) :: options
     options%job = 'job'
@@ -120,7 +120,7 @@ contains
   end function name_of
 
 
-  !> The errors of a deck behind the message, one in a line.
+  !> Appends the errors of a deck to the message, one per line.
   subroutine append_deck_errors(job, error)
     type(job_type), intent(in) :: job
     type(error_type), allocatable, intent(inout) :: error
@@ -135,7 +135,7 @@ contains
   end subroutine append_deck_errors
 
 
-  !> One increment, as long as the deck and the convergence so far say, committed. is_job_done tells the end.
+  !> Solves and commits one increment of the length given by increment control. is_job_done reports the end.
   subroutine advance_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
@@ -150,7 +150,7 @@ contains
   end subroutine advance_job
 
 
-  !> Increments until a total time, each committed; the last ends there. A step may end on the way.
+  !> Solves increments until a total time, each committed; the last one ends there. Steps may end before.
   subroutine advance_job_to(job, total_time, error)
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: total_time             !< [time]
@@ -174,8 +174,8 @@ contains
   end subroutine advance_job_to
 
 
-  !> Solves to the time now + dt, or to the end of the step if that comes first, without a commit; if it does not
-  !! converge at once, by several shorter increments. After an error the job stands at its last commit.
+  !> Solves to the current time + dt, or to the end of the step if that is earlier, without a commit; by several shorter
+  !! increments if one does not converge. After an error the job is at its last commit.
   subroutine try_job(job, dt, error)
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: dt                     !< [time]
@@ -201,7 +201,7 @@ contains
   end subroutine try_job
 
 
-  !> An increment of length dt begins, to be solved iteration by iteration with iterate_job.
+  !> Starts an increment of length dt, to be solved iteration by iteration with iterate_job.
   subroutine begin_job(job, dt, error)
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: dt                     !< [time]; cut off at the end of the step
@@ -219,7 +219,7 @@ contains
   end subroutine begin_job
 
 
-  !> One Newton iteration. VERDICT_CONVERGED: commit it or roll it back. Neither that nor VERDICT_CONTINUE: roll it back.
+  !> One Newton iteration. Afterwards: VERDICT_CONVERGED: commit or roll back; VERDICT_CONTINUE: iterate; else: roll back.
   subroutine iterate_job(job, verdict, error)
     type(job_type), intent(inout) :: job
     integer, intent(out) :: verdict                !< VERDICT_...
@@ -238,7 +238,7 @@ contains
   end subroutine iterate_job
 
 
-  !> Keeps what was solved since the last commit, and writes it.
+  !> Commits the increments solved since the last commit, and writes them.
   subroutine commit_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
@@ -250,7 +250,7 @@ contains
     end if
     if (job%analysis%n_records > job%analysis%n_committed) then
       if (job%is_begun .or. .not. job%analysis%records(job%analysis%n_records)%is_converged) then
-        call set_error(error, EXIT_USAGE, 'What has not converged cannot be committed; iterate on or roll back.')
+        call set_error(error, EXIT_USAGE, 'An increment that has not converged cannot be committed; iterate on or roll back.')
         return
       end if
     end if
@@ -259,7 +259,7 @@ contains
   end subroutine commit_job
 
 
-  !> Everything is as at the last commit, bitwise: displacements, stresses, contact, time. Values that were set stay set.
+  !> Restores the last commit bitwise: displacements, stresses, contact, time. Values that were set remain set.
   subroutine rollback_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
@@ -270,7 +270,7 @@ contains
   end subroutine rollback_job
 
 
-  !> Closes the files. The job can still be asked for its values.
+  !> Closes the files. Queries of values remain possible.
   subroutine finish_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
@@ -282,7 +282,7 @@ contains
   end subroutine finish_job
 
 
-  !> Finishes a job and closes what it holds open; after this it is not to be asked for anything.
+  !> Finishes a job and closes all its resources; no call may follow.
   subroutine close_job(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(out) :: error
@@ -301,7 +301,7 @@ contains
   end function is_job_done
 
 
-  !> What every solving verb asks first.
+  !> Checks the preconditions of all solving procedures.
   subroutine check_ready(job, is_trial, error)
     type(job_type), intent(inout) :: job
     logical, intent(in) :: is_trial
@@ -318,7 +318,7 @@ contains
   end subroutine check_ready
 
 
-  !> A time step has to move the time: it is positive, and not lost beside the period of the step. Errors: EXIT_USAGE.
+  !> Checks a time increment: positive, and not negligible relative to the period of the step. Errors: EXIT_USAGE.
   subroutine check_increment(job, dt, error)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: dt                     !< [time]
@@ -328,7 +328,7 @@ contains
   end subroutine check_increment
 
 
-  !> After an error everything is as at the last commit.
+  !> After an error: restores the last commit.
   subroutine rollback_after_error(job)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable :: second
@@ -336,7 +336,7 @@ contains
   end subroutine rollback_after_error
 
 
-  !> The end of a verb that commits.
+  !> End of a procedure that commits.
   subroutine finish_commit(job, error)
     type(job_type), intent(inout) :: job
     type(error_type), allocatable, intent(in) :: error
@@ -348,7 +348,7 @@ contains
   end subroutine finish_commit
 
 
-  !> What was set is reached after a length of time.
+  !> Starts the amplitudes of values that were set; they reach their targets after a length of time.
   subroutine activate_targets(job, length)
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: length                 !< [time]
@@ -358,7 +358,7 @@ contains
   end subroutine activate_targets
 
 
-  !> The step time after a length of time, at most that of the end of the step, which snaps.
+  !> Step time after a length of time; times within TOL_TIME of the end of the step, or beyond, become its end [time].
   pure real(DP) function end_in_step(job, length) result(time)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: length                 !< [time]
@@ -369,7 +369,7 @@ contains
   end function end_in_step
 
 
-  !> Length of the increment that the stepper will propose.
+  !> Length of the increment that increment control will propose [time].
   pure real(DP) function next_length(job) result(length)
     type(job_type), intent(in) :: job
     associate (step => job%analysis%model%steps(current_step(job%analysis)))
@@ -399,7 +399,7 @@ contains
   end subroutine get_values
 
 
-  !> Sets a quantity by name. Which there are, and when they are reached, say `set_driven_values` and doc/manual/library.md.
+  !> Sets a quantity by name. Quantities, and when values are reached: `set_driven_values` and doc/manual/library.md.
   subroutine set_values(job, quantity, set, values, error)
     type(job_type), intent(inout) :: job
     character(*), intent(in) :: quantity
@@ -416,7 +416,7 @@ contains
   end subroutine set_values
 
 
-  !> The names of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS; QUANTITIES that get_values gives.
+  !> The names of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS; QUANTITIES of get_values.
   subroutine get_names(job, kind, names, error)
     type(job_type), intent(in) :: job
     character(*), intent(in) :: kind
@@ -432,10 +432,10 @@ contains
   end subroutine get_names
 
 
-  !> A matrix at the configuration now: TANGENT, J on the free unknowns; MAP, C of du = C dv + c, (unknowns x free);
+  !> A matrix at the current configuration: TANGENT, J on the free unknowns; MAP, C of du = C dv + c, (unknowns x free);
   !! STIFFNESS, K of the elements and loads on all unknowns. Unknown 3 (i - 1) + k is component k of node i. And C'R.
   !!
-  !! Before: an increment was begun or solved. After: the job is as before.
+  !! Before: an increment was started or solved. After: the job is unchanged.
   subroutine get_matrix(job, name, matrix, residual, error)
     type(job_type), intent(inout) :: job
     character(*), intent(in) :: name
@@ -478,7 +478,7 @@ contains
   end subroutine get_matrix
 
 
-  !> The journal of a job without a listener.
+  !> Discards a log line of a job without a listener.
   subroutine discard_line(self, text)
     class(deaf_type), intent(inout) :: self
     character(*), intent(in) :: text

@@ -1,4 +1,4 @@
-!> Main: the command line, the three verbs of a job, and the exit code; the only room that stops.
+!> Main program: command line, the three stages of a job, and the exit code; the only module that stops the process.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
   use omp_lib, only: omp_get_max_threads
@@ -16,7 +16,7 @@ program amontons
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4
 
-  !> What the command line asks for.
+  !> Options of the command line.
   type :: command_type
     integer :: action = ACTION_RUN
     integer :: progress = PROGRESS_AUTO
@@ -62,7 +62,7 @@ contains
   end subroutine run_command
 
 
-  !> The three verbs. A job that fails on the way is finished all the same: what has converged stays on disk.
+  !> Start, advance and finish. A job that fails is finished too: converged increments are on disk.
   subroutine run_job(options, logger, error)
     type(job_options_type), intent(in) :: options
     type(logger_type), intent(inout) :: logger
@@ -99,10 +99,10 @@ contains
   end subroutine read_command
 
 
-  !> One option with its value, or the name of the job. Values stand behind = or in the next word.
+  !> Reads one option with its value, or the name of the job. A value follows = or is the next word.
   subroutine read_option(command, i, error)
     type(command_type), intent(inout) :: command
-    integer, intent(inout) :: i                !< number of the word; on return that of the next one
+    integer, intent(inout) :: i                !< number of the word; out: that of the next one
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: word, name, value
     integer :: equals
@@ -139,7 +139,7 @@ contains
   end function is_with_value
 
 
-  !> What each option does.
+  !> Applies an option.
   subroutine apply_option(command, name, value, error)
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: name, value
@@ -187,7 +187,7 @@ contains
   end subroutine apply_option
 
 
-  !> Where a job may have several threads, the program starts again with threads that do not wait for long.
+  !> If a job may have several threads, restarts the program with a passive wait policy of the threads.
   subroutine restart_with_passive_threads(options)
     type(job_options_type), intent(in) :: options
     integer :: n
@@ -245,7 +245,7 @@ contains
   end subroutine set_dialect
 
 
-  !> The one word that is no option: the job.
+  !> Sets the job: the only word that is not an option.
   subroutine set_job(options, value, error)
     type(job_options_type), intent(inout) :: options
     character(*), intent(in) :: value
@@ -258,7 +258,7 @@ contains
   end subroutine set_job
 
 
-  !> From the word of the user to the deck, the name of the job and the folder of the results (default: the deck's own).
+  !> Finds the deck, the name of the job and the folder of the results (default: that of the deck).
   subroutine find_deck(options, error)
     type(job_options_type), intent(inout) :: options
     type(error_type), allocatable, intent(out) :: error
@@ -303,7 +303,7 @@ contains
   end function is_inp
 
 
-  !> A sentence and the line that tells the usage.
+  !> Sets an error with a sentence and the usage line.
   subroutine set_usage_error(error, sentence)
     type(error_type), allocatable, intent(out) :: error
     character(*), intent(in) :: sentence
@@ -311,7 +311,7 @@ contains
   end subroutine set_usage_error
 
 
-  !> The i-th word of the command line; empty if there is none.
+  !> The i-th word of the command line; empty beyond the last.
   function argument(i) result(word)
     integer, intent(in) :: i
     character(:), allocatable :: word
@@ -322,7 +322,7 @@ contains
   end function argument
 
 
-  !> What --help prints.
+  !> Prints the help text.
   subroutine print_help(logger)
     type(logger_type), intent(inout) :: logger
     character(*), parameter :: TEXT(*) = [character(112) :: &
@@ -333,10 +333,10 @@ contains
       '', &
       'The deck job.inp is written with the cards of Abaqus or CalculiX; amontons --cards lists those known.', &
       '', &
-      '  --explain                    tell card by card what is used, has no effect or is refused, with the numbers', &
+      '  --explain                    list card by card what is used, has no effect or is refused, with the numbers', &
       '                               taken, then stop', &
-      '  --check                      read the deck, check and audit the model, then stop', &
-      '  --resume                     go on with a job that was stopped, from its checkpoint job.restart', &
+      '  --check                      read the deck, check the model, then stop', &
+      '  --resume                     continue a job that was stopped, from its checkpoint job.restart', &
       '  --no-checkpoint              write no checkpoint', &
       '  --threads N                  work with N threads (default: OMP_NUM_THREADS, else all processors;', &
       '                               one for a small model)', &
@@ -344,24 +344,24 @@ contains
       '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
       '                               "** dialect: calculix" in the first comments of the deck says)', &
       '  --frd                        write all fields to job.frd too, for CGX, PrePoMax and the like (under the', &
-      '                               calculix dialect the FILE cards of the deck ask for it)', &
-      '  --user FILE, user=FILE       routines of the user (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
+      '                               calculix dialect the FILE cards of the deck request it)', &
+      '  --user FILE, user=FILE       user routines (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
       '                               shared library', &
-      '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ goes on from', &
+      '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ continues from', &
       '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
       '  --quiet                      write nothing but failures', &
       '  --cards                      list the cards', &
       '  --version                    print the version', &
       '  --help                       print this text', &
       '', &
-      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.frd (if asked for), job.sta and job.cvg (what', &
+      'Results: job.vtkhdf (for ParaView), job.dat (PRINT cards), job.frd (if requested), job.sta and job.cvg (what', &
       'each increment and iteration cost), and until the job is done job.restart, the checkpoint of the last converged', &
       'increment.', &
-      'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 asks for a line of status.', &
+      'SIGINT and SIGTERM end a job after the iteration that runs (exit code 5); SIGUSR1 requests a status line.', &
       '', &
-      'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model cannot stand, 5 not converged (all', &
-      'converged increments are on disk), 6 linear solver or memory, 7 reading or writing a file, 8 a mistake of', &
-      'Amontons itself.']
+      'Exit codes: 0 done, 2 wrong usage, 3 errors in the deck, 4 the model check found errors, 5 not converged (all', &
+      'converged increments are on disk), 6 linear solver or memory, 7 reading or writing a file, 8 an internal', &
+      'error of Amontons.']
     integer :: i
     do i = 1, size(TEXT)
       call logger%say(trim(TEXT(i)))

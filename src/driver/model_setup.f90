@@ -1,8 +1,8 @@
-!> Model set-up: the last changes of a model after the deck is read; from the model check on it is frozen.
+!> Model set-up: the last changes of the model after the deck is read; it is constant from the model check on.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! User routines are opened; ties and distributing couplings become equations; tied nodes and those of ADJUST are moved onto their
-!! masters; elements have the material of the first step. Nothing after this takes a model with intent(inout) (`make lint`).
+!! Opens user routines; converts ties and distributing couplings to equations; moves tied nodes and those of ADJUST onto their
+!! masters; gives elements the material of the first step. No later procedure has a model with intent(inout) (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -19,9 +19,9 @@ module amontons_model_setup
 
 contains
 
-  !> All changes, in their order. Errors: EXIT_IO, EXIT_SETUP, EXIT_USAGE (user routines, ties).
+  !> Makes all changes in order. Errors: EXIT_IO, EXIT_SETUP, EXIT_USAGE (user routines, ties).
   subroutine set_up_model(model, options, journal, error)
-    type(model_type), intent(inout) :: model       !< as the deck says it; out: as it stays
+    type(model_type), intent(inout) :: model       !< in: from the deck; out: final
     type(job_options_type), intent(in) :: options
     type(logger_type), intent(inout) :: journal
     type(error_type), allocatable, intent(out) :: error
@@ -36,7 +36,7 @@ contains
   end subroutine set_up_model
 
 
-  !> Tied surfaces and distributing couplings become equations.
+  !> Converts tied surfaces and distributing couplings to equations.
   subroutine add_ties(model, error)
     type(model_type), intent(inout) :: model
     type(error_type), allocatable, intent(out) :: error
@@ -50,7 +50,7 @@ contains
   end subroutine add_ties
 
 
-  !> ADJUST: slave nodes are moved onto their master; the log says how many and how far.
+  !> ADJUST: moves slave nodes onto their master and logs their number and the largest distance.
   subroutine adjust(model, journal, error)
     type(model_type), intent(inout) :: model
     type(logger_type), intent(inout) :: journal

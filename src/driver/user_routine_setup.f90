@@ -1,4 +1,4 @@
-!> User job: which routines of the user a model needs; they are opened before the start and handed to those that call them.
+!> User routines: loads the libraries, checks that the required routines exist, and calls UAMP.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_user_routine_setup
   use amontons_kinds, only: DP
@@ -22,10 +22,10 @@ module amontons_user_routine_setup
 
 contains
 
-  !> Opens the routines that the job names, and proves that those which the deck needs are there.
+  !> Opens the user routines of the job and checks that those required by the deck exist.
   !!
-  !! Errors: EXIT_IO (not there, does not compile, cannot be loaded), EXIT_SETUP (a routine is missing), EXIT_USAGE (the
-  !! deck needs some, and none were named).
+  !! Errors: EXIT_IO (file missing, does not compile, cannot be loaded), EXIT_SETUP (a routine is missing), EXIT_USAGE (the
+  !! deck requires routines, and no file was given).
   subroutine open_user_routines(model, options, error)
     type(model_type), intent(inout) :: model
     type(job_options_type), intent(in) :: options
@@ -50,7 +50,7 @@ contains
         if (allocated(error)) return
         call find_initial_tangent(material, max_stress_components(model, m), first_increment(model), error)
         if (allocated(error)) return
-        call collect_user_messages(material%routines, pnewdt, text, is_stopped)   ! at rest PNEWDT means nothing
+        call collect_user_messages(material%routines, pnewdt, text, is_stopped)   ! PNEWDT has no meaning in the undeformed state
       end associate
     end do
     call check_load_routines(model, options, error)
@@ -58,7 +58,7 @@ contains
   end subroutine open_user_routines
 
 
-  !> Opens a file and tells it the job.
+  !> Opens a file and sets the data of the job in it.
   subroutine open_named(path, options, routines, error)
     character(*), intent(in) :: path
     type(job_options_type), intent(in) :: options
@@ -72,7 +72,7 @@ contains
   end subroutine open_named
 
 
-  !> Opens the file that LIBRARY names, once for all materials that name it; it is looked for beside the deck, then as it stands.
+  !> Opens the file of LIBRARY once for all its materials; search: relative to the deck, then to the working folder.
   subroutine open_material_library(model, options, m, error)
     type(model_type), intent(inout) :: model
     type(job_options_type), intent(in) :: options
@@ -106,7 +106,7 @@ contains
   end function path_beside
 
 
-  !> The file that should hold a material's routine; empty if none is named.
+  !> The file of a material's routine; empty if none is given.
   pure function file_of(material, options) result(path)
     type(material_type), intent(in) :: material
     type(job_options_type), intent(in) :: options
@@ -130,7 +130,7 @@ contains
   end subroutine close_user_routines
 
 
-  !> Whether a material has a library of its own that none before it has.
+  !> Whether a material is the first with its library.
   pure logical function is_first_of_library(model, m)
     type(model_type), intent(in) :: model
     integer, intent(in) :: m                       !< material
@@ -143,7 +143,7 @@ contains
   end function is_first_of_library
 
 
-  !> The routines that loads need.
+  !> Checks the routines that loads need.
   subroutine check_load_routines(model, options, error)
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
@@ -163,7 +163,7 @@ contains
   end subroutine check_load_routines
 
 
-  !> The routines that interactions need.
+  !> Checks the routines that interactions need.
   subroutine check_contact_routines(model, options, error)
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
@@ -184,7 +184,7 @@ contains
   end subroutine check_contact_routines
 
 
-  !> Before an attempt: UAMP gives the factors at its end. What it keeps starts from what the last increment left.
+  !> Before an attempt: calls UAMP for the factors at its end. Its state variables start from those of the last increment.
   subroutine update_user_amplitudes(model, amplitudes, state)
     type(model_type), intent(in) :: model
     type(amplitude_type), intent(inout) :: amplitudes(:)   !< out: the factors of those by UAMP
@@ -200,7 +200,7 @@ contains
         associate (svars => new%user_memory(first + 1:first + amplitude%n_svars))
           values = uamp_type(step=new%step, increment=new%increment, old=old%user_memory(first))
           values%value = values%old
-          if (old%increment == 0) then             ! nothing has been solved yet
+          if (old%increment == 0) then             ! before the first increment
             values%is_first = 1
             call call_uamp(model%routines, name, amplitude%props, svars, values)
             values%old = values%value
@@ -218,7 +218,7 @@ contains
   end subroutine update_user_amplitudes
 
 
-  !> The factors that stand in the memory of some fields.
+  !> Restores the factors stored in some fields.
   subroutine restore_user_amplitudes(amplitudes, fields)
     type(amplitude_type), intent(inout) :: amplitudes(:)
     type(fields_type), intent(in) :: fields
@@ -233,7 +233,7 @@ contains
   end subroutine restore_user_amplitudes
 
 
-  !> The length of the first increment.
+  !> Length of the first increment [time].
   pure real(DP) function first_increment(model)
     type(model_type), intent(in) :: model
     first_increment = 1
@@ -241,12 +241,12 @@ contains
   end function first_increment
 
 
-  !> An error if a routine is not there.
+  !> Sets an error if a routine is missing.
   subroutine check_routine(routines, path, which, caller, error)
     type(user_library_type), intent(in) :: routines
-    character(*), intent(in) :: path               !< file that should hold it; empty: none was named
-    integer, intent(in) :: which                   !< USER_...
-    character(*), intent(in) :: caller                !< what needs it
+    character(*), intent(in) :: path               !< file of the routine; empty: none was given
+    integer, intent(in) :: which                   !< ROUTINE_...
+    character(*), intent(in) :: caller                !< what requires it
     type(error_type), allocatable, intent(out) :: error
     if (has_routine(routines, which)) return
     if (path /= '') then
@@ -261,7 +261,7 @@ contains
   end subroutine check_routine
 
 
-  !> Tells what the routines have said since the last call, takes the smallest PNEWDT, and ends the job after XIT.
+  !> Logs the messages of the routines since the last call, takes the smallest PNEWDT, and ends the job after XIT.
   subroutine handle_user_messages(model, logger, pnewdt, error)
     type(model_type), intent(in) :: model
     type(logger_type), intent(inout) :: logger

@@ -1,18 +1,18 @@
-!> Condensed: the bulk is factorised with its contact unknowns last, and contact is solved on the small dense interface.
+!> Schur complement of the bulk on the contact unknowns: bulk factorized with them last, contact solved on the dense interface.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/solver.md, "Contact unknowns last". With the unknowns that contact can reach (c) ordered last, the
+!! Theory: doc/theory/solver.md, section [schur_interface]. With the unknowns that contact can reach (c) ordered last, the
 !! trailing block of the Cholesky factor of the bulk is the condensed stiffness of the interface,
 !!
 !!     S = K_cc - K_ci inv(K_ii) K_ic = L_cc L_cc' - D,
 !!
-!! D being a known diagonal that is added before the factorisation, so that a body held by contact alone does not make it
-!! break. Statuses, friction and weights change c only: for each of them the tangent
+!! D is a known diagonal, added before the factorization so that it succeeds for a body supported by contact alone.
+!! Statuses, friction and weights change c only: for each of them the tangent
 !!
 !!     J_c = C_c' ((1 + D_R) S - D_u) C_c
 !!
-!! is small, dense, and factorised by LU, while the factor of the bulk stays. With a factor of the present bulk this is
-!! the exact inverse of the tangent J; with an older one it is a preconditioner that no change of status can spoil.
+!! is small, dense, and factorized by LU; the factor of the bulk is reused. With a factor of the current bulk this is
+!! the exact inverse of the tangent J; with an older one it is a preconditioner whose quality does not depend on the status.
 module amontons_schur_interface
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
@@ -32,18 +32,18 @@ module amontons_schur_interface
   public :: schur_interface_type, is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
     apply_schur_interface
 
-  integer, parameter :: N_COLUMNS_TOGETHER = 8                  !< columns of J_c that are made together: a vector of doubles [-]
-  real(DP), parameter :: SINGLE_PRECISION_SHARE = 1.0e-3_DP        !< of what is allowed: so little that single precision does not
-                                                                   !! show [-]
-  real(DP), parameter :: BULK_RESIDUAL_SHARE = 0.3_DP       !< of what is allowed: what the bulk may be out of balance [-]
+  integer, parameter :: N_COLUMNS_TOGETHER = 8                  !< columns of J_c computed together: a vector of doubles [-]
+  real(DP), parameter :: SINGLE_PRECISION_SHARE = 1.0e-3_DP        !< of the allowed residual: single precision has no
+                                                                   !! effect [-]
+  real(DP), parameter :: BULK_RESIDUAL_SHARE = 0.3_DP       !< of the allowed residual: share of the bulk [-]
 
-  !> The bulk's factor and the interface's.
+  !> The factors of the bulk and of the interface.
   type :: schur_interface_type
     logical :: is_analysed = .false.
     type(sparse_type), private :: analysed_map     !< C_b whose pattern was analysed
-    logical :: is_ready = .false.                  !< the bulk is factorised
+    logical :: is_ready = .false.                  !< the bulk is factorized
     integer :: n_contact = 0                       !< unknowns of the interface
-    integer, allocatable :: interface_index(:)          !< (n base free) place in the interface, 0 if not on it
+    integer, allocatable :: interface_index(:)          !< (n base free) index in the interface, 0 if not on it
     integer, allocatable :: order(:)               !< (n base free) order of elimination; the interface comes last
     type(cholesky_type) :: factor
     type(reduction_type), private :: reduction
@@ -52,24 +52,24 @@ module amontons_schur_interface
     integer, allocatable, private :: target(:)     !< entry of matrix for each entry of bulk
     real(DP), allocatable, private :: triangle(:, :)   !< L_cc
     real(DP), allocatable, private :: shift(:)     !< (n_contact) D [force/length]
-    real(DP), allocatable, private :: stiffness(:, :)  !< S; not there: not wanted yet
+    real(DP), allocatable, private :: stiffness(:, :)  !< S; not allocated: not computed yet
     logical :: is_invertible = .true.              !< S has an inverse in single precision
-    logical :: is_singular = .false.               !< J_c is: nothing holds a body
-    logical, private :: is_woodbury = .false.    !< factorise_woodbury came last
-    type(woodbury_type), private :: woodbury           !< what that made
-    real(DP) :: allowed_residual = 0                        !< what apply_schur_interface may leave of a right-hand side [-]
+    logical :: is_singular = .false.               !< J_c is singular: a body is not supported
+    logical, private :: is_woodbury = .false.    !< the last call was factorise_woodbury
+    type(woodbury_type), private :: woodbury           !< its result
+    real(DP) :: allowed_residual = 0                        !< allowed relative residual of apply_schur_interface [-]
     type(sparse_type), private :: interface_map         !< C_c (n_contact x n_reduced)
     type(sparse_type), private :: imbalance_tangent     !< D_R on the interface (n_contact x n_contact)
     integer, allocatable, private :: base_index(:)    !< (n free) base unknown of each free unknown
-    integer, allocatable, private :: reduced_index(:) !< (n free) place among the reduced interface unknowns, 0 if none
+    integer, allocatable, private :: reduced_index(:) !< (n free) index among the reduced interface unknowns, 0 if none
     integer, private :: n_reduced = 0
-    real(DP), allocatable, private :: lu(:, :)     !< J_c factorised
+    real(DP), allocatable, private :: lu(:, :)     !< factor of J_c
     integer, allocatable, private :: pivots(:)
   end type schur_interface_type
 
 contains
 
-  !> Whether the analysis holds for these constraints: a rigid body that turns couples unknowns that it did not couple before.
+  !> Whether the analysis is valid for these constraints: a rotating rigid body couples unknowns that were uncoupled before.
   pure logical function is_analysis_valid(self, base) result(is_analysed)
     type(schur_interface_type), intent(in) :: self
     type(constraints_type), intent(in) :: base     !< finished
@@ -78,12 +78,12 @@ contains
   end function is_analysis_valid
 
 
-  !> Orders the bulk with the interface last and analyses it. After: is_analysed, or .false. if the interface did not stay last.
+  !> Orders the bulk with the interface last and analyses it. After: is_analysed, .false. if the interface is not last.
   subroutine analyse_bulk(self, stiffness, base, is_contact, error)
     type(schur_interface_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns)
     type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers: finished
-    logical, intent(in) :: is_contact(:)           !< (n_unknowns) contact can reach it
+    logical, intent(in) :: is_contact(:)           !< (n_unknowns) contact can act on it
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: order(:), node(:)
     integer :: i, n
@@ -111,7 +111,7 @@ contains
     call elimination_order(self%factor, order)
     self%is_analysed = all(self%interface_index(order(n - self%n_contact + 1:)) > 0)
     if (.not. self%is_analysed) return
-    do i = 1, self%n_contact                       ! the interface is numbered as it is eliminated
+    do i = 1, self%n_contact                       ! interface numbers follow the elimination order
       self%interface_index(order(n - self%n_contact + i)) = i
     end do
     call move_alloc(order, self%order)
@@ -132,7 +132,7 @@ contains
       if (allocated(self%target)) deallocate (self%target)
       allocate (matrix%first(bulk%n_rows + 1), matrix%column(total), self%target(size(bulk%column)))
       n = 0
-      k = 0                                        ! interface unknowns met
+      k = 0                                        ! interface unknowns found
       do i = 1, bulk%n_rows
         matrix%first(i) = n + 1
         if (self%interface_index(i) > 0) then
@@ -176,7 +176,7 @@ contains
   end subroutine fill_interface
 
 
-  !> Factorises the bulk and takes the condensed stiffness of the interface out of its factor.
+  !> Factorizes the bulk and extracts the condensed stiffness of the interface from its factor.
   subroutine factorise_bulk(self, stiffness, base, status, error)
     type(schur_interface_type), intent(inout) :: self    !< analysed
     type(sparse_type), intent(in) :: stiffness     !< K
@@ -196,8 +196,8 @@ contains
     self%matrix%value = 0
     self%matrix%value(self%target) = self%bulk%value
     shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%interface_index > 0)
-    where (self%interface_index > 0 .and. shift <= 0.0_DP) shift = maxval(shift)   ! a rigid body that contact alone holds
-    deallocate (self%bulk%value)                   ! the values are not wanted again, and the factor needs the room
+    where (self%interface_index > 0 .and. shift <= 0.0_DP) shift = maxval(shift)   ! a rigid body supported by contact alone
+    deallocate (self%bulk%value)                   ! not needed any more; the factor needs the memory
     call factorise(self%factor, self%matrix, status, shift, error)
     deallocate (self%matrix%value)
     if (allocated(error) .or. status /= FACTOR_OK) return
@@ -234,10 +234,10 @@ contains
   end subroutine restore_stiffness
 
 
-  !> J_c for the present statuses, weights and friction, factorised.
+  !> Computes and factorizes J_c for the current statuses, weights and friction.
   !!
-  !! After: is_complete is .false. if contact reaches unknowns that are not on the interface; then nothing else is made. is_singular
-  !! tells whether J_c has no inverse, to rounding: what it makes of a force is not to be used then.
+  !! After: is_complete is .false. if contact reaches unknowns that are not on the interface; then nothing else is computed.
+  !! is_singular: J_c is singular to rounding; its solutions must not be used then.
   subroutine factorise_interface(self, base, constraints, imbalance_tangent, displacement_tangent, is_complete, error)
     type(schur_interface_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
@@ -269,7 +269,7 @@ contains
   end subroutine factorise_interface
 
 
-  !> Errors: EXIT_SOLVER if there was no room.
+  !> Checks the status of an allocation. Errors: EXIT_SOLVER.
   subroutine check_memory(memory_status, error)
     integer, intent(in) :: memory_status               !< status of an allocation
     type(error_type), allocatable, intent(inout) :: error
@@ -277,12 +277,12 @@ contains
   end subroutine check_memory
 
 
-  !> The same where all contact is by springs (`sprung`). After: is_fit is .false. where S has no inverse, or they are too stiff.
+  !> The same for contact by springs only (Woodbury formula). After: is_fit is .false. if S is singular or springs are too stiff.
   subroutine factorise_woodbury(self, base, constraints, springs, is_complete, is_fit, error)
     type(schur_interface_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in) :: constraints    !< the same
-    type(contact_springs_type), intent(in) :: springs      !< on all unknowns in place of those of the interface
+    type(contact_springs_type), intent(in) :: springs      !< on all unknowns instead of those of the interface
     logical, intent(out) :: is_complete, is_fit
     type(error_type), allocatable, intent(out) :: error
     type(contact_springs_type) :: restricted_springs
@@ -338,7 +338,7 @@ contains
   end function empty_square
 
 
-  !> C_b' M, and of it the rows of the interface.
+  !> The rows of C_b' M on the interface.
   subroutine restrict_rows(self, base, matrix, restricted_springs, error)
     type(schur_interface_type), intent(in) :: self
     type(constraints_type), intent(in) :: base
@@ -369,11 +369,11 @@ contains
   end subroutine restrict_rows
 
 
-  !> The springs' solution for a right-hand side on the free unknowns of the interface: C_c only sorts here.
+  !> Woodbury solution for a right-hand side on the free unknowns of the interface; C_c is a permutation here.
   subroutine solve_permuted(self, r)
     type(schur_interface_type), intent(inout), target :: self
     real(DP), intent(inout) :: r(:)                !< (n_contact) in the order of the free unknowns
-    type(error_type), allocatable :: error         ! no memory: what comes out is not the solution, and GMRES finds that
+    type(error_type), allocatable :: error         ! no memory: the result is wrong, and GMRES detects it
     real(DP) :: t(self%n_contact)
     integer :: k
     associate (column_of => self%interface_map%column, first => self%interface_map%first)
@@ -386,7 +386,7 @@ contains
   end subroutine solve_permuted
 
 
-  !> C_c, and the places of the free unknowns in bulk and interface.
+  !> C_c, and the indices of the free unknowns in bulk and interface.
   subroutine map_interface(self, base, constraints, is_complete, error)
     type(schur_interface_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base, constraints
@@ -490,7 +490,7 @@ contains
   end subroutine fill_interface_tangent
 
 
-  !> Columns of J_c, side by side in memory, so that the sparse matrices are gone through once for all of them.
+  !> Columns of J_c, contiguous in memory, so that one pass over the sparse matrices serves all of them.
   subroutine fill_columns(self, relation_t, d_u_t, first, last)
     type(schur_interface_type), intent(inout) :: self
     type(sparse_type), intent(in) :: relation_t, d_u_t
@@ -529,8 +529,8 @@ contains
   end subroutine fill_columns
 
 
-  !> x = inv(J) r with the bulk as it was factorised: forward through the bulk, the interface, backward through the bulk. Forward
-  !! there is nothing to do where only the interface is out of balance.
+  !> x = inv(J) r with the factorized bulk: forward substitution in the bulk, interface, backward substitution in the bulk. The
+  !! forward substitution is skipped where only the interface has a residual.
   subroutine apply_schur_interface(self, r, x)
     type(schur_interface_type), intent(inout), target :: self
     real(DP), intent(in) :: r(:)                   !< (n free) [force]

@@ -1,12 +1,12 @@
-!> Audit: whether a model can stand: free bodies, contact that cannot work, bad elements, constraints in conflict.
+!> Model check before the first step: elements, materials, constraints, contact, unsupported bodies; and the model summary.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! All that is found is told at once, before the first step. Messages and remedies: doc/manual/messages.md.
+!! All errors and warnings are reported together, before the first step. Messages and remedies: doc/manual/messages.md.
 !!
-!! Bodies that nothing but contact from one side holds have to be pressed against it by a load.
-!! A force of contact lies within the cone of friction about its normal n. If for some direction t all normals on a body
-!! have n't > mu sqrt(1 - (n't)^2), every force of contact on it has a part along t, and without supports and loads there is
-!! no equilibrium but without contact. t is the mean of the normals. Cost: linear in nodes and slaves.
+!! A body that only contact from one side supports needs a load that presses it against its master.
+!! A contact force lies within the friction cone about its normal n. If for some direction t all normals on a body
+!! have n't > mu sqrt(1 - (n't)^2), every contact force on it has a part along t. Without supports and loads the only
+!! equilibrium is then without contact. t is the mean of the normals. Cost: linear in nodes and slaves.
 module amontons_model_check
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_SETUP
@@ -33,19 +33,19 @@ module amontons_model_check
   private
   public :: check_model, summarize_model
 
-  real(DP), parameter :: TOL_EQUAL_DISPLACEMENT = 1.0e-9_DP          !< displacements this near, over the largest, are equal [-]
+  real(DP), parameter :: TOL_EQUAL_DISPLACEMENT = 1.0e-9_DP          !< difference of equal displacements, over the largest [-]
 
 contains
 
-  !> All checks. Errors: EXIT_SETUP if the report holds an error; the report names each. Cost: linear, but for bodies
-  !! that contact couples (audit_motion).
+  !> Runs all checks. Errors: EXIT_SETUP if the report contains an error; the report names each. Cost: linear, except for bodies
+  !! that contact couples (amontons_model_check_motion).
   subroutine check_model(model, contact, slaves, report, error)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them: facet, gap and normal are set
+    type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment: facet, gap and normal are set
     type(diagnostic_list_type), intent(inout) :: report
     type(error_type), allocatable, intent(out) :: error
-    type(model_type), allocatable :: linear        ! with the bonds as equations, if there are any
+    type(model_type), allocatable :: linear        ! with nonlinear MPCs linearized to equations, if any
     type(equation_type), allocatable :: equations(:)
     call check_volumes(model, report)
     call check_materials(model, report)
@@ -59,12 +59,12 @@ contains
     else
       call check_bodies(model, contact, slaves, report)
     end if
-    if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model cannot stand as it is: the audit found ' // &
-      plural(report%n_errors, 'error') // '. No step was begun.')
+    if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model check found ' // &
+      plural(report%n_errors, 'error') // '. No step was started.')
   end subroutine check_model
 
 
-  !> Lone nodes and free motions.
+  !> Checks nodes without elements and free rigid body motions.
   subroutine check_bodies(model, contact, slaves, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -78,7 +78,7 @@ contains
   end subroutine check_bodies
 
 
-  !> Elements whose volume is not positive everywhere.
+  !> Finds elements whose volume is not positive at all integration points.
   subroutine check_volumes(model, report)
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(inout) :: report
@@ -101,7 +101,7 @@ contains
   end subroutine check_volumes
 
 
-  !> Sections without a material, materials without *ELASTIC, gravity on elements without density.
+  !> Finds elements without a material, materials without *ELASTIC, and gravity on elements without density.
   subroutine check_materials(model, report)
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(inout) :: report
@@ -110,7 +110,7 @@ contains
     integer :: e, i, k, m
     allocate (is_used(size(model%materials)), is_heavy(size(model%materials)), source=.false.)
     do e = 1, model%mesh%n_elements
-      if (model%mesh%kind(e) >= KIND_SPRINGA) cycle      ! springs and masses have none
+      if (model%mesh%kind(e) >= KIND_SPRINGA) cycle      ! springs and masses need no material
       if (model%mesh%material(e) == 0) then
         call none%add(model%mesh%element_label(e))
       else
@@ -143,7 +143,7 @@ contains
   end subroutine check_materials
 
 
-  !> Nodes without elements that carry loads or supports, and are in no equation: nothing comes of these.
+  !> Warns of nodes without elements and equations that have loads or supports: these have no effect.
   subroutine check_lone_nodes(model, bodies, report)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -161,15 +161,15 @@ contains
       end do
     end do
     if (loaded%n > 0) call report_warning(report, 'A force (*CLOAD) acts on ' // plural(loaded%n, 'node') // &
-      ' without elements (' // label_list(loaded%trimmed()) // '): no body feels it. Check the node labels of ' // &
+      ' without elements (' // label_list(loaded%trimmed()) // '): it has no effect. Check the node labels of ' // &
       'the load.')
     if (held%n > 0) call report_warning(report, 'A displacement (*BOUNDARY) is given for ' // plural(held%n, 'node') // &
-      ' without elements (' // label_list(held%trimmed()) // '): it holds nothing. Check the node labels ' // &
+      ' without elements (' // label_list(held%trimmed()) // '): it has no effect. Check the node labels ' // &
       'of the support.')
 
   contains
 
-    !> Notes a node once if it belongs to no body.
+    !> Adds a node to the list, once, if it belongs to no body.
     subroutine add_node_once(node, was_noted, list)
       integer, intent(in) :: node
       logical, intent(inout) :: was_noted(:)
@@ -177,7 +177,7 @@ contains
       if (bodies%of_node(node) > 0 .or. was_noted(node)) return
       was_noted(node) = .true.
       if (allocated(model%springs)) then
-        if (any(model%springs%length_node == node)) return   ! of a rope, which CalculiX wants held
+        if (any(model%springs%length_node == node)) return   ! length node of a spring: CalculiX requires a support
       end if
       call list%add(model%mesh%node_label(node))
     end subroutine add_node_once
@@ -185,20 +185,20 @@ contains
   end subroutine check_lone_nodes
 
 
-  !> Equations that contradict the supports at the end of a step or one another (errors), or only repeat them (notes).
+  !> Equations that contradict the supports at the end of a step or one another (errors), or are redundant (warnings).
   subroutine check_equations(model, report)
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(inout) :: report
     type(constraints_type) :: constraints
     type(integer_list_type) :: idle
-    integer, allocatable :: told(:)                ! (n_equations) the strongest verdict told
+    integer, allocatable :: reported(:)            ! (n_equations) the strongest verdict reported
     real(DP), allocatable :: u(:, :)               ! prescribed displacements at the end of the step
     logical, allocatable :: is_known(:, :)
     real(DP) :: largest
     integer :: i, k, row_verdict
     logical :: is_whole
     if (size(model%equations) == 0) return
-    allocate (told(size(model%equations)), source=0)
+    allocate (reported(size(model%equations)), source=0)
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
     allocate (is_known(3, model%mesh%n_nodes), source=.false.)
     do i = 1, size(model%steps)
@@ -209,12 +209,12 @@ contains
         if (model%equations(k)%last_step < i) cycle
         call add_equation(model, k, largest, constraints, row_verdict)
         if (row_verdict == ROW_CONFLICT .and. .not. is_whole) cycle
-        if (row_verdict == ROW_CONFLICT .and. told(k) < ROW_CONFLICT) call report_error(report, 'In step ' // to_text(i) // &
+        if (row_verdict == ROW_CONFLICT .and. reported(k) < ROW_CONFLICT) call report_error(report, 'In step ' // to_text(i) // &
           ' the *' // trim(model%equations(k)%card) // ' of line ' // &
           to_text(model%equations(k)%line) // ' contradicts the prescribed displacements ' // &
           'of its nodes or the equations before it. Release one of them.')
-        if (row_verdict == ROW_REDUNDANT .and. told(k) == 0) call idle%add(model%equations(k)%line)
-        told(k) = max(told(k), row_verdict)
+        if (row_verdict == ROW_REDUNDANT .and. reported(k) == 0) call idle%add(model%equations(k)%line)
+        reported(k) = max(reported(k), row_verdict)
       end do
       if (idle%n > 0) call report_warning(report, 'In step ' // to_text(i) // ' ' // plural(idle%n, 'equation') // &
         ' (*EQUATION of line ' // label_list(idle%trimmed()) // ') dropped: supports and the equations before hold ' // &
@@ -228,8 +228,8 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
     real(DP), intent(inout) :: u(:, :)             !< (3, n_nodes) at the end of this step, where known [length]
-    logical, intent(inout) :: is_known(:, :)       !< (3, n_nodes) prescribed, or was when it was held
-    logical, intent(out) :: is_whole               !< no unknown is held where the solution has brought it
+    logical, intent(inout) :: is_known(:, :)       !< (3, n_nodes) prescribed now, or when it was fixed
+    logical, intent(out) :: is_whole               !< no unknown is fixed at a computed displacement
     type(constraints_type), intent(inout) :: constraints
     logical, allocatable :: is_prescribed(:, :)
     integer :: i
@@ -239,7 +239,7 @@ contains
     is_prescribed = .false.
     do i = 1, size(model%steps(step)%prescribed)
       associate (load => model%steps(step)%prescribed(i), period => model%steps(step)%period)
-        if (maxval(dof_direction(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a direction of its own
+        if (maxval(dof_direction(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a rotated direction
         if (load%is_held) then
           if (step == 1) is_known(load%dof, load%node) = .true.
           is_whole = is_whole .and. is_known(load%dof, load%node)
@@ -255,11 +255,11 @@ contains
   end subroutine build_step_constraints
 
 
-  !> Adds one equation and tells what becomes of it.
+  !> Adds one equation; returns whether it is independent, redundant or in conflict.
   subroutine add_equation(model, k, largest, constraints, row_verdict)
     type(model_type), intent(in) :: model
     integer, intent(in) :: k
-    real(DP), intent(in) :: largest                !< prescribed displacement [length]
+    real(DP), intent(in) :: largest                !< largest prescribed displacement [length]
     type(constraints_type), intent(inout) :: constraints
     integer, intent(out) :: row_verdict                !< ROW_...
     type(constraint_row_type) :: row
@@ -273,11 +273,11 @@ contains
   end subroutine add_equation
 
 
-  !> What the model holds, as tables for a person: mesh, materials, bodies, contact pairs, steps.
+  !> Model summary as tables: mesh, materials, bodies, contact pairs, steps.
   subroutine summarize_model(model, contact, slaves, text)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
     call find_bodies(model, 1, bodies)
@@ -335,7 +335,7 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     character(:), allocatable :: text
-    integer, parameter :: MAX_BODY_LINES = 50                ! lines; the other bodies are counted
+    integer, parameter :: MAX_BODY_LINES = 50                ! lines; of the other bodies only the number appears
     integer :: b
     text = table_entry('bodies', bodies%n) // NEWLINE
     do b = 1, min(bodies%n, MAX_BODY_LINES)
@@ -349,7 +349,7 @@ contains
   end function body_table
 
 
-  !> What a body has in step 1 that may hold it: supports, equations and the like, contact.
+  !> Restraints of a body in step 1: supports, equations and similar constraints, contact.
   function restraint_text(model, bodies, contact, slaves, b) result(text)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -379,7 +379,7 @@ contains
   end function restraint_text
 
 
-  !> The slave nodes of each pair that are on a body, or face it, closed and open.
+  !> Counts the closed and open slave nodes of each pair that are on a body, or face it.
   subroutine count_touching(bodies, contact, slaves, b, n_closed, n_open)
     type(bodies_type), intent(in) :: bodies
     type(contact_type), intent(in) :: contact
@@ -428,7 +428,7 @@ contains
   end function pair_table
 
 
-  !> A gap, or '-' where no node has one; rounding is told as 0.
+  !> A gap, or '-' where no node has one; values at rounding level appear as 0.
   pure function gap_text(tally, gap, edge) result(text)
     type(pair_statistics_type), intent(in) :: tally
     real(DP), intent(in) :: gap, edge              !< [length]
@@ -494,15 +494,15 @@ contains
   end function table_entry
 
 
-  !> Warns of each such body.
+  !> Warns of each body that only contact from one side supports.
   subroutine check_unilateral_support(model, contact, slaves, bodies, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment
     type(bodies_type), intent(in) :: bodies
     type(diagnostic_list_type), intent(inout) :: report
-    real(DP), allocatable :: mean_normal(:, :)             ! (3, n_bodies) mean of the normals that push
-    logical, allocatable :: is_only_pushed(:)           ! (n_bodies) by contact alone, from one side
+    real(DP), allocatable :: mean_normal(:, :)             ! (3, n_bodies) mean of the normals of the contact forces
+    logical, allocatable :: is_only_pushed(:)           ! (n_bodies) supported by contact alone, from one side
     integer :: b
     if (size(slaves) == 0) return
     allocate (mean_normal(3, bodies%n), source=0.0_DP)
@@ -516,13 +516,14 @@ contains
     do b = 1, bodies%n
       if (is_only_pushed(b) .and. norm2(mean_normal(:, b)) > 0.5_DP) call report_warning(report, &
         'Nothing but contact holds the ' // &
-        body_name(model, bodies%list(b)) // ', no load acts on it, and all contact pushes it one way: it will move off. ' // &
-        'Hold it by *BOUNDARY, or load it against what it touches.')
+        body_name(model, bodies%list(b)) // ', no load acts on it, and all contact pushes it in one direction: it will ' // &
+        'move away. Hold it by *BOUNDARY, or load it against what it touches.')
     end do
   end subroutine check_unilateral_support
 
 
-  !> Bodies with a support, an equation, a spring or a load in some step; and those of pairs that are apart: they may be caught.
+  !> Excludes bodies with a support, an equation, a spring or a load in some step, and those of pairs without any projection, which
+  !! may close later.
   subroutine mark_supported_bodies(model, slaves, bodies, is_only_pushed)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
@@ -554,7 +555,7 @@ contains
 
   contains
 
-    !> These bodies are held or loaded.
+    !> Excludes bodies that are supported or loaded.
     subroutine mark_bodies(list)
       integer, intent(in) :: list(:)               !< bodies; 0: none
       integer :: j
@@ -566,7 +567,7 @@ contains
   end subroutine mark_supported_bodies
 
 
-  !> Adds up the normals on each body, or judges them against their mean.
+  !> Sums the normals on each body, or (`is_judging`) compares each with their mean.
   subroutine sum_contact_normals(model, contact, slaves, bodies, is_judging, mean_normal, is_only_pushed)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -593,11 +594,11 @@ contains
   end subroutine sum_contact_normals
 
 
-  !> Whether every force of a contact has a part along a direction, whatever its friction.
+  !> Whether every force of the friction cone of a contact has a positive part along a direction.
   pure logical function is_cone_one_sided(model, pair, contact_normal, mean_normal)
     type(model_type), intent(in) :: model
     integer, intent(in) :: pair
-    real(DP), intent(in) :: contact_normal(3)                !< along the normal, of any length
+    real(DP), intent(in) :: contact_normal(3)                !< (3) along the normal, of any length
     real(DP), intent(in) :: mean_normal(3)                 !< unit vector
     real(DP) :: along
     is_cone_one_sided = .true.

@@ -1,4 +1,4 @@
-!> Audit bodies: which elements hang together, their boxes, volumes and masses, and how the audit names bodies, nodes and steps.
+!> Connected bodies of the mesh with bounding boxes, volumes and masses, and text helpers for the messages of the model check.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model_check_bodies
   use amontons_kinds, only: DP
@@ -12,18 +12,18 @@ module amontons_model_check_bodies
   public :: body_type, bodies_type, find_bodies, body_name, find_root, unite_trees
   public :: report_error, report_warning, label_list, step_list, join_item, counted_noun
 
-  !> Elements that hang together by their nodes, or one node without elements that an equation names.
+  !> Elements connected by their nodes, or one node without elements that occurs in an equation.
   type :: body_type
     integer :: n_elements = 0                      !< 0: a node without elements
     integer :: element = 0                         !< its first element
     integer :: node = 0                            !< its first node
-    real(DP) :: low(3) = huge(1.0_DP)              !< the box around it [length]
+    real(DP) :: low(3) = huge(1.0_DP)              !< bounding box [length]
     real(DP) :: high(3) = -huge(1.0_DP)
     real(DP) :: centre(3) = 0                      !< of the box [length]
     real(DP) :: size = 1                           !< half the diagonal of the box [length]
     real(DP) :: volume = 0                         !< [length^3]
     real(DP) :: mass = 0                           !< of the elements with a density [mass]
-    character(:), allocatable :: set               !< an element set that is this body; '' if there is none
+    character(:), allocatable :: set               !< name of an element set that is exactly this body; '': no such set
   end type body_type
 
   !> All bodies, in the order of their first elements.
@@ -34,7 +34,7 @@ module amontons_model_check_bodies
     type(body_type), allocatable :: list(:)        !< (n)
   end type bodies_type
 
-  integer, parameter :: MAX_LABELS_SHOWN = 10      !< labels of a list; the others are counted
+  integer, parameter :: MAX_LABELS_SHOWN = 10      !< labels of a list; of the others only the number appears
 
 contains
 
@@ -75,7 +75,7 @@ contains
   end subroutine find_bodies
 
 
-  !> A new body for a node that has none.
+  !> Numbers a new body for a node without one.
   subroutine number_body(bodies, node)
     type(bodies_type), intent(inout) :: bodies
     integer, intent(in) :: node
@@ -85,7 +85,7 @@ contains
   end subroutine number_body
 
 
-  !> The root of a node; the path to it is halved on the way.
+  !> Root of a node, with path halving.
   integer function find_root(parent, node) result(root)
     integer, intent(inout) :: parent(:)
     integer, intent(in) :: node
@@ -97,7 +97,7 @@ contains
   end function find_root
 
 
-  !> Puts two nodes into one tree; the smaller number is the root.
+  !> Unites the trees of two nodes; the smaller number is the root.
   subroutine unite_trees(parent, a, b)
     integer, intent(inout) :: parent(:)
     integer, intent(in) :: a, b
@@ -108,7 +108,7 @@ contains
   end subroutine unite_trees
 
 
-  !> Boxes, elements, volumes and masses.
+  !> Computes boxes, elements, volumes and masses.
   subroutine measure_bodies(model, step, bodies)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< whose materials count: index into model%steps
@@ -147,7 +147,7 @@ contains
   end subroutine measure_bodies
 
 
-  !> The element set that is exactly a body, if there is one: the first in the deck.
+  !> Names each body after the first element set of the deck that is exactly this body, if any.
   subroutine name_bodies(model, bodies)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(inout) :: bodies
@@ -233,7 +233,7 @@ contains
   pure function join_item(text, item, is_last) result(longer)
     character(*), intent(in) :: text           !< the items so far, empty at first
     character(*), intent(in) :: item
-    logical, intent(in) :: is_last             !< 'and' stands before it
+    logical, intent(in) :: is_last             !< 'and' precedes it
     character(:), allocatable :: longer
     if (text == '') then
       longer = item

@@ -1,4 +1,4 @@
-!> Audit of contact: whether the pairs can touch: projection, direction of the normals, penetration, common nodes.
+!> Model check of the contact pairs: projection, orientation of normals, initial penetration, common and supported nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model_check_contact
   use amontons_kinds, only: DP
@@ -17,24 +17,24 @@ module amontons_model_check_contact
   private
   public :: pair_statistics_type, check_contact, collect_pair_statistics, is_closed, can_close_later
 
-  real(DP), parameter :: MAX_CLOSED_GAP = 1.0e-6_DP         !< a gap below this part of the master's edge is closed [-]
+  real(DP), parameter :: MAX_CLOSED_GAP = 1.0e-6_DP         !< largest gap that counts as closed, over the master's edge [-]
   real(DP), parameter :: MAX_COMPARED_GAP = 1.0_DP             !< normals are compared up to this gap over the edge of the facet [-]
-  real(DP), parameter :: MIN_SAME_DIRECTION_COSINE = 0.5_DP         !< normals whose product is above this point the same way [-]
-  real(DP), parameter :: MAX_PENETRATION = 0.5_DP             !< a penetration above this part of the edge is a mistake [-]
-  real(DP), parameter :: MIN_REPORTED_PENETRATION = 1.0e-3_DP        !< a penetration above this part of the edge is told [-]
-  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP          !< a normal with a smaller free part than this is held [-]
-  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP            !< the search of the contact reaches so many edges [-]
+  real(DP), parameter :: MIN_SAME_DIRECTION_COSINE = 0.5_DP         !< least product of normals of the same direction [-]
+  real(DP), parameter :: MAX_PENETRATION = 0.5_DP             !< a larger penetration over the edge is an error [-]
+  real(DP), parameter :: MIN_REPORTED_PENETRATION = 1.0e-3_DP        !< a larger penetration over the edge is reported [-]
+  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP          !< with a smaller free part a normal counts as constrained [-]
+  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP            !< search radius of contact, over the edge [-]
 
-  !> What the slave nodes of one pair say at the start.
+  !> Statistics of the slave nodes of one pair at the start.
   type :: pair_statistics_type
     integer :: n_slaves = 0
-    integer :: n_passive = 0                  !< besides these: whose part another pair takes
+    integer :: n_passive = 0                  !< besides these: inactive, in favour of another pair
     integer :: n_projected = 0                 !< that project on the master
     integer :: n_closed = 0                    !< that touch or penetrate
     integer :: n_facing_away = 0                    !< that project on the master and face the same way as it
     integer :: n_near = 0                      !< whose normal can be compared with that of the master
     integer :: n_same_direction = 0                   !< of these, that face the same way as the master
-    integer :: n_held = 0                      !< whose displacement along the normal a support or an equation of step 1 holds
+    integer :: n_held = 0                      !< with a support or an equation along the normal in step 1
     real(DP) :: least_gap = huge(1.0_DP)       !< of those that project and do not face away [length]
     real(DP) :: largest_gap = -huge(1.0_DP)    !< [length]
     real(DP) :: depth = 0                      !< largest penetration over the edge of the facet [-]
@@ -43,11 +43,11 @@ module amontons_model_check_contact
 
 contains
 
-  !> All checks of contact. Cost: linear in the nodes of the surfaces.
+  !> Runs all checks of contact. Cost: linear in the nodes of the surfaces.
   subroutine check_contact(model, contact, slaves, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment
     type(diagnostic_list_type), intent(inout) :: report
     type(pair_statistics_type), allocatable :: statistics(:)
     integer :: p
@@ -82,11 +82,12 @@ contains
   end subroutine collect_pair_statistics
 
 
-  !> One slave node. One that faces away from the master, as the far side of a surface all round a body, has no gap.
+  !> Adds one slave node to the statistics. A node that faces away from the master, such as on the far side of a surface around a
+  !! whole body, has no gap.
   pure subroutine count_slave(contact, slave, slave_normal, s, statistic)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
-    real(DP), intent(in) :: slave_normal(3)        !< out of the slave; zero: unknown
+    real(DP), intent(in) :: slave_normal(3)        !< outward; zero: unknown
     integer, intent(in) :: s                       !< number of the slave
     type(pair_statistics_type), intent(inout) :: statistic
     real(DP) :: edge
@@ -126,7 +127,7 @@ contains
   end function is_closed
 
 
-  !> Slave nodes that project nowhere: normal where some overhang, a mistake where all do.
+  !> Slave nodes without projection: normal where some overhang, an error where all do.
   subroutine check_projection(model, contact, p, statistic, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -158,7 +159,7 @@ contains
   end subroutine check_projection
 
 
-  !> Slave and master that face the same way.
+  !> Finds slave and master surfaces with normals in the same direction.
   subroutine check_direction(model, p, statistic, report)
     type(model_type), intent(in) :: model
     integer, intent(in) :: p                       !< pair
@@ -178,7 +179,7 @@ contains
   end subroutine check_direction
 
 
-  !> Penetration at the start.
+  !> Reports the largest penetration at the start.
   subroutine check_depth(model, contact, slaves, p, statistic, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -203,7 +204,7 @@ contains
   end subroutine check_depth
 
 
-  !> The slaves that do not face away from their master, as those of a surface all around a body may.
+  !> Slaves that face their master; on a surface around a whole body the others face away.
   pure function slaves_facing_master(contact, slaves) result(list)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
@@ -215,7 +216,7 @@ contains
   end function slaves_facing_master
 
 
-  !> Whether *CONTACT INTERFERENCE of the first step takes a penetration over the edge for what it is: a fit.
+  !> Whether *CONTACT INTERFERENCE of the first step covers the penetration: an interference fit.
   pure logical function is_allowed(model, p, depth, edge)
     type(model_type), intent(in) :: model
     integer, intent(in) :: p                       !< pair
@@ -230,15 +231,15 @@ contains
   end function is_allowed
 
 
-  !> Whether a pair that is apart at the start can be driven together: finite sliding, and a displacement long enough or a force.
-  !! Under the calculix dialect nothing is said against any pair: the deck runs there.
+  !> Whether a pair without projection at the start can close later: finite sliding, and a force or a sufficient prescribed
+  !! displacement. Under the calculix dialect always true: CalculiX accepts such decks.
   pure logical function can_close_later(model, contact, p)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: p                       !< pair
     real(DP) :: box(3, 2, 2), apart(3), largest
     integer :: i
-    can_close_later = model%dialect == DIALECT_CALCULIX   ! it runs there
+    can_close_later = model%dialect == DIALECT_CALCULIX   ! CalculiX accepts it
     if (can_close_later .or. model%pairs(p)%is_small_sliding .or. .not. any(model%steps%is_nlgeom)) return
     associate (x => model%mesh%coordinates, slave => model%surfaces(model%pairs(p)%slave)%nodes, &
       master => model%surfaces(model%pairs(p)%master)%nodes)
@@ -251,7 +252,7 @@ contains
     largest = 0.0_DP
     do i = 1, size(model%steps)
       largest = max(largest, largest_prescribed(model%amplitudes, model%steps(i)%prescribed))
-      if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) largest = huge(largest)   ! as far as need be
+      if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) largest = huge(largest)   ! forces: no limit
     end do
     can_close_later = largest > 0.0_DP .and. largest >= norm2(apart) - SEARCH_RADIUS_RATIO * contact%edge(p)
   end function can_close_later
@@ -273,8 +274,8 @@ contains
   end function largest_prescribed
 
 
-  !> Exact pairs share slave nodes with mid-side nodes only among pairs of one kind: surface to surface gives these nodes forces of
-  !! their own, node to surface has them follow their corners.
+  !> Exact pairs may share slave faces with mid-side nodes only with pairs of the same kind: surface to surface has contact forces
+  !! at mid-side nodes, node to surface constrains them to their corners.
   subroutine check_kinds(model, report)
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(inout) :: report
@@ -308,7 +309,7 @@ contains
   end subroutine check_kinds
 
 
-  !> Nodes that are on both sides of a pair. (Pairs may share nodes: see amontons_overlaps.)
+  !> Nodes that are on both sides of a pair. (Pairs may share nodes: see amontons_shared_slave_nodes.)
   subroutine check_overlap(model, report)
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(inout) :: report
@@ -333,7 +334,7 @@ contains
   end subroutine check_overlap
 
 
-  !> Slave nodes that a support or an equation holds along the contact normal: the contact cannot push them.
+  !> Slave nodes with a support or an equation along the contact normal: contact cannot act on them.
   subroutine check_held(model, slaves, report)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
@@ -366,13 +367,13 @@ contains
   !> Whether a slave node cannot move along its contact normal.
   pure logical function is_held_along(slave, is_free)
     type(slave_state_type), intent(in) :: slave
-    logical, intent(in) :: is_free(3)              !< its displacements
+    logical, intent(in) :: is_free(3)              !< its displacement components
     is_held_along = slave%facet > 0
     if (is_held_along) is_held_along = norm2(merge(slave%normal, 0.0_DP, is_free)) < MIN_FREE_PART
   end function is_held_along
 
 
-  !> The unknowns that neither a support of the step nor the first term of an equation takes.
+  !> The unknowns that neither a support of the step nor the first term of an equation eliminates.
   subroutine find_free_unknowns(model, step, is_free)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
@@ -400,7 +401,7 @@ contains
   end function pair_name
 
 
-  !> The text with its first letter large.
+  !> The text with an upper-case first letter.
   pure function capitalized(text) result(sentence)
     character(*), intent(in) :: text
     character(:), allocatable :: sentence

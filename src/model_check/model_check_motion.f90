@@ -1,10 +1,10 @@
-!> Audit of motion: which rigid motions of the bodies nothing holds in a step, in words.
+!> Rigid body motions that supports, equations and contact leave free in a step (null space of the constraint Gram matrix).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A body can move rigidly in six ways, u = t + r x (x - centre)/size. A support, an equation, or a contact that is
+!! A body has six rigid body modes, u = t + r x (x - centre)/size. A support, an equation, or a contact that is
 !! closed or can close is a row a'u = 0 on these. The supports leave each body a basis of motions (the null space of its
-!! 6 x 6 Gram matrix); equations and contacts are rows on these bases, and couple bodies. Each cluster of coupled bodies
-!! gets a Gram matrix R'R, whose null space is what is free. Cost: linear in nodes and rows, cubic in the free motions
+!! 6 x 6 Gram matrix); equations and contacts are rows on these bases, and couple bodies. The null space of the Gram matrix
+!! R'R of each cluster of coupled bodies contains its free motions. Cost: linear in nodes and rows, cubic in the free motions
 !! of one cluster.
 module amontons_model_check_motion
   use amontons_kinds, only: DP
@@ -47,17 +47,17 @@ module amontons_model_check_motion
     logical, allocatable :: is_open(:)             !< (n) of a contact that is open at the start
     integer, allocatable :: body(:)                !< (n_entries)
     real(DP), allocatable :: value(:, :)           !< (6, n_entries) on the motions of that body's basis
-    real(DP), allocatable :: work(:, :)            !< (6, n_bodies) the row in the making on t and r; 0 between rows
-    integer, allocatable :: touched(:)             !< bodies of the row in the making
+    real(DP), allocatable :: work(:, :)            !< (6, n_bodies) the current row on t and r; 0 between rows
+    integer, allocatable :: touched(:)             !< bodies of the current row
     integer :: n_touched = 0
   end type rows_type
 
-  ! What a finding says of the motions.
-  integer, parameter :: FINDING_FREE = 1           !< nothing holds them
-  integer, parameter :: FINDING_OPEN = 2           !< only contact that is open at the start can hold them
-  integer, parameter :: FINDING_PLACED = 3         !< nothing holds them where the deck has the body; earlier steps may move it
+  ! Kinds of findings.
+  integer, parameter :: FINDING_FREE = 1           !< no restraint
+  integer, parameter :: FINDING_OPEN = 2           !< only contact that is open at the start can restrain them
+  integer, parameter :: FINDING_PLACED = 3         !< unrestrained at the position in the deck; earlier steps may move the body
 
-  !> Motions of some bodies that nothing holds, and the steps in which that is so.
+  !> Unrestrained motions of some bodies, and the steps concerned.
   type :: finding_type
     integer :: code = FINDING_FREE                 !< FINDING_...
     integer, allocatable :: bodies(:)              !< those that move together
@@ -68,11 +68,11 @@ module amontons_model_check_motion
 
 contains
 
-  !> Tells which rigid motions nothing holds, step by step (errors), and which only open contact holds at the start.
+  !> Reports unrestrained rigid motions of each step (errors), and those that only open contact restrains at the start (warnings).
   subroutine check_rigid_motions(model, contact, slaves, bodies, report)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)      !< as the first increment finds them
+    type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment
     type(bodies_type), intent(in) :: bodies
     type(diagnostic_list_type), intent(inout) :: report
     type(finding_type), allocatable :: findings(:)
@@ -95,15 +95,15 @@ contains
   end subroutine check_rigid_motions
 
 
-  !> A motion that supports, equations and the closed slave nodes leave to a body in a step.
-  !! Slave nodes that slip hold their bodies along the normal alone.
+  !> Finds a motion that supports, equations and closed slave nodes leave free in a step.
+  !! Slipping slave nodes restrain their bodies along the normal only.
   subroutine find_free_motion(model, contact, slaves, step, is_free, motion)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: step                    !< its number
     logical, intent(out) :: is_free                !< there is one
-    character(:), allocatable, intent(out) :: motion   !< the body and how it can move, in words; not there if it cannot
+    character(:), allocatable, intent(out) :: motion   !< body and motion in words; not allocated if none is free
     type(bodies_type) :: bodies
     type(bases_type) :: bases
     type(rows_type) :: rows
@@ -126,7 +126,7 @@ contains
   end subroutine find_free_motion
 
 
-  !> Room for rows.
+  !> Allocates the rows.
   subroutine allocate_rows(bodies, rows)
     type(bodies_type), intent(in) :: bodies
     type(rows_type), intent(out) :: rows
@@ -136,7 +136,7 @@ contains
   end subroutine allocate_rows
 
 
-  !> The free motions of one step.
+  !> Finds the free motions of one step.
   subroutine check_step(model, contact, slaves, bodies, step, findings)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -169,7 +169,7 @@ contains
   end function rigid_motion
 
 
-  !> What the supports of a step leave free.
+  !> Bases of the motions that the supports of a step leave free.
   subroutine find_bases(model, bodies, step, bases)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -201,8 +201,8 @@ contains
   end subroutine find_bases
 
 
-  !> Motions that the elements themselves rule out: displacements that nothing resists are held at zero (the third of plane
-  !! models), an axisymmetric element resists its radial displacement, a spring to the ground its own.
+  !> Motions that the elements themselves restrain: displacements without stiffness are fixed at zero (the third of plane
+  !! models); an axisymmetric element resists its radial displacement, a spring to the ground its own.
   subroutine constrain_by_elements(model, bodies, gram)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -221,7 +221,7 @@ contains
         do i = mesh%first(e), mesh%first(e + 1) - 1
           if (entry%family == FAMILY_AXISYMMETRIC) call constrain_dof(mesh%nodes(i), 1)
           if (mesh%kind(e) /= KIND_SPRING1) cycle
-          do k = 1, 3                              ! 0: it acts in a direction that is no axis
+          do k = 1, 3                              ! 0: its direction is not a coordinate axis
             if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call constrain_dof(mesh%nodes(i), k)
           end do
         end do
@@ -244,7 +244,7 @@ contains
   end subroutine constrain_by_elements
 
 
-  !> A body of trusses, springs or masses may be a line or a point: a turn about it moves nothing, and is held.
+  !> A body of trusses, springs or masses may be a line or a point: rotations that move no node count as restrained.
   subroutine constrain_line_rotation(model, bodies, gram)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -278,7 +278,7 @@ contains
   end subroutine constrain_line_rotation
 
 
-  !> A node without elements does not turn, and moves only in the directions that equations name.
+  !> A node without elements does not rotate, and moves only in the directions that occur in equations.
   subroutine constrain_lone_node(model, node, gram)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node
@@ -297,7 +297,7 @@ contains
   end subroutine constrain_lone_node
 
 
-  !> Adds a'u(node) to the row in the making.
+  !> Adds a'u(node) to the current row.
   subroutine add_term(model, bodies, node, a, rows)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -315,7 +315,7 @@ contains
   end subroutine add_term
 
 
-  !> Ends the row in the making: what of it falls on motions that supports leave free is kept.
+  !> Ends the current row: stores its part on the motions that supports leave free.
   subroutine end_row(bases, is_open, rows)
     type(bases_type), intent(in) :: bases
     logical, intent(in) :: is_open                 !< of a contact that is open at the start
@@ -350,7 +350,7 @@ contains
   end subroutine end_row
 
 
-  !> Doubles the room for entries.
+  !> Doubles the capacity for entries.
   subroutine enlarge_entries(rows)
     type(rows_type), intent(inout) :: rows
     real(DP), allocatable :: larger(:, :)
@@ -393,7 +393,7 @@ contains
     type(bases_type), intent(in) :: bases
     type(rows_type), intent(inout) :: rows
     type(slave_state_type) :: slave
-    logical, allocatable :: is_later(:)            ! (n_pairs) apart now, may be driven together
+    logical, allocatable :: is_later(:)            ! (n_pairs) without projection now, may close later
     integer :: s, p
     allocate (is_later(size(model%pairs)), source=.true.)
     do s = 1, size(slaves)
@@ -404,7 +404,7 @@ contains
     end do
     do s = 1, size(slaves)
       slave = slaves(s)
-      if (is_later(slave%pair)) then               ! where it will touch is not known: take any facet
+      if (is_later(slave%pair)) then               ! the facet of later contact is unknown: take any
         slave%facet = 1
         slave%row = 0
         slave%normal = -contact%slave_normal(:, s)
@@ -448,7 +448,7 @@ contains
   end subroutine add_contact
 
 
-  !> Clusters of bodies that the rows couple: what is free in each.
+  !> Finds the free motions of each cluster of bodies coupled by rows.
   subroutine check_clusters(model, bodies, bases, rows, step, is_start, findings)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -485,7 +485,7 @@ contains
   end subroutine check_clusters
 
 
-  !> One cluster: the null space of its Gram matrix, told as motions.
+  !> One cluster: reports the null space of its Gram matrix as motions.
   subroutine check_cluster(model, bodies, bases, rows, members, rows_of, step, is_start, findings)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -641,8 +641,8 @@ contains
   end function other_bodies
 
 
-  !> Whether a body that can turn where it lies in the deck may be held where an earlier step under NLGEOM has brought it.
-  !! What can move along without turning can so everywhere.
+  !> Whether a body that can rotate at its position in the deck may be restrained after an earlier step under NLGEOM has moved it.
+  !! A free translation is free at every position.
   pure logical function may_be_held_later(model, step, motions) result(may_be)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step
@@ -653,17 +653,17 @@ contains
   end function may_be_held_later
 
 
-  !> What is missing and what to do.
+  !> Missing restraint and remedy.
   pure function remedy_text(code) result(text)
     integer, intent(in) :: code                    !< FINDING_...
     character(:), allocatable :: text
     select case (code)
     case (FINDING_PLACED)
       text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
-        'held where the steps before have brought it.'
+        'held after the previous steps have moved it.'
     case (FINDING_OPEN)
-      text = ' until its contact closes: what could hold it is open at the start. It will be carried to where it ' // &
-        'touches; a body that shall not move so is to be driven by a prescribed displacement.'
+      text = ' until its contact closes: what could hold it is open at the start. Proximal steps will move it to ' // &
+        'first contact; to control this motion, prescribe a displacement.'
     case default
       text = ': no support, no equation and no contact holds it. Hold it by *BOUNDARY, or let it touch a body ' // &
         'that is held (only friction holds it along the surface).'
@@ -671,7 +671,7 @@ contains
   end function remedy_text
 
 
-  !> Adds a finding, or its step to one that says the same.
+  !> Adds a finding, or its step to an equal one.
   subroutine add_finding(finding, step, findings)
     type(finding_type), intent(in) :: finding      !< without steps
     integer, intent(in) :: step

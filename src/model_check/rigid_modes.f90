@@ -1,4 +1,4 @@
-!> Motions: the rigid motions of a body, made simple and told in words.
+!> Rigid body modes: simplified basis of the free motions of a body, and their description in words.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A motion is (t, r): u = t + r x (x - centre)/size, with the centre and the size of the body.
@@ -11,11 +11,11 @@ module amontons_rigid_modes
   private
   public :: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
 
-  real(DP), parameter :: MIN_MOTION_PART = 1.0e-3_DP         !< a part of a motion smaller than this is not told [-]
+  real(DP), parameter :: MIN_MOTION_PART = 1.0e-3_DP         !< least part of a motion that is described [-]
 
 contains
 
-  !> Takes combinations of the motions that are simple to tell: reduced echelon form, body by body, translations first.
+  !> Replaces the motions by simple combinations: reduced echelon form, body by body, translations first.
   pure subroutine simplify_motions(motions)
     real(DP), intent(inout) :: motions(:, :)       !< (6 members, n) columns
     real(DP), parameter :: MIN_PIVOT_PART(2) = [0.1_DP, 0.0_DP]   ! part of a column that its pivot must have, in two passes
@@ -30,7 +30,7 @@ contains
   end subroutine simplify_motions
 
 
-  !> Makes a row the pivot of the next motion, if a motion has enough of it: there it is 1, elsewhere 0.
+  !> Makes a row the pivot of the next motion if its largest entry suffices: 1 in this motion, 0 in the others.
   pure subroutine take_pivot(row, least, n, motions)
     integer, intent(in) :: row
     real(DP), intent(in) :: least                  !< part of the largest entry of the motion
@@ -80,14 +80,14 @@ contains
   end function motions_text
 
 
-  !> Whether a motion turns the body by (nearly) nothing.
+  !> Whether a motion has (nearly) no rotation.
   pure logical function is_translation(motion)
     real(DP), intent(in) :: motion(6)              !< t, r
     is_translation = norm2(motion(4:)) <= MIN_MOTION_PART * norm2(motion(:3))
   end function is_translation
 
 
-  !> One motion in words: a translation, or a turn about an axis, or a screw. The axis of u = t + w x (x - c) goes
+  !> One motion in words: a translation, a rotation about an axis, or a screw motion. The axis of u = t + w x (x - c) passes
   !! through c + (w x t)/w^2.
   function motion_text(body, motion) result(text)
     type(body_type), intent(in) :: body
@@ -130,7 +130,7 @@ contains
   !> '(1, 2.5, 0)', each number rounded to a power of ten not larger than the unit.
   function vector_text(vector, unit) result(text)
     real(DP), intent(in) :: vector(3)
-    real(DP), intent(in) :: unit                   !< about what matters
+    real(DP), intent(in) :: unit                   !< resolution
     character(:), allocatable :: text
     real(DP) :: step
     integer :: k

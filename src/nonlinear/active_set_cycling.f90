@@ -1,16 +1,14 @@
-!> Cycles: what is done for slave nodes whose statuses come round and round, and for those alone.
+!> Treatment of active-set cycling: freezes the status of cycling slave nodes, or extends the master's edges for them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Active-set cycling". A
-!! cycle is found by the hash of all slave nodes (amontons_forensics) while the
-!! merit does not
-!! fall over its length. Then, for the nodes that change within it:
+!! Theory: doc/theory/newton.md, section [active_set_cycling]. The hash of all slave nodes (amontons_active_set_history) detects a
+!! cycle; it is treated if the merit does not decrease over its length. For the nodes that change within the cycle:
 !!
-!! - one that runs off its master and is found on it again keeps to the edge that it ran over: for as long as it is pressed, that
-!!   facet reaches half its length beyond itself for this node; one that was off it before stays beside it in this increment,
-!!   unless it ends up well within it. (Along one direction, while contact settles, the third time counts as a cycle.)
-!! - any other is held in the status that it had where the merit was least, until all else is in balance; then it is let go,
-!!   and what its trial traction says then counts. No node is held twice in an increment.
+!! - A node that leaves its master and returns: the facet at the edge is extended by half its length for this node while it is
+!!   pressed. A node that was off the master before stays off in this increment, unless it ends well within the master. (Within
+!!   one contact subproblem the third time counts as a cycle.)
+!! - Any other node: its status is frozen at that of the least merit until convergence. Then it is released, and its trial
+!!   traction decides. No node is frozen twice in an increment.
 module amontons_active_set_cycling
   use amontons_kinds, only: DP
   use amontons_surfaces, only: is_compliant
@@ -25,30 +23,30 @@ module amontons_active_set_cycling
   private
   public :: break_cycle, release_frozen_nodes, extend_master_edges, facet_track_type
 
-  real(DP), parameter :: CYCLE_STAGNATION_RATIO = 0.5_DP         !< a merit that is not below this part of that one cycle before
-                                                                 !! does not fall [-]
-  integer, parameter :: MAX_MASTER_LOSSES = 3                  !< times that a node runs off its master until it keeps to the edge
-  integer, parameter :: MAX_EDGE_RETURNS = 2                  !< times that it comes back over an edge where the normal jumps until
-                                                              !! it stays
-  real(DP), parameter :: MIN_DEPTH_IN_FACET = 0.1_DP        !< a node deeper in a facet than this is not beside it, in its lengths
-                                                            !! [-]
+  real(DP), parameter :: CYCLE_STAGNATION_RATIO = 0.5_DP         !< least ratio of merits over one cycle that counts as
+                                                                 !! stagnation [-]
+  integer, parameter :: MAX_MASTER_LOSSES = 3                  !< times that a node leaves its master until the edge is extended
+  integer, parameter :: MAX_EDGE_RETURNS = 2                  !< returns over an edge with a jump of the normal until the edge is
+                                                              !! extended
+  real(DP), parameter :: MIN_DEPTH_IN_FACET = 0.1_DP        !< distance from the edge at which a node counts as well within the
+                                                            !! facet, over its length [-]
 
-  !> Where a node has been while contact settles along a direction.
+  !> Facets of a node during a contact subproblem.
   type :: facet_track_type
-    integer :: facet = -1                          !< where it was last; 0: off its master; -1: not known yet
-    integer :: previous_facet = -1                         !< and before that
-    integer :: n_returns = 0                         !< how often it ran off, or came back
+    integer :: facet = -1                          !< last facet; 0: off its master; -1: not known yet
+    integer :: previous_facet = -1                         !< the one before
+    integer :: n_returns = 0                         !< number of losses of the master, or of returns to a facet
   end type facet_track_type
 
 contains
 
-  !> Looks for a cycle and acts on its nodes. After: the statuses and facets with which contact is to be evaluated again.
+  !> Finds a cycle and treats its nodes. Out: statuses and facets for the next evaluation of contact.
   subroutine break_cycle(contact, active_set_history, slaves, is_found, is_changed)
     type(contact_type), intent(in) :: contact
     type(active_set_history_type), intent(in) :: active_set_history
     type(slave_state_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_found               !< there is a cycle
-    logical, intent(out) :: is_changed               !< something was done
+    logical, intent(out) :: is_changed               !< a node was treated
     integer, allocatable :: nodes(:)
     integer :: length, i, best
     is_changed = .false.
@@ -79,12 +77,12 @@ contains
   end subroutine break_cycle
 
 
-  !> While contact settles along a direction: nodes that ran off their master again and again, and were found on it in between,
-  !! keep to its edge. After: whether there are new ones; they are marked in the slaves where the direction starts.
+  !> Cycling within a contact subproblem: extends the edge for nodes that left their master, or crossed an edge, repeatedly.
+  !! New ones are marked in `start`.
   pure subroutine extend_master_edges(contact, start, trial_slaves, facet_tracks, is_extended)
     type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(inout) :: start(:)    !< (n_slaves) where the direction starts
-    type(slave_state_type), intent(in) :: trial_slaves(:)         !< (n_slaves) as they were foreseen
+    type(slave_state_type), intent(inout) :: start(:)    !< (n_slaves) at the start of the direction
+    type(slave_state_type), intent(in) :: trial_slaves(:)         !< (n_slaves) predicted
     type(facet_track_type), intent(inout) :: facet_tracks(:)     !< (n_slaves)
     logical, intent(out) :: is_extended
     logical :: is_faceted
@@ -105,9 +103,9 @@ contains
   end subroutine extend_master_edges
 
 
-  !> Counts how often a node runs off its master, or, where normals jump at its edges, comes back to the facet before the last.
+  !> Counts losses of the master; where normals jump at its edges, also returns to the facet before the last.
   pure subroutine update_facet_track(facet, is_faceted, facet_track)
-    integer, intent(in) :: facet                   !< where it is now; 0: off
+    integer, intent(in) :: facet                   !< current facet; 0: off the master
     logical, intent(in) :: is_faceted              !< normals jump at the master's edges
     type(facet_track_type), intent(inout) :: facet_track
     if (facet == facet_track%facet) return
@@ -117,7 +115,7 @@ contains
   end subroutine update_facet_track
 
 
-  !> Whether the master of a node has edges to keep to: it is meshed, and the node slides over it by itself.
+  !> Whether the edges of a node's master can be extended: the master is meshed, and the node slides freely on it.
   pure logical function has_master_edges(contact, slave)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -126,7 +124,7 @@ contains
   end function has_master_edges
 
 
-  !> Whether a node goes off its meshed master and comes back within the last iterations.
+  !> Whether a node leaves its meshed master and returns within the last iterations.
   pure logical function is_leaving_master(contact, active_set_history, slave, s, length)
     type(contact_type), intent(in) :: contact
     type(active_set_history_type), intent(in) :: active_set_history
@@ -140,7 +138,7 @@ contains
   end function is_leaving_master
 
 
-  !> Whether a node goes over an edge of its master at which the normal jumps, and comes back, within the last iterations.
+  !> Whether a node crosses an edge of its master with a jump of the normal, and returns, within the last iterations.
   pure logical function is_alternating_facets(contact, active_set_history, slave, s, length) result(is_alternating)
     type(contact_type), intent(in) :: contact
     type(active_set_history_type), intent(in) :: active_set_history
@@ -153,8 +151,7 @@ contains
   end function is_alternating_facets
 
 
-  !> All else is in balance: nodes that were held are let go, and those beside their master that are well within it. After:
-  !! whether there were any.
+  !> After convergence: releases frozen nodes, nodes without friction, and nodes marked as off the master that are well within it.
   subroutine release_frozen_nodes(contact, x, slaves, is_released)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]

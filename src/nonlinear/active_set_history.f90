@@ -1,4 +1,4 @@
-!> Forensics: what the slave nodes did in the last iterations: cycles by hashing, flips, and who left the master.
+!> History of the active set over the last iterations: hashing, cycle detection, diagnosis of flips and penetration jumps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_active_set_history
   use amontons_kinds, only: DP, I64
@@ -9,16 +9,16 @@ module amontons_active_set_history
     suddenly_deep_slaves, status_trace, &
     find_least_merit, last_facet, count_changed_statuses, most_constrained_status, HISTORY_DEPTH
 
-  integer, parameter :: HISTORY_DEPTH = 8                  !< iterations whose nodes are kept
-  integer, parameter :: MAX_HASHES = 128                 !< iterations whose hashes are kept
+  integer, parameter :: HISTORY_DEPTH = 8                  !< iterations with stored nodes
+  integer, parameter :: MAX_HASHES = 128                 !< iterations with stored hashes
   integer(I64), parameter :: HASH_MODULUS = 1099511627689_I64   !< a prime below 2**40: no product overflows
   integer(I64), parameter :: HASH_FACTOR = 1000003_I64
-  real(DP), parameter :: DEEP_PENETRATION = 0.5_DP             !< a penetration beyond this part of an edge [-]
-  real(DP), parameter :: SHALLOW_PENETRATION = 0.1_DP          !< that was less than this part in the iteration before is a jump [-]
+  real(DP), parameter :: DEEP_PENETRATION = 0.5_DP             !< least penetration after a jump, over an edge [-]
+  real(DP), parameter :: SHALLOW_PENETRATION = 0.1_DP          !< largest penetration before a jump, over an edge [-]
 
-  !> What the slave nodes were in the last iterations of an attempt; the newest comes first.
+  !> Slave nodes in the last iterations of an attempt, newest first.
   type :: active_set_history_type
-    integer :: n = 0                               !< iterations noted, the start counted
+    integer :: n = 0                               !< iterations recorded, including the start
     integer(I64) :: hash(MAX_HASHES) = 0
     integer, allocatable :: status(:, :)           !< (n_slaves, HISTORY_DEPTH) STATUS_...
     integer, allocatable :: scenario(:, :)         !< (n_slaves, HISTORY_DEPTH)
@@ -29,7 +29,7 @@ module amontons_active_set_history
 
 contains
 
-  !> Notes the slave nodes after an iteration, or at the start. Cost: linear in the slave nodes.
+  !> Records the slave nodes after an iteration, or at the start. Cost: linear in the slave nodes.
   pure subroutine record_active_set(history, slaves, merit)
     type(active_set_history_type), intent(inout) :: history
     type(slave_state_type), intent(in) :: slaves(:)
@@ -55,7 +55,7 @@ contains
   end subroutine record_active_set
 
 
-  !> A number that is the same for the same pairs, facets and statuses of all slave nodes, and else almost surely not.
+  !> Hash of pairs, facets and statuses of all slave nodes; collisions are improbable.
   pure integer(I64) function hash_active_set(slaves) result(hash)
     type(slave_state_type), intent(in) :: slaves(:)
     integer :: s
@@ -63,13 +63,13 @@ contains
     do s = 1, size(slaves)
       hash = modulo(hash * HASH_FACTOR + int(slaves(s)%pair, I64), HASH_MODULUS)
       hash = modulo(hash * HASH_FACTOR + int(slaves(s)%status, I64), HASH_MODULUS)
-      if (slaves(s)%status == STATUS_OPEN) cycle   ! where an open node would touch does not matter
+      if (slaves(s)%status == STATUS_OPEN) cycle   ! the facet of an open node does not count
       hash = modulo(hash * HASH_FACTOR + int(slaves(s)%facet, I64), HASH_MODULUS)
     end do
   end function hash_active_set
 
 
-  !> The length of the cycle in which the iterations go: after so many all slave nodes are what they were; 0: none.
+  !> Length of the cycle: number of iterations since all slave nodes were the same; 0: no cycle.
   pure integer function find_cycle(history) result(length)
     type(active_set_history_type), intent(in) :: history
     integer :: k
@@ -99,8 +99,8 @@ contains
   end function cycling_slaves
 
 
-  !> How many slave nodes have another status than after the first iteration; of longer attempts than are remembered, than in the
-  !! first iteration that is.
+  !> Number of slave nodes whose status differs from that after the first iteration, or, in attempts longer than HISTORY_DEPTH,
+  !! from that of the oldest iteration stored.
   pure integer function count_changed_statuses(history) result(n)
     type(active_set_history_type), intent(in) :: history
     n = 0
@@ -108,7 +108,7 @@ contains
   end function count_changed_statuses
 
 
-  !> The iteration of the least merit among the last ones, counted back from 1, the newest.
+  !> Iteration of the least merit among the last ones; 1: the newest.
   pure integer function find_least_merit(history, length) result(best)
     type(active_set_history_type), intent(in) :: history
     integer, intent(in) :: length                  !< iterations looked at
@@ -116,7 +116,7 @@ contains
   end function find_least_merit
 
 
-  !> The facet on which a slave node was last; 0: on none.
+  !> Last facet of a slave node; 0: none.
   pure integer function last_facet(history, s) result(facet)
     type(active_set_history_type), intent(in) :: history
     integer, intent(in) :: s
@@ -128,7 +128,7 @@ contains
   end function last_facet
 
 
-  !> The firmest status of a slave node in the last iterations, and the facet on which it was then; open: facet 0.
+  !> Most constrained status of a slave node in the last iterations (stick, slip, open) and its facet then; open: facet 0.
   pure subroutine most_constrained_status(history, s, status, facet)
     type(active_set_history_type), intent(in) :: history
     integer, intent(in) :: s
@@ -145,7 +145,7 @@ contains
   end subroutine most_constrained_status
 
 
-  !> Whether nothing but stick and slip changes among some slave nodes.
+  !> Whether some slave nodes change between stick and slip only.
   pure logical function is_stick_slip_flip(history, length, slaves)
     type(active_set_history_type), intent(in) :: history
     integer, intent(in) :: length                  !< iterations looked at
@@ -159,7 +159,7 @@ contains
   end function is_stick_slip_flip
 
 
-  !> The slave nodes that were closed at the last commit and have no master any more.
+  !> Slave nodes that were closed at the last commit and have no facet now.
   pure function slaves_off_master(committed, slaves) result(lost)
     type(slave_state_type), intent(in) :: committed(:), slaves(:)
     integer, allocatable :: lost(:)
@@ -168,7 +168,7 @@ contains
   end function slaves_off_master
 
 
-  !> The slave nodes that were outside or hardly inside in the iteration before and are deep inside now.
+  !> Slave nodes with a penetration jump: at most SHALLOW_PENETRATION one iteration ago, more than DEEP_PENETRATION now.
   pure function suddenly_deep_slaves(history, slaves, edge) result(deep)
     type(active_set_history_type), intent(in) :: history
     type(slave_state_type), intent(in) :: slaves(:)
@@ -182,7 +182,7 @@ contains
   end function suddenly_deep_slaves
 
 
-  !> What a slave node was in the last iterations, the newest last: open, stick, slip with its scenario.
+  !> Status of a slave node in the last five iterations, newest last: open, stick, slip with its scenario.
   pure function status_trace(history, s) result(trace)
     type(active_set_history_type), intent(in) :: history
     integer, intent(in) :: s

@@ -1,4 +1,4 @@
-!> Converge: the verdict on an iterate: converged, go on, diverges, or too slow; numbers in, verdict out.
+!> Convergence criteria: verdict on an iterate from residual, correction and gap (converged, continue, diverges, too slow).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_convergence
   use amontons_kinds, only: DP
@@ -11,19 +11,19 @@ module amontons_convergence
   integer, parameter :: VERDICT_CONTINUE = 0
   integer, parameter :: VERDICT_CONVERGED = 1
   integer, parameter :: VERDICT_DIVERGES = 2       !< the residual grows in two consecutive iterations
-  integer, parameter :: VERDICT_TOO_SLOW = 3       !< the iterations allowed will not do
+  integer, parameter :: VERDICT_TOO_SLOW = 3       !< no convergence expected within i_c iterations
 
-  integer, parameter :: EARLY_CHECK_ITERATION = 4                  !< iterations
-  real(DP), parameter :: MIN_LOST_RESIDUAL = 0.1_DP             !< of the largest force [-]
-  real(DP), parameter :: SUFFICIENT_DECREASE = 0.25_DP         !< an imbalance that fell by this factor over two iterations falls
-                                                               !! well [-]
-  real(DP), parameter :: DIVERGED_RESIDUAL = 0.5_DP          !< of the largest force: only a much shorter increment will do [-]
+  integer, parameter :: EARLY_CHECK_ITERATION = 4                  !< first iteration of the early check
+  real(DP), parameter :: MIN_LOST_RESIDUAL = 0.1_DP             !< least residual of a hopeless attempt, over the largest force [-]
+  real(DP), parameter :: SUFFICIENT_DECREASE = 0.25_DP         !< ratio of residuals over two iterations that counts as
+                                                               !! convergence [-]
+  real(DP), parameter :: DIVERGED_RESIDUAL = 0.5_DP          !< over the largest force: a much shorter increment is needed [-]
 
-  !> What the verdict looks at, after each iteration.
+  !> Measures of an iterate for the verdict.
   type :: convergence_measures_type
     integer :: iteration = 0
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
-    real(DP) :: residual_at_gap = 0                            !< residual with compliant laws where their nodes are, over the
+    real(DP) :: residual_at_gap = 0                            !< residual with compliant laws at the actual gap, over the
                                                                !! largest force [-]
     real(DP) :: correction = 0                     !< over the largest increment of displacement [-]
     real(DP) :: gap = 0                            !< worst violation of a closed node over the facet's edge [-]
@@ -33,13 +33,12 @@ module amontons_convergence
 
 contains
 
-  !> The verdict on an iterate.
+  !> Verdict on an iterate.
   !!
-  !! Converged: the supports have arrived, the residual is at most r_n (r_p after i_p iterations), the closed nodes are on
-  !! their facets, and the
-  !! correction is at most c_n. The last correction is the error of the iterate *before*; that of this one is, to first
-  !! order, the correction that the residual now would give: last correction times residual now over residual before.
-  !! The smaller of the two counts. A residual below r_l needs no correction.
+  !! Converged: the prescribed displacements are complete, the residual is at most r_n (r_p after i_p iterations), the gap error of
+  !! closed nodes is within its tolerance, and the correction is at most c_n. The last correction is the error of the *previous*
+  !! iterate. To first order, the error of this iterate is the correction of its residual: last correction times residual over
+  !! previous residual. The smaller of the two counts. A residual below r_l needs no correction.
   pure integer function assess_convergence(controls, measures) result(verdict)
     type(controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
@@ -64,21 +63,19 @@ contains
   end function assess_convergence
 
 
-  !> An attempt with contact that may be cut back ends early where what is known by experience says that it is lost: after
-  !! EARLY_CHECK_ITERATION
-  !! iterations the imbalance is still more than MIN_LOST_RESIDUAL of the largest force and falls slowly. Of such attempts four in
-  !! five
-  !! failed, after eleven iterations in the mean.
+  !> Early end of an attempt with contact that can be cut back (empirical): after EARLY_CHECK_ITERATION iterations the residual is
+  !! still more than MIN_LOST_RESIDUAL of the largest force and decreases slowly. Four in five of such attempts failed, after eleven
+  !! iterations on average.
   pure subroutine assess_early(measures, verdict)
     type(convergence_measures_type), intent(in) :: measures
-    integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES where it is far off, VERDICT_TOO_SLOW where it is nearer
+    integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES above DIVERGED_RESIDUAL, else VERDICT_TOO_SLOW
     if (measures%iteration < EARLY_CHECK_ITERATION .or. measures%residual(0) < MIN_LOST_RESIDUAL .or. &
       measures%residual(0) < SUFFICIENT_DECREASE * measures%residual(2)) return
     verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, measures%residual(0) > DIVERGED_RESIDUAL)
   end subroutine assess_early
 
 
-  !> Iterations until the tolerance if the residual goes on falling by the same factor as over the last two iterations.
+  !> Iterations until the tolerance if the residual decreases at the rate of the last two iterations.
   pure real(DP) function estimate_iterations(measures, tolerance) result(total)
     type(convergence_measures_type), intent(in) :: measures
     real(DP), intent(in) :: tolerance              !< [-]

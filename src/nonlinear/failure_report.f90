@@ -1,19 +1,19 @@
-!> Failure report: why an increment did not converge: the code of the failure, the worst nodes, and what a person can do.
+!> Diagnosis of an increment that did not converge: failure code, worst nodes, remedy.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Words of a failure are made in `failure_words`.
+!! `amontons_failure_words` makes the sentences of a failure.
 !!
-!! | reason | found by | advice |
+!! | reason | found by | remedy |
 !! |---|---|---|
-!! | MATERIAL | an element turned inside out, or a material gave no answer | smaller increments |
-!! | LINEAR SOLVER | no direction, or a force that is not finite | constraints, numbers of the deck |
+!! | MATERIAL | an inverted element, or a material law without a solution | smaller increments |
+!! | LINEAR SOLVER | a singular matrix, or a force that is not finite | constraints, numbers of the deck |
 !! | CONSTRAINTS | constraints that follow the motion contradict each other | supports, equations |
 !! | FREE BODY | a direction of many times the size of the model, and supports alone do not hold all bodies | supports |
-!! | LEFT MASTER | closed slave nodes ran off their master | a larger master |
-!! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes returns | smaller increments, a finer master |
-!! | PENETRATION JUMP | a slave node went deep inside at once | smaller increments |
-!! | LIMIT POINT | the stiffness is not positive while contact rests, or is singular and was not before | drive by displacement |
-!! | LIMIT POINT ... first at node | contact does not settle along the last directions | drive by displacement, damp |
+!! | LEFT MASTER | closed slave nodes left their master | a larger master |
+!! | CYCLE, STICK-SLIP FLIP | the hash of all slave nodes recurs | smaller increments, a finer master |
+!! | PENETRATION JUMP | the penetration of a slave node jumps | smaller increments |
+!! | LIMIT POINT | stiffness not positive with contact unchanged, or newly singular | prescribed displacements |
+!! | LIMIT POINT ... first at node | the last contact subproblems remained unsolved | prescribed displacements, damping |
 !! | SLOW | none of these | smaller increments |
 module amontons_failure_report
   use amontons_kinds, only: DP
@@ -39,12 +39,12 @@ module amontons_failure_report
   public :: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
 
   integer, parameter :: N_WORST_NODES = 10               !< nodes listed
-  integer, parameter :: MIN_UNSUPPORTED_ATTEMPTS = 4                 !< attempts that find a free body, each shorter: the next
-                                                                     !! would not hold it
+  integer, parameter :: MIN_UNSUPPORTED_ATTEMPTS = 4                 !< consecutive attempts, each shorter, with a free body:
+                                                                     !! no further attempt is made
 
 contains
 
-  !> Why the attempt failed.
+  !> Finds the cause of a failed attempt.
   function find_failure(model, system, state, newton, verdict) result(failure)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
@@ -52,7 +52,7 @@ contains
     type(newton_type), intent(in) :: newton
     integer, intent(in) :: verdict                 !< VERDICT_... of the last iteration
     type(failure_type) :: failure
-    logical :: is_unsupported                             ! a body was carried in vain, and supports alone do not hold all bodies
+    logical :: is_unsupported                             ! proximal steps failed, and supports alone do not hold all bodies
     is_unsupported = newton%farthest_node > 0 .and. (newton%globalization%n_proximal > newton%globalization%n_snap_through &
       .or. newton%outcome == OUTCOME_UNSUPPORTED)
     if (is_unsupported) is_unsupported = .not. is_held_by_supports(model, system, state)
@@ -86,13 +86,13 @@ contains
   end function find_failure
 
 
-  !> Why iterations without any trouble did not converge; FAILURE_NONE if nothing is known.
+  !> Cause of non-convergence where all iterations could be evaluated; FAILURE_NONE if unknown.
   function failure_of_iterations(model, system, state, newton, is_unsupported) result(failure)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state
     type(newton_type), intent(in) :: newton
-    logical, intent(in) :: is_unsupported                 !< a body was carried in vain, and supports alone do not hold all bodies
+    logical, intent(in) :: is_unsupported                 !< proximal steps failed, and supports alone do not hold all bodies
     type(failure_type) :: failure
     failure = failure_of_contact(model, system, state, newton)
     if (is_repeatedly_unsolved(newton%globalization) .and. newton%n_ascent_directions <= 1 .and. &
@@ -105,7 +105,7 @@ contains
   end function failure_of_iterations
 
 
-  !> Whether no body could move if nothing touched: one that seems to fly off is led there by a stiffness that is not positive.
+  !> Whether all bodies are supported without contact. Large displacements then come from a stiffness that is not positive.
   logical function is_held_by_supports(model, system, state) result(is_supported)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
@@ -120,7 +120,7 @@ contains
   end function is_held_by_supports
 
 
-  !> Contact that finds no balance: where it lets go, if any node is still closed.
+  !> Limit point of contact: the closed nodes where contact is lost first, if any.
   function diagnose_contact_limit(model, system, state) result(failure)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
@@ -131,7 +131,7 @@ contains
   end function diagnose_contact_limit
 
 
-  !> A body that the contact of the last iterations does not hold is the reason, whatever the statuses did meanwhile.
+  !> A body that even the most constrained contact of the last iterations leaves free is the cause, whatever the statuses did.
   subroutine diagnose_free_motion(model, system, state, newton, failure)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
@@ -154,7 +154,7 @@ contains
   end subroutine diagnose_free_motion
 
 
-  !> A body that had to be carried again and again.
+  !> Failure of a body that needed proximal steps until the end.
   function unsupported_body_sentence(model, state, newton) result(failure)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state
@@ -164,7 +164,7 @@ contains
   end function unsupported_body_sentence
 
 
-  !> The number of closed slave nodes, if there are several and all slip; else 0.
+  !> Number of closed slave nodes if there are several and all slip; else 0.
   pure integer function n_all_slipping(state) result(n)
     type(state_type), intent(in) :: state
     n = count(state%new%slaves%status == STATUS_SLIP)
@@ -172,7 +172,7 @@ contains
   end function n_all_slipping
 
 
-  !> A reason that contact gives; FAILURE_NONE if it gives none.
+  !> Cause within contact; FAILURE_NONE if contact is not the cause.
   function failure_of_contact(model, system, state, newton) result(failure)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
@@ -203,7 +203,7 @@ contains
   end function failure_of_contact
 
 
-  !> The closed slave nodes that are least in balance: those with at least half of the largest imbalance among them.
+  !> Closed slave nodes with at least half of their largest imbalance.
   function unbalanced_slaves(system, state) result(slaves)
     type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state
@@ -226,7 +226,7 @@ contains
   end function labels_of
 
 
-  !> What a person can look at and do: the ten worst nodes with their contact in the last iterations, and one sentence.
+  !> Failure report: the ten worst nodes with their contact status in the last iterations, and the remedy.
   function describe_failure(model, system, state, newton, failure) result(lines)
     type(model_type), intent(in) :: model
     type(equilibrium_type), intent(in) :: system
@@ -258,7 +258,7 @@ contains
   end function describe_failure
 
 
-  !> By what the attempts at the last increment failed, in a line; empty if there was one. Of equal ones running one is named.
+  !> Failures of the attempts at the last increment in one line; empty for a single attempt. Consecutive equal ones appear once.
   function summarize_attempts(records) result(line)
     type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
     character(REPORT_LINE_LENGTH) :: line
@@ -280,7 +280,7 @@ contains
   end function summarize_attempts
 
 
-  !> Whether the last attempts at an increment, each shorter than the one before, all found a body that nothing holds.
+  !> Whether the last MIN_UNSUPPORTED_ATTEMPTS attempts at an increment, each shorter, all failed by a free body.
   pure logical function is_always_unsupported(records) result(is_free)
     type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
     integer :: i, n
@@ -294,7 +294,7 @@ contains
   end function is_always_unsupported
 
 
-  !> What is told after an increment of slave nodes that ran off their master in it, or keep to its edge; nothing if there are none.
+  !> Report after an increment: slave nodes that left their master in it, or for which its edge was extended; empty if none.
   function describe_edge_events(model, state) result(lines)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state          !< converged, not yet committed
@@ -307,7 +307,7 @@ contains
       state%old%slaves%overrides%edge /= NODE_OVERRIDE_EXTENDED)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Slave ' // node_list(labels_of(model, state%new%slaves, &
       slaves)) // &
-      ' went off the master and back in a cycle: the facet at the edge reaches farther for them.']
+      ' left the master and returned in a cycle: the facet at its edge is extended for them.']
     slaves = slaves_off_master(state%old%slaves, state%new%slaves)
     if (size(slaves) > 0) lines = [character(REPORT_LINE_LENGTH) :: lines, 'Slave ' // &
       node_list(labels_of(model, state%new%slaves, slaves)) // ' ran off the master surface in this increment: nothing ' // &
@@ -315,7 +315,7 @@ contains
   end function describe_edge_events
 
 
-  !> What contact says of a node: pair, gap, and what it was in the last iterations.
+  !> Contact of a node: pair, gap, and status in the last iterations.
   function contact_text(model, state, newton, node) result(sentence)
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state

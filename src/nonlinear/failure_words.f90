@@ -1,4 +1,4 @@
-!> Failure words: the sentences about a failure, its name and its remedy, made of its code.
+!> Sentences of a failure: its name, its cause and its remedy, from the failure code.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_failure_words
   use amontons_text, only: to_text
@@ -16,7 +16,7 @@ module amontons_failure_words
 
 contains
 
-  !> One sentence or two: why the attempt failed. It begins with its name, which programs can look for. Empty for FAILURE_NONE.
+  !> Cause of the failure in one or two sentences. They begin with its name, which programs can search. Empty for FAILURE_NONE.
   pure function failure_words(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
@@ -31,13 +31,13 @@ contains
   end function failure_words
 
 
-  !> What follows the name.
+  !> The sentence after the name.
   pure function detail_words(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
     select case (failure%code)
     case (FAILURE_MATERIAL)
-      words = 'element ' // first_of(failure) // ' turned inside out, or its material found no answer.'
+      words = 'element ' // first_of(failure) // ' is inverted, or its material law has no solution.'
     case (FAILURE_SINGULAR)
       words = 'the stiffness matrix is singular: a body is free to move, or the structure has buckled.'
     case (FAILURE_NOT_FINITE)
@@ -60,11 +60,11 @@ contains
     case (FAILURE_PASSED_THROUGH)
       words = 'node ' // first_of(failure) // ' passed through its master within the increment.'
     case (FAILURE_DEEP)
-      words = node_list(failure%labels) // ' went deep into the master at once.'
+      words = node_list(failure%labels) // ' penetrated deeply into the master in one iteration.'
     case (FAILURE_LIMIT_POINT)
       words = 'the stiffness is not positive: the structure buckles, snaps through, or softens.'
     case (FAILURE_CONTACT_LIMIT)
-      words = 'contact finds no balance near by: it lets go faster than the bodies follow'
+      words = 'no equilibrium nearby: contact is lost unstably'
       if (size(failure%labels) > 0) words = words // ', first at ' // node_list(failure%labels)
       words = words // '.' // all_slip(failure, 'if nothing else holds a body, friction does not.')
     case (FAILURE_GROWING)
@@ -77,7 +77,7 @@ contains
   end function detail_words
 
 
-  !> The name of a failure; of a cycle with its length and its nodes.
+  !> Name of a failure; for a cycle with length and nodes.
   pure function failure_name(failure) result(words)
     type(failure_type), intent(in) :: failure
     character(:), allocatable :: words
@@ -105,7 +105,7 @@ contains
     case (FAMILY_SLOW)
       words = 'SLOW'
     case (FAMILY_USER_ROUTINE)
-      words = 'A user routine asks for a smaller increment'
+      words = 'A user routine requests a smaller increment'
     case (FAMILY_SIGNAL)
       words = 'The job was stopped by a signal'
     case default
@@ -141,7 +141,7 @@ contains
   end function remedy_words
 
 
-  !> Whether two failures have the same name: of cycles also the same length and the same nodes.
+  !> Whether two failures have the same name; for cycles also the same length and nodes.
   pure logical function is_same_failure(a, b) result(is_same)
     type(failure_type), intent(in) :: a, b
     integer :: n
@@ -154,7 +154,7 @@ contains
   end function is_same_failure
 
 
-  !> The labels of nodes: the first of them, and how many more.
+  !> Labels of nodes: the first N_NAMED, and the number of the others.
   pure function node_list(labels) result(names)
     integer, intent(in) :: labels(:)
     character(:), allocatable :: names
@@ -188,7 +188,7 @@ contains
   !> A sentence if all closed slave nodes slip; else nothing.
   pure function all_slip(failure, what) result(words)
     type(failure_type), intent(in) :: failure
-    character(*), intent(in) :: what               !< follows from it
+    character(*), intent(in) :: what               !< the consequence
     character(:), allocatable :: words
     words = ''
     if (failure%n_slipping > 1) words = ' All ' // to_text(failure%n_slipping) // ' closed slave nodes slip: ' // what

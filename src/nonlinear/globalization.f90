@@ -1,9 +1,8 @@
-!> Course: which direction an iteration takes: Newton's, one that carries bodies, or one that takes them on to the next balance.
+!> Globalization: chooses between the Newton step, the proximal step and the snap-through step.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Globalization". What is remembered of the directions of an attempt is here alone: how
-!! many running led to no balance, whether the last one was refused, and what part of their stiffness held nodes where bodies were
-!! carried.
+!! Theory: doc/theory/newton.md, section [globalization]. `globalization_type` holds all memory of the steps of an attempt: the
+!! number of consecutive unsolved contact subproblems, rejection of the last step, and the last shifts.
 module amontons_globalization
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -20,61 +19,60 @@ module amontons_globalization
   public :: globalization_type, trial_step_type, delay_snap_through, choose_step, is_repeatedly_unsolved, STEP_KIND_NEWTON, &
     STEP_KIND_SNAP_THROUGH
 
-  integer, parameter :: STEP_KIND_NEWTON = 0          !< the direction is that of K
-  integer, parameter :: STEP_KIND_PROXIMAL = 1           !< a part of its stiffness holds every node: nothing holds a body yet
-  integer, parameter :: STEP_KIND_SNAP_THROUGH = 2            !< the same, on the way from one balance to the next
+  integer, parameter :: STEP_KIND_NEWTON = 0          !< direction of K
+  integer, parameter :: STEP_KIND_PROXIMAL = 1           !< direction of K + s diag K: a body is not supported yet
+  integer, parameter :: STEP_KIND_SNAP_THROUGH = 2            !< the same, from one equilibrium to the next past a limit point
 
-  integer, parameter :: UNSOLVED_LIMIT_NONE = 0, UNSOLVED_LIMIT_DELAYED = 2, UNSOLVED_LIMIT_INFINITE = huge(1)   !< for patience
+  integer, parameter :: UNSOLVED_LIMIT_NONE = 0, UNSOLVED_LIMIT_DELAYED = 2, UNSOLVED_LIMIT_INFINITE = huge(1)   !< unsolved_limit
 
-  real(DP), parameter :: DRIFT_SHIFT_FACTOR = 36.0_DP       !< of the part that holds drifting bodies: six times the last iteration
-                                                            !! [-]
+  real(DP), parameter :: DRIFT_SHIFT_FACTOR = 36.0_DP       !< on the snap-through shift of drifting bodies: SNAP_SHIFT_RATIO then
+                                                            !! divides it by 6, so the shift becomes 6 times the last one [-]
 
-  !> The course of an attempt.
+  !> Memory of the steps of an attempt.
   type :: globalization_type
-    integer :: step_kind = STEP_KIND_NEWTON                 !< COURSE_... of the last iteration
-    integer :: n_proximal = 0                       !< iterations in which a part of its stiffness held every node
-    integer :: n_snap_through = 0                       !< of them, those from one balance to the next
-    logical :: is_rejected = .false.                !< no length of the last direction was any good
-    integer, private :: n_unsolved = 0               !< last directions running that lead to no balance
-    integer, private :: unsolved_limit = UNSOLVED_LIMIT_NONE         !< more directions astray than these, and bodies are carried on
-    real(DP), private :: proximal_shift = 0          !< part of their stiffness that is expected to carry bodies [-]
-    real(DP), private :: snap_shift = 0             !< part of their stiffness that held nodes through a snap [-]
+    integer :: step_kind = STEP_KIND_NEWTON                 !< STEP_KIND_... of the last iteration
+    integer :: n_proximal = 0                       !< iterations with a proximal or snap-through step
+    integer :: n_snap_through = 0                       !< of them, those with a snap-through step
+    logical :: is_rejected = .false.                !< the line search found no acceptable length of the last direction
+    integer, private :: n_unsolved = 0               !< last consecutive unsolved contact subproblems
+    integer, private :: unsolved_limit = UNSOLVED_LIMIT_NONE         !< snap-through steps start beyond so many of them
+    real(DP), private :: proximal_shift = 0          !< s to try first in the next proximal step [-]
+    real(DP), private :: snap_shift = 0             !< s of the last snap-through step [-]
   end type globalization_type
 
-  !> Where an iteration goes.
+  !> Step of an iteration.
   type :: trial_step_type
     real(DP), allocatable :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_state_type), allocatable :: predicted_slaves(:)      !< memory of the slave nodes at its end
+    type(slave_state_type), allocatable :: predicted_slaves(:)      !< (n_slaves) predicted contact state at its end
   end type trial_step_type
 
 contains
 
-  !> Bodies are carried on only after several directions astray: the attempt may be cut back instead.
+  !> Delays snap-through steps until several subproblems remained unsolved: the increment can be cut back instead.
   pure subroutine delay_snap_through(strategy)
     type(globalization_type), intent(inout) :: strategy
     strategy%unsolved_limit = UNSOLVED_LIMIT_DELAYED
   end subroutine delay_snap_through
 
 
-  !> Whether more than one direction led to no balance.
+  !> Whether more than one contact subproblem remained unsolved.
   pure logical function is_repeatedly_unsolved(strategy)
     type(globalization_type), intent(in) :: strategy
     is_repeatedly_unsolved = max(strategy%n_unsolved, strategy%n_snap_through) > 1
   end function is_repeatedly_unsolved
 
 
-  !> The way. Where too many directions led to no balance, running, bodies are carried on to the next one. That the next direction
-  !! will not do is known before it is made if no length of the last one was any good, or if a body drifts along a motion that
-  !! hardly anything holds.
+  !> Chooses the step. After more than `unsolved_limit` consecutive unsolved subproblems it takes a snap-through step. It skips the
+  !! Newton step if the line search rejected the last one, or if a body drifts along a nearly unrestrained motion.
   subroutine choose_step(strategy, system, model, step, measures, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(convergence_measures_type), intent(in) :: measures
-    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
+    type(state_type), intent(inout) :: state       !< evaluated at u, in and out
     type(trial_step_type), intent(out) :: trial_step
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     logical :: is_drifting, is_newton_skipped
     outcome = OUTCOME_OK
@@ -95,15 +93,15 @@ contains
   end subroutine choose_step
 
 
-  !> Newton's direction, with contact settled at its end; where nothing holds a body there, one that carries it.
+  !> Newton step with its contact subproblem; the proximal step instead where a body is not supported.
   subroutine try_newton_step(strategy, system, model, step, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
+    type(state_type), intent(inout) :: state       !< evaluated at u, in and out
     type(trial_step_type), intent(inout) :: trial_step
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     logical :: is_unrestrained
     call solve_newton_step(system, model, step, state, trial_step%du, outcome, error)
@@ -112,7 +110,7 @@ contains
     if (outcome == OUTCOME_OK .and. .not. is_unrestrained) then
       call solve_contact_subproblem(system, model, step, state, trial_step%du, trial_step%predicted_slaves, error)
       if (allocated(error)) return
-      is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)   ! where it slips nothing may hold it
+      is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)   ! slip may leave a body unsupported
     end if
     strategy%step_kind = merge(STEP_KIND_PROXIMAL, STEP_KIND_NEWTON, is_unrestrained)
     if (is_unrestrained) call find_proximal_step(system, model, step, state, strategy%proximal_shift, trial_step%du, &
@@ -120,15 +118,15 @@ contains
   end subroutine try_newton_step
 
 
-  !> A direction towards the next balance. Where contact does not settle along it, there is no other one in this attempt.
+  !> Snap-through step. If its contact subproblem remains unsolved too, the attempt takes no further one.
   subroutine take_snap_through_step(strategy, system, model, step, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(state_type), intent(inout) :: state       !< evaluated at u, and stands there after
+    type(state_type), intent(inout) :: state       !< evaluated at u, in and out
     type(trial_step_type), intent(inout) :: trial_step
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     call find_snap_through_step(system, model, step, state, strategy%snap_shift, trial_step%du, trial_step%predicted_slaves, &
       outcome, error)
@@ -138,7 +136,7 @@ contains
   end subroutine take_snap_through_step
 
 
-  !> Whether a body drifts: it is in balance, but the corrections do not end.
+  !> Whether a body drifts: the residual is below r_n, but the corrections do not decrease.
   pure logical function is_body_drifting(strategy, step, measures, state)
     type(globalization_type), intent(in) :: strategy
     type(step_type), intent(in) :: step
@@ -152,7 +150,7 @@ contains
   end function is_body_drifting
 
 
-  !> Whether the direction leads to no balance: contact did not settle along it.
+  !> Whether the contact subproblem of the Newton step remained unsolved.
   pure logical function is_step_unsolved(strategy, system, step)
     type(globalization_type), intent(in) :: strategy
     type(equilibrium_type), intent(in) :: system

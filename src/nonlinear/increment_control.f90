@@ -1,7 +1,7 @@
-!> Stepper: steps, increments and cut-backs: what time comes next, from what happened before.
+!> Increment control: automatic time incrementation and cut-back.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The rules and the names of the numbers are those of CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
+!! Rules and names of the controls: CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
 module amontons_increment_control
   use amontons_kinds, only: DP
   use amontons_steps, only: step_type, next_time_point
@@ -11,38 +11,38 @@ module amontons_increment_control
   public :: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, reject_increment, can_cut_back
   public :: OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_NO_INCREMENTS_LEFT, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
 
-  integer, parameter :: OUTCOME_CONTINUE = 0           !< after an accepted increment: more to come in this step
+  integer, parameter :: OUTCOME_CONTINUE = 0           !< after an accepted increment: the step continues
   integer, parameter :: OUTCOME_STEP_DONE = 1              !< the end of the step is reached
-  integer, parameter :: OUTCOME_NO_INCREMENTS_LEFT = 2 !< INC increments were not enough
+  integer, parameter :: OUTCOME_NO_INCREMENTS_LEFT = 2 !< INC increments are used up
   integer, parameter :: OUTCOME_CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
   integer, parameter :: OUTCOME_GIVE_UP = 4                !< no smaller increment is allowed
 
-  integer, parameter :: MAX_QUICK_ITERATIONS = 4                    !< iterations
+  integer, parameter :: MAX_QUICK_ITERATIONS = 4                    !< iterations that count as few although statuses changed
   real(DP), parameter :: TOL_STOP_TIME = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there
                                                             !! [-]
 
-  !> What happened in an attempt that converged.
+  !> Effort of a converged attempt.
   type :: attempt_effort_type
     integer :: n_iterations = 0
-    integer :: n_status_changes = 0                    !< slave nodes whose status at the end was not that after the first iteration
-    integer :: n_cycles_treated = 0                        !< cycles of slave nodes that were acted on
+    integer :: n_status_changes = 0                    !< slave nodes whose status changed after the first iteration
+    integer :: n_cycles_treated = 0                        !< active-set cycles that were treated
   end type attempt_effort_type
 
-  !> Where the job is in time. Times are those committed.
+  !> Position of the job in time. Times are committed times.
   type :: stepper_type
     integer :: step = 0                            !< index into model%steps
     integer :: increment = 0                       !< number of the increment, counted from 1 in each step
-    integer :: attempt = 1                         !< number of the attempt at it
+    integer :: attempt = 1                         !< number of the attempt at this increment
     real(DP) :: step_time = 0                      !< [time]
     real(DP) :: total_time = 0                     !< [time]
-    real(DP) :: dt = 0                             !< wanted for the next increment [time]
-    integer :: n_fast_increments = 0                          !< increments running that converged within i_g iterations
+    real(DP) :: dt = 0                             !< proposed for the next increment [time]
+    integer :: n_fast_increments = 0                          !< consecutive increments that converged within i_g iterations
     logical :: has_failed = .false.                !< an attempt failed in this step
   end type stepper_type
 
 contains
 
-  !> The next step begins.
+  !> Starts the next step.
   pure subroutine begin_stepping(stepper, step)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
@@ -57,7 +57,7 @@ contains
   end subroutine begin_stepping
 
 
-  !> Length of the next attempt: as wanted, but ending at the end of the step or at a time point if that is near.
+  !> Length of the next attempt: the proposed one, shortened to end at a time point or at the end of the step [time].
   pure real(DP) function propose_increment(stepper, step) result(dt)
     type(stepper_type), intent(in) :: stepper
     type(step_type), intent(in) :: step
@@ -68,7 +68,7 @@ contains
   end function propose_increment
 
 
-  !> A converged increment: time goes on, and the next one may be longer or shorter.
+  !> Accepts a converged increment: advances the time and adapts the length of the next increment.
   pure subroutine accept_increment(stepper, step, dt, effort, outcome)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
@@ -87,9 +87,9 @@ contains
   end subroutine accept_increment
 
 
-  !> Length of the next increment from what happened in the last one. It grows after two fast ones running, and shrinks after a slow
-  !! one. After cycles it does not grow, nor, in a step in which an attempt failed, where contact was not as foreseen: statuses
-  !! changed after the first iteration, and it took more than a FEW.
+  !> Adapts the length of the next increment. It grows after two consecutive fast increments and shrinks after a slow one. It does
+  !! not grow after active-set cycles. In a step with a failed attempt it does not grow either where statuses changed after the
+  !! first iteration and convergence took more than MAX_QUICK_ITERATIONS iterations.
   pure subroutine adapt_increment(stepper, step, effort)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
@@ -107,7 +107,7 @@ contains
   end subroutine adapt_increment
 
 
-  !> Whether an attempt that fails can be tried again with a smaller increment, and more than once.
+  !> Whether an attempt that fails can be repeated with a smaller increment, more than once.
   pure logical function can_cut_back(stepper, step, dt)
     type(stepper_type), intent(in) :: stepper
     type(step_type), intent(in) :: step
@@ -116,7 +116,7 @@ contains
   end function can_cut_back
 
 
-  !> A failed attempt: cut back, or give up when the step says DIRECT, after i_a cut-backs, or below the least increment.
+  !> Rejects a failed attempt: cut back, or give up with DIRECT, after i_a cut-backs, or at the minimum increment.
   pure subroutine reject_increment(stepper, step, dt, verdict, outcome)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step

@@ -1,5 +1,7 @@
-!> Newton: one increment, iteration by iteration; reads like the page of the theory manual (doc/theory/newton.md).
+!> One increment by Newton's method: predictor, iterations, verdict, tunnelling check and rigid-motion check.
 !! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/newton.md.
 module amontons_newton
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -23,40 +25,41 @@ module amontons_newton
   private
   public :: newton_type, begin_newton, iterate
 
-  real(DP), parameter :: MAX_DISPLACEMENT_RATIO = 100.0_DP         !< a displacement of this many sizes of the model in an
-                                                                   !! increment is none [-]
+  real(DP), parameter :: MAX_DISPLACEMENT_RATIO = 100.0_DP         !< largest displacement of an increment over the size of the
+                                                                   !! model; beyond it a body counts as unsupported [-]
 
-  real(DP), parameter :: MAX_PROXIMAL_RATIO = 2.0_DP       !< so many sizes of the model are enough for a body that had to be
-                                                           !! carried [-]
+  real(DP), parameter :: MAX_PROXIMAL_RATIO = 2.0_DP       !< the same limit where the last step was a proximal or snap-through
+                                                           !! step [-]
 
-  real(DP), parameter :: MIN_FORCE_SCALE_RATIO = 1.0e-3_DP   !< forces are at least this times force_scale [-]
-  real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP      !< of the largest force of the attempt: no residual is less [-]
-  real(DP), parameter :: MAX_PREDICTED_SLIDING = 0.6_DP        !< facets: a slave node that goes farther may meet or leave its
-                                                               !! master [-]
+  real(DP), parameter :: MIN_FORCE_SCALE_RATIO = 1.0e-3_DP   !< least force scale of the residual, over force_scale [-]
+  real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP      !< rounding level of a residual, over the attempt's largest force [-]
+  real(DP), parameter :: MAX_PREDICTED_SLIDING = 0.6_DP        !< facets: a slave node that slides farther may gain or lose
+                                                               !! contact [-]
 
-  !> An increment on its way.
+  !> State of Newton's method within an increment.
   type :: newton_type
     type(convergence_measures_type) :: measures
     type(iteration_record_type) :: record          !< of the last iteration
     integer :: outcome = OUTCOME_OK
-    integer :: farthest_node = 0                        !< the node that moved farthest, where bodies were carried or fly off
+    integer :: farthest_node = 0                        !< node of the largest displacement: proximal step or limit exceeded
     integer :: tunnelled_node = 0                    !< the node that passed through its master
-    logical :: can_be_cut_back = .false.                !< the increment may be tried again, shorter: a lost attempt may end early
-    type(globalization_type) :: globalization                    !< directions that lead nowhere, and what was done about them
-    integer :: n_ascent_directions = 0                        !< iterations whose direction went against the imbalance
-    integer :: n_cycles_treated = 0                        !< cycles of slave nodes that were acted on
-    integer :: n_shifted = 0                       !< factorisations before this attempt that needed a shift
+    logical :: can_be_cut_back = .false.                !< a shorter increment is possible: a hopeless attempt may end early
+    type(globalization_type) :: globalization                    !< kind of the last step, and consecutive unsolved subproblems
+    integer :: n_ascent_directions = 0                        !< iterations with an ascent direction of the merit
+    integer :: n_cycles_treated = 0                        !< active-set cycles that were treated
+    integer :: n_shifted = 0                       !< factorizations before this attempt that needed a shift
     type(active_set_history_type) :: active_set_history
     real(DP) :: largest_attempt_force = 0                   !< largest force of the attempt [force]
-    real(DP) :: force_scale = 0                    !< largest bulk force where increments began, force where they converged
+    real(DP) :: force_scale = 0                    !< largest bulk force at starts of increments and force at ends [force]
   end type newton_type
 
 contains
 
-  !> The start of an increment: the loads are those of its end, and every node goes on with the velocity of the last
-  !! increment. Slave nodes keep their status, unless they go so far that they may meet or leave their master.
+  !> Starts an increment with the loads at its end. Predictor: extrapolate with the velocity of the previous increment; where
+  !! elements fail there, start from the committed displacement. Slave nodes keep their status unless they slide farther than
+  !! MAX_PREDICTED_SLIDING.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
-    type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else begins anew
+    type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else is reset
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -66,8 +69,7 @@ contains
     newton = newton_type(convergence_measures_type(), iteration_record_type(), active_set_history=active_set_history_type(), &
       n_shifted=system%n_shifted, &
       force_scale=newton%force_scale)
-    if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! an attempt ended in the midst
-                                                                                                    ! of it
+    if (system%proximal_shift > 0.0_DP) call set_proximal_shift(system, model, state%new, 0.0_DP)   ! of a failed attempt
     call begin_increment(system, model, step, is_step_start, state)
     newton%outcome = OUTCOME_ELEMENT
     if (.not. is_step_start) then
@@ -83,20 +85,20 @@ contains
       call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.true.)
     end if
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
-    newton%force_scale = max(newton%force_scale, system%bulk_force)   ! nodes go on into a stiff law with any force
+    newton%force_scale = max(newton%force_scale, system%bulk_force)   ! contact forces excluded: a stiff law makes them arbitrary
     call record_residual(newton, system, [system%largest_residual, maxval(max_components(system, system%residual_at_gap, -1))], &
-      step%controls%r_n)                           ! K may not be there yet
+      step%controls%r_n)                           ! K may not be assembled yet
   end subroutine begin_newton
 
 
-  !> One iteration: a direction along which contact settles, a step along it, and the verdict on where it leads.
+  !> One iteration: choice of the step with its contact subproblem, line search, and verdict on the new iterate.
   subroutine iterate(newton, system, model, step, state, verdict, error)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: verdict                !< VERDICT_...; newton%outcome tells more
+    integer, intent(out) :: verdict                !< VERDICT_...; newton%outcome has the cause of a failure
     type(error_type), allocatable, intent(out) :: error
     type(trial_step_type) :: trial_step
     integer :: n_krylov, n_rounds
@@ -114,7 +116,7 @@ contains
   end subroutine iterate
 
 
-  !> A step along the direction, of the length that the line search gives it, and what is noted where it ends.
+  !> Line search along the direction; then active set, displacements, residual and record at the new iterate.
   subroutine apply_trial_step(newton, system, model, step, trial_step, state)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(inout) :: system
@@ -140,8 +142,7 @@ contains
   end subroutine apply_trial_step
 
 
-  !> The verdict on the iterate: by its residual and correction, by cycles of slave nodes, and by slave nodes that passed through
-  !! their master.
+  !> Verdict on the iterate: residual and correction, active-set cycles, and tunnelling check.
   subroutine assess_iterate(newton, system, model, step, state, verdict)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(inout) :: system
@@ -149,17 +150,17 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...
-    logical :: is_contact_active                          ! what does not converge
+    logical :: is_contact_active                          ! contact, not plasticity, delays convergence
     is_contact_active = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
-      newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! bodies that begin to flow take their time
+      newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! yielding takes iterations
     verdict = assess_convergence(step%controls, newton%measures)
     if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
       .and. newton%measures%iteration < step%controls%i_c) &
-      verdict = VERDICT_CONTINUE                      ! through a snap imbalances grow
+      verdict = VERDICT_CONTINUE                      ! the residual grows during snap-through
     if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. is_contact_active .and. newton%globalization%step_kind &
       == STEP_KIND_NEWTON) &
       call assess_early(newton%measures, verdict)
-    if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! stick that friction does not hold: once more
+    if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! imposed stick beyond friction: iterate again
       verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < step%controls%i_c)
     if (step%line_search == LINE_SEARCH_AUTO) call treat_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, state, verdict)
@@ -167,8 +168,7 @@ contains
   end subroutine assess_iterate
 
 
-  !> Cycles are acted on as they are found; nodes that were held for one are let go when all else is in balance, and the verdict
-  !! waits for what they do.
+  !> Treats active-set cycles. After convergence it releases the frozen nodes and evaluates the verdict again.
   subroutine treat_cycles(newton, system, model, step, state, verdict)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(inout) :: system
@@ -198,7 +198,7 @@ contains
   end subroutine treat_cycles
 
 
-  !> After an iteration that carried bodies: K is as it is again; the work that the forces did which nothing balanced is added up.
+  !> Ends a proximal or snap-through step: removes the shift of K, adds the work of the unbalanced forces (trapezoidal rule).
   subroutine end_proximal_step(newton, system, model, state, u, residual)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(inout) :: system
@@ -208,12 +208,12 @@ contains
     real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) there [force]
     newton%globalization%n_proximal = newton%globalization%n_proximal + 1
     call set_proximal_shift(system, model, state%new, 0.0_DP)
-    state%new%slaves%is_in_law_range = .false.           ! where they were carried to is not where they touched first
+    state%new%slaves%is_in_law_range = .false.           ! positions after a proximal step are no first contact
     state%new%proximal_work = state%new%proximal_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
   end subroutine end_proximal_step
 
 
-  !> A balance in which a slave node has passed through its master within the increment is none.
+  !> Tunnelling check: rejects a converged iterate if a slave node passed through its master within the increment.
   subroutine check_tunnelling(newton, system, model, state, verdict)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
@@ -230,7 +230,7 @@ contains
   end subroutine check_tunnelling
 
 
-  !> A body that moves by many times the size of the model in one increment is held by nothing.
+  !> Displacements of many times the size of the model in one increment mean an unsupported body.
   subroutine check_displacements(newton, system, model, state)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
@@ -248,12 +248,12 @@ contains
   end subroutine check_displacements
 
 
-  !> The residual over the largest force, and the two before it. What rounding makes of gaps and of displacements counts as no
-  !! residual: bodies that only touch, or move without any force, have no larger force.
+  !> Shifts in the residual over the largest force. Residuals at rounding level are treated as zero: bodies that only touch, or
+  !! move without any force, have no larger force to compare with.
   subroutine record_residual(newton, system, residual, tolerance)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
-    real(DP), intent(in) :: residual(2)            !< the largest: R, and with laws where their nodes are [force]
+    real(DP), intent(in) :: residual(2)            !< largest of R, and of R with compliant laws at the actual gap [force]
     real(DP), intent(in) :: tolerance              !< of the residual [-]
     real(DP) :: scale
     newton%largest_attempt_force = max(newton%largest_attempt_force, system%largest_force)
@@ -265,7 +265,7 @@ contains
   end subroutine record_residual
 
 
-  !> Correction and record of the iteration.
+  !> Stores correction and record of the iteration.
   subroutine record_step(newton, system, state, report)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system

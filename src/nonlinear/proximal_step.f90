@@ -1,13 +1,13 @@
-!> Carry: bodies that nothing holds yet are carried towards what will hold them.
+!> Proximal regularization (K + s diag K) du = R for unsupported bodies and for snap-through at limit points.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Proximal step". Where the tangent is singular because a body has not met its
-!! master, a part s of the stiffness' own diagonal holds each node where it is in this iteration alone:
+!! Theory: doc/theory/newton.md, section [proximal_step]. The tangent is singular where a body does not touch its master yet. For
+!! one iteration the diagonal of K is scaled up:
 !!
-!!     (K + s diag K) du = R,
+!!     (K + s diag K) du = R.
 !!
-!! so that the direction is finite, and s is as small as lets the body go on to where it touches, and some way beyond. The
-!! residual knows nothing of s: the next iteration starts from where the body is, and what converges is in balance without it.
+!! The direction is then finite. The shift s is the least tried with which the step length stays within its limit: first contact
+!! and some distance beyond. The residual does not contain s, so a converged state is in equilibrium without it.
 module amontons_proximal_step
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -25,26 +25,25 @@ module amontons_proximal_step
   private
   public :: is_motion_unrestrained, find_proximal_step, find_snap_through_step
 
-  real(DP), parameter :: MIN_PROXIMAL_SHIFT = 1.0e-9_DP         !< part of the stiffness that carries at first [-]
-  real(DP), parameter :: MAX_PROXIMAL_SHIFT = 1.0_DP             !< at most [-]
-  real(DP), parameter :: MAX_APPROACH_RATIO = 10.0_DP          !< a body may go this many times the way to where it first touches
-                                                               !! [-]
-  real(DP), parameter :: MAX_STEP_EDGES = 2.5_DP         !< but not more than this many edges of a master [-]
-  real(DP), parameter :: MAX_LENGTH_EXCESS = 2.0_DP           !< a direction may exceed its way by this [-]
+  real(DP), parameter :: MIN_PROXIMAL_SHIFT = 1.0e-9_DP         !< least s, tried first [-]
+  real(DP), parameter :: MAX_PROXIMAL_SHIFT = 1.0_DP             !< largest s [-]
+  real(DP), parameter :: MAX_APPROACH_RATIO = 10.0_DP          !< largest step over the distance to first contact [-]
+  real(DP), parameter :: MAX_STEP_EDGES = 2.5_DP         !< largest step in edges of the master [-]
+  real(DP), parameter :: MAX_LENGTH_EXCESS = 2.0_DP           !< factor by which a direction may exceed its limit [-]
   integer, parameter :: MAX_SHIFT_TRIALS = 6
-  real(DP), parameter :: INITIAL_SNAP_SHIFT = 1.0e-3_DP    !< part of the stiffness that holds nodes through a snap, at first [-]
-  real(DP), parameter :: SNAP_SHIFT_RATIO = 6.0_DP       !< of one part tried to the next [-]
+  real(DP), parameter :: INITIAL_SNAP_SHIFT = 1.0e-3_DP    !< first s of snap-through [-]
+  real(DP), parameter :: SNAP_SHIFT_RATIO = 6.0_DP       !< ratio of consecutive trial values of s [-]
 
 contains
 
-  !> Whether a direction says that nothing holds a body: there is none, there was none when contact had settled along it, or it goes
-  !! farther than the whole model.
+  !> Whether a direction shows an unsupported body: the linear solver failed, the contact interface became singular in the contact
+  !! subproblem, or the direction is longer than the whole model.
   logical function is_motion_unrestrained(system, model, du, outcome)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read if trouble is none [length]
-    integer, intent(in) :: outcome                 !< TROUBLE_... of the direction
-    real(DP) :: missing_displacement(size(du, 2))               ! prescribed displacements that are [length]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction; read for OUTCOME_OK only [length]
+    integer, intent(in) :: outcome                 !< OUTCOME_... of the direction
+    real(DP) :: missing_displacement(size(du, 2))               ! of the prescribed nodes [length]
     is_motion_unrestrained = outcome == OUTCOME_LINEAR_SOLVER .and. size(system%contact%slip_data) > 0
     if (outcome /= OUTCOME_OK .or. size(system%contact%slip_data) == 0) return
     missing_displacement = max_components(system, reshape(system%base%offset, shape(du)), 1)
@@ -54,24 +53,23 @@ contains
   end function is_motion_unrestrained
 
 
-  !> A direction with every node held by a part of its own stiffness, which is chosen so that bodies go where they touch; contact
-  !! has settled at its end where it does.
+  !> Proximal step: s is raised until the step length stays within `allowed_step_length`, also after the contact subproblem.
   subroutine find_proximal_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(inout) :: shift                !< to try first, 0: none is known; out: to try in the next iteration [-]
+    real(DP), intent(inout) :: shift                !< s to try first, 0: unknown; out: s to try in the next iteration [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< (n_slaves) predicted contact state at its end
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: excess, insufficient_shift
     integer :: attempt
     shift = max(MIN_PROXIMAL_SHIFT, shift)
     insufficient_shift = 0.0_DP
     do attempt = 1, MAX_SHIFT_TRIALS
-      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! contact had settled elsewhere
+      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! the subproblem moved contact
       if (outcome /= OUTCOME_OK) return
       call set_proximal_shift(system, model, state%new, shift)
       call solve_newton_step(system, model, step, state, du, outcome, error)
@@ -96,18 +94,17 @@ contains
   end subroutine find_proximal_step
 
 
-  !> A direction along which contact settles, where it does not with K as it is: friction lets go faster than the bodies follow, so
-  !! that no balance is near. Each node is held by a part of its own stiffness, the least that is tried with which contact settles.
-  !! system%is_subproblem_solved tells whether it does; the state stands at u in any case.
+  !> Snap-through step at a limit point: no equilibrium nearby, contact is lost unstably. s is the least tried with which the
+  !! contact subproblem is solved. system%is_subproblem_solved says whether it was; the state remains at u in any case.
   subroutine find_snap_through_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(inout) :: shift                !< that was enough in the iteration before, 0: none; out: in this one [-]
+    real(DP), intent(inout) :: shift                !< sufficient s of the previous iteration, 0: none; out: s of this one [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< memory of the slave nodes at its end
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< (n_slaves) predicted contact state at its end
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     shift = merge(max(MIN_PROXIMAL_SHIFT, shift / SNAP_SHIFT_RATIO), INITIAL_SNAP_SHIFT, shift > 0.0_DP)
     do
@@ -124,7 +121,8 @@ contains
   end subroutine find_snap_through_step
 
 
-  !> How far a direction may go: to where the first slave node touches and some way beyond, and never out of sight.
+  !> Limit of the step length: MAX_APPROACH_RATIO times the distance to first contact, at most MAX_STEP_EDGES edges, so that slave
+  !! nodes stay within the search radius [length].
   real(DP) function allowed_step_length(system, model, state, du) result(allowed_length)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model

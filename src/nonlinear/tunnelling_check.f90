@@ -1,4 +1,4 @@
-!> Travel: how far slave nodes go over their master within an increment, and whether one has passed through it.
+!> Sliding distance of slave nodes within an increment, and tunnelling check: whether a node passed through its master.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_tunnelling_check
   use amontons_kinds, only: DP
@@ -16,18 +16,17 @@ module amontons_tunnelling_check
   private
   public :: largest_sliding, find_tunnelled_slave
 
-  real(DP), parameter :: MAX_SEARCH_DEPTH = 3.0_DP    !< a node deeper than this times the longest edge of its master is not found
+  real(DP), parameter :: MAX_SEARCH_DEPTH = 3.0_DP    !< depth of the facet search behind the master, over its longest edge
                                                       !! [-]
 
-  real(DP), parameter :: MIN_CROSSING_STEEPNESS = 0.25_DP           !< a way less steep than this that ends beyond the border led
-                                                                    !! over it [-]
-  real(DP), parameter :: MIN_FRONT_DISTANCE = 1.0e-3_DP      !< nearer than this times its edge a point did not stand before it [-]
+  real(DP), parameter :: MIN_CROSSING_STEEPNESS = 0.25_DP           !< normal part of a path over its length; a flatter path that
+                                                                    !! ends beyond the border slid over the border [-]
+  real(DP), parameter :: MIN_FRONT_DISTANCE = 1.0e-3_DP      !< least distance of a point in front of a facet, over its edge [-]
 
 contains
 
-  !> How far a change of displacement moves the slave nodes along their master, in facets, at most. A facet is as long as it is
-  !! in the direction of the motion: a long and narrow one is crossed where it is narrow. On a profile half the radius of its
-  !! curvature counts, so where it is flat there is no limit.
+  !> Largest sliding distance of the slave nodes for a change of displacement, in facets [-]. The length of a facet is its extent
+  !! in the direction of sliding. On an analytic profile it is half the radius of curvature: a flat profile sets no limit.
   pure real(DP) function largest_sliding(contact, model, slaves, du) result(largest)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
@@ -57,7 +56,7 @@ contains
   end function largest_sliding
 
 
-  !> The extent of points along a direction; another length where they have none.
+  !> Extent of points along a direction; `fallback_length` where it vanishes [length].
   pure real(DP) function facet_width(points, direction, fallback_length) result(width)
     real(DP), intent(in) :: points(:, :)           !< (3, :) [length]
     real(DP), intent(in) :: direction(3), fallback_length
@@ -68,11 +67,12 @@ contains
   end function facet_width
 
 
-  !> The first slave that has passed through its master within the increment; 0 if there is none. Two signs are looked for:
-  !! a node that stood before its master and is now out of sight behind the point where it stood, deeper than the search looks
-  !! (over the edge of the master too: the path between is not known); and a node that the search does not see, or sees
-  !! before another side of the master, or that came from out of sight, whose straight way goes through a facet from the front
-  !! (but for one that slides along the master and over its edge, see MIN_CROSSING_STEEPNESS).
+  !> Finds the first slave that passed through its master within the increment; 0: none. Two criteria:
+  !!
+  !! - The node had a projection and has none now, and lies behind its old projection point by more than the search depth. (A
+  !!   path over the master's edge counts too: only its ends are known.)
+  !! - The node is open, with no projection, or on the opposite side of the master, or without projection before, and its straight
+  !!   path crosses a facet from the front. Sliding over the master's edge is excluded by MIN_CROSSING_STEEPNESS.
   integer function find_tunnelled_slave(contact, x_old, x_new, old, new) result(tunnelled)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
@@ -84,7 +84,7 @@ contains
     do tunnelled = 1, size(new)
       s = tunnelled
       if (contact%is_removed(new(s)%pair)) cycle
-      if (gives_way(new(s)%overrides)) cycle       ! the other side of a symmetric pair watches
+      if (gives_way(new(s)%overrides)) cycle       ! checked by the other side of a symmetric pair
       if (old(s)%facet > 0 .and. new(s)%facet == 0) then
         call fill_facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
         if (dot_product(old(s)%normal, evaluate_relative_position(row, &
@@ -92,7 +92,7 @@ contains
       end if
       if (contact%has_fixed_geometry(new(s)%pair) .or. .not. may_have_crossed(old(s), new(s))) cycle
       associate (facets => contact%facets(new(s)%pair), near => search(new(s)%pair))
-        if (allocated(facets%profile)) cycle       ! it has no facets of this kind; nothing crosses it here
+        if (allocated(facets%profile)) cycle       ! an analytic profile has no meshed facets to cross
         if (.not. allocated(near%first)) call build_facet_search(facets, x_new, &
           crossing_reach(facets, pack(new%node, new%pair == new(s)%pair), x_old, x_new), near)
         if (has_crossed_master(facets, near, x_old, x_new, new(s)%node)) return
@@ -102,8 +102,8 @@ contains
   end function find_tunnelled_slave
 
 
-  !> How far from a facet a node may end at most that has crossed it: what both moved, apart from the mean motion of the facets, and
-  !! what the mean planes of facets are beside their corners.
+  !> Largest distance between a facet and a node that crossed it [length]: the displacements of both relative to the mean motion of
+  !! the facets, plus the warp of the facets (distance of corners from the mean plane).
   pure real(DP) function crossing_reach(facets, nodes, x_old, x_new) result(largest)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: nodes(:)                !< slave nodes
@@ -122,7 +122,7 @@ contains
 
   contains
 
-    !> The longest way of some nodes beside the mean one.
+    !> Largest displacement of some nodes relative to the mean one [length].
     pure real(DP) function longest_displacement(nodes_of_set) result(longest)
       integer, intent(in) :: nodes_of_set(:)
       integer :: i
@@ -135,7 +135,7 @@ contains
   end function crossing_reach
 
 
-  !> Whether a node may have passed through its master: it does not touch, and is not on the side where it stood.
+  !> Whether a node may have passed through its master: it is open, and not known to be on the same side as before.
   pure logical function may_have_crossed(old, new)
     type(slave_state_type), intent(in) :: old, new
     may_have_crossed = new%status == STATUS_OPEN
@@ -143,7 +143,7 @@ contains
   end function may_have_crossed
 
 
-  !> Whether a point stood clearly before a facet and has come behind it, through it: straight, as the facet moves with its middle.
+  !> Whether the straight path of a point crosses a facet from front to back; the facet moves with its centre.
   logical function has_crossed_master(facets, search, x_old, x_new, node)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search        !< at x_new, with the margin `crossing_reach`
@@ -164,8 +164,8 @@ contains
   end function has_crossed_master
 
 
-  !> The same of one facet: through the mean plane of its corners, and behind it by more than the facet is bent or warped. The part
-  !! of the way that leads along the normal [-]; 0 where it does not cross the facet.
+  !> The same for one facet: normal part of the path over its length [-]; 0 where the path does not cross the mean plane of the
+  !! corners within the facet, or ends behind it by no more than the facet's curvature or warp.
   pure real(DP) function crossing_steepness(facets, f, x_old, x_new, node) result(steepness)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
@@ -192,7 +192,7 @@ contains
   end function crossing_steepness
 
 
-  !> Whether a point is before or behind one of some facets: along its normal it meets the facet.
+  !> Whether a point projects along the normal on one of some facets.
   pure logical function projects_on_facets(facets, list, x, node)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: list(:)
@@ -213,7 +213,7 @@ contains
   end function projects_on_facets
 
 
-  !> Unit normal of the mean plane of the corners, outward; 0 where they have no area [-].
+  !> Outward unit normal of the mean plane of the corners; 0 for zero area [-].
   pure function plane_normal(corner, is_edge) result(normal)
     real(DP), intent(in) :: corner(:, :)           !< (3, n) [length]
     logical, intent(in) :: is_edge                 !< the facet is a line with two ends
@@ -230,7 +230,7 @@ contains
   end function plane_normal
 
 
-  !> Corners of a facet.
+  !> Number of corners of a facet.
   pure integer function n_corners(kind)
     integer, intent(in) :: kind                    !< FACET_...
     n_corners = 4
@@ -239,7 +239,7 @@ contains
   end function n_corners
 
 
-  !> Whether a point of the plane of a facet is between its corners.
+  !> Whether a point in the plane of a facet lies within its corners.
   pure logical function is_inside_facet(point, corner, normal, is_edge)
     real(DP), intent(in) :: point(3)               !< [length]
     real(DP), intent(in) :: corner(:, :)           !< (3, n) [length]

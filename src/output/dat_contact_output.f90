@@ -1,4 +1,4 @@
-!> Dat of surfaces: the blocks of job.dat that CONTACT PRINT and SECTION PRINT ask for.
+!> The tables of CONTACT PRINT and SECTION PRINT in job.dat.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Titles, signs and columns are those of CalculiX.
@@ -23,10 +23,10 @@ module amontons_dat_contact_output
 
 contains
 
-  !> CDIS, CSTR, CELS of the closed slave nodes or points of slave faces, their number CNUM, our SCEN, and the statistics CF, CFN,
+  !> CDIS, CSTR, CELS of the closed slave nodes or points of slave faces, their number CNUM, SCEN (own), and the statistics CF, CFN,
   !! CFS of each pair.
   !!
-  !! As in CalculiX pressure is positive, a gap negative is penetration, and the tangential components are slip and the
+  !! As in CalculiX pressure is positive, a negative gap is penetration, and the tangential components are slip and the
   !! shear stress that goes with it (that on the master, in the direction of slip of the slave).
   subroutine print_contact_variable(unit, model, fields, request, variable)
     integer, intent(in) :: unit
@@ -78,7 +78,7 @@ contains
   end subroutine print_contact_variable
 
 
-  !> The block that holds a sum over a pair: Abaqus has a name for each part of it.
+  !> The block that contains a sum over a pair: Abaqus has a name for each part of it.
   elemental function block_name(variable) result(name)
     character(*), intent(in) :: variable
     character(4) :: name
@@ -95,7 +95,7 @@ contains
   end function block_name
 
 
-  !> Whether a CONTACT PRINT is of a pair.
+  !> Whether a CONTACT PRINT selects a pair.
   pure logical function is_chosen_pair(model, request, pair) result(is_chosen)
     type(model_type), intent(in) :: model
     type(print_request_type), intent(in) :: request
@@ -105,7 +105,7 @@ contains
   end function is_chosen_pair
 
 
-  !> The slave nodes that a CONTACT PRINT is of.
+  !> The slave nodes that a CONTACT PRINT selects.
   pure function chosen_slaves(model, slaves, request) result(chosen)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
@@ -145,7 +145,7 @@ contains
   end subroutine print_slave_rows
 
 
-  !> The row of a slave node by its label, that of a point by those of its element and face. CalculiX draws plane elements out into
+  !> Row of a slave node with its label, of a point with those of its element and face. CalculiX expands plane elements into
   !! solids, whose faces 3 to 6 are their edges.
   subroutine print_slave(unit, model, slave, values)
     integer, intent(in) :: unit
@@ -165,7 +165,7 @@ contains
   end subroutine print_slave
 
 
-  !> The normal and two tangents as CalculiX takes them: the x axis laid into the tangent plane (the z axis if the
+  !> The normal and two tangents as in CalculiX: the x axis projected on the tangent plane (the z axis if the
   !! normal is along x), and n x t1.
   pure function contact_axes(normal) result(axes)
     real(DP), intent(in) :: normal(3)              !< unit normal out of the master
@@ -182,7 +182,7 @@ contains
   end function contact_axes
 
 
-  !> Force, moment, area and mean normal of the slave side of one pair; under the abaqus dialect also where the force acts.
+  !> Force, moment, area and mean normal of the slave side of one pair; under the abaqus dialect also the centre of force.
   subroutine print_statistics(unit, model, fields, slaves, i_pair, variable)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
@@ -193,7 +193,7 @@ contains
     character(:), allocatable :: part
     type(pair_sums_type) :: sums
     real(DP) :: normal_force, force(3), counts(2)
-    integer :: k                                   ! column of the place
+    integer :: k                                   ! column of the centre of force
     part = ''
     counts = 1
     k = 3
@@ -225,7 +225,7 @@ contains
   end subroutine print_statistics
 
 
-  !> Force, moment, centre and normal of a surface: what contact pairs and sections share.
+  !> Prints force, moment, centre and normal of a surface, for contact pairs and sections.
   subroutine print_sums(unit, title, s)
     integer, intent(in) :: unit
     character(*), intent(in) :: title

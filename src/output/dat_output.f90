@@ -1,9 +1,8 @@
-!> Dat: the blocks of job.dat that NODE PRINT and EL PRINT ask for, and the way to those of CONTACT PRINT and SECTION PRINT.
+!> The file job.dat: tables of NODE PRINT and EL PRINT, and dispatch to those of CONTACT PRINT and SECTION PRINT.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Titles and columns are those of CalculiX. Where the two parents of the deck language mean different things by RF, the dialect
-!! decides: under calculix the block `forces` shows all forces from outside on a node (supports, loads), under abaqus the
-!! reactions of supports alone.
+!! Titles and columns are those of CalculiX. RF depends on the dialect: under calculix the block `forces` contains all external
+!! forces on a node (supports, loads), under abaqus only the reactions of supports.
 module amontons_dat_output
   use amontons_kinds, only: DP
   use amontons_text, only: upper_case
@@ -28,7 +27,7 @@ module amontons_dat_output
 
 contains
 
-  !> One PRINT card: a block per variable. The reader has refused variables that are not known here.
+  !> One PRINT card: a block per variable. The deck reader has rejected unknown variables.
   subroutine print_request(unit, model, fields, request, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
@@ -54,7 +53,7 @@ contains
   end subroutine print_request
 
 
-  !> The set of a request; without one all nodes or elements that there are.
+  !> The set of a request; without one all nodes or elements.
   pure function set_of(mesh, request) result(set)
     type(mesh_type), intent(in) :: mesh
     type(print_request_type), intent(in) :: request
@@ -103,7 +102,7 @@ contains
   end subroutine print_node_variable
 
 
-  !> The places of the nodes: in the deck, under NLGEOM now.
+  !> Coordinates of the nodes: reference, under NLGEOM current [length].
   pure function node_positions(mesh, fields, is_nlgeom) result(x)
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
@@ -114,7 +113,7 @@ contains
   end function node_positions
 
 
-  !> Vectors at the nodes, in the directions of TRANSFORM if a card asks for these.
+  !> Vectors at the nodes, in the directions of TRANSFORM if requested.
   pure function in_transform(model, values, is_local) result(turned)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: values(:, :)           !< (3, n_nodes) global
@@ -129,14 +128,14 @@ contains
   end function in_transform
 
 
-  !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes that have elements; where there are none, at
+  !> RF: the reactions of supports. CalculiX prints the internal forces at all nodes with elements; at nodes without elements,
   !! reference nodes, these are supports and loads.
   pure function printed_forces(model, fields, is_field) result(force)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     logical, intent(in), optional :: is_field      !< for .frd
     real(DP) :: force(3, model%mesh%n_nodes)
-    logical :: is_contact_inside                   ! springs of contact count as elements; in tables mortar's forces do not
+    logical :: is_contact_inside                   ! contact springs count as elements; mortar forces in tables do not
     integer :: i
     force = fields%reaction_force
     if (model%dialect /= DIALECT_CALCULIX) return
@@ -151,7 +150,7 @@ contains
     end do
     call convert_to_sector(model%mesh, absent_elements(model, fields%step), fields, model%steps(max(1, fields%step))%is_nlgeom, &
       force)
-    if (present(is_field)) force = force / sector_share(model)   ! a field has those of the whole circle
+    if (present(is_field)) force = force / sector_share(model)   ! fields contain forces of the full circle
   end function printed_forces
 
 
@@ -194,14 +193,14 @@ contains
         call print_head(unit, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, time)
         call print_tensors(rotate_truss_tensors(model, fields, .false., fields%strain))
       case ('PEEQ')
-        if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! nothing flows
+        if (model%dialect == DIALECT_CALCULIX .and. size(fields%history, 1) == 0) return   ! no plasticity
         call print_head(unit, 'equivalent plastic strain (elem, integ.pnt.,pe)', set, time)
         call print_point_rows(unit, model, fields%step, set, reshape(equivalent_plastic_strain(model, fields), [1, mesh%n_points]))
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
         call print_point_rows(unit, model, fields%step, set, reshape(history_variable(fields, HISTORY_CEEQ), [1, mesh%n_points]))
       case ('SDV')
-        if (n_state_variables(model, fields) == 0) return   ! no material has any
+        if (n_state_variables(model, fields) == 0) return   ! no state variables
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
         call print_point_rows(unit, model, fields%step, set, state_variables(model, fields))
       case ('ENER')
@@ -223,7 +222,7 @@ contains
 
   contains
 
-    !> A tensor as CalculiX prints it: xx yy zz xy xz yz.
+    !> Prints tensors in CalculiX's order: xx yy zz xy xz yz.
     subroutine print_tensors(values)
       real(DP), intent(in) :: values(:, :)         !< (6, n_points) xx yy zz xy yz xz, global
       integer, parameter :: PRINTED_ORDER(6) = [1, 2, 3, 4, 6, 5]
@@ -235,7 +234,7 @@ contains
   end subroutine print_element_variable
 
 
-  !> Tensors at the points, in the axes of their orientation if a card asks for these.
+  !> Tensors at the points, in the axes of their orientation if requested.
   pure function in_orientation(fields, values, is_local) result(turned)
     type(fields_type), intent(in) :: fields
     real(DP), intent(in) :: values(:, :)           !< (6, n_points) xx yy zz xy yz xz, global

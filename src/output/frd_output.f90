@@ -1,12 +1,12 @@
-!> Frd: job.frd, mesh and nodal fields in CalculiX's text form, for CGX, PrePoMax and other programs that read it.
+!> The file job.frd: mesh and nodal fields in CalculiX's text format, for CGX, PrePoMax and other programs.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Written when FILE or OUTPUT cards ask for it under the calculix dialect, or when the user does (`--frd`). It is a copy
-!! for such programs, with six digits; the doubles are in job.vtkhdf. One frame per written increment, one block per
-!! field. No date stands in it, so that the same job gives the same file.
+!! Written for FILE or OUTPUT cards under the calculix dialect, or with the option `--frd`. It is a copy with six digits;
+!! job.vtkhdf contains double precision. One frame per written increment, one block per field. The file contains no date, so that
+!! the same job gives the same file.
 !!
-!! As in CalculiX's own file, nodes without elements are left out, and of a frame those whose elements are all taken out
-!! (MODEL CHANGE); elements of one node are, too. Nodes and elements come by their numbers, whatever their order in the deck.
+!! As in CalculiX's own file, nodes without elements are omitted, in each frame also those whose elements are all removed
+!! (MODEL CHANGE), and elements of one node. Nodes and elements are sorted by number.
 !!
 !! Reference: CGX manual, "Result Format": fixed columns, long form; element types 1 to 12 with their order of nodes,
 !! in which the mid-side nodes of the upright edges come before those of the top.
@@ -37,24 +37,24 @@ module amontons_frd_output
   private
   public :: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
 
-  real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< two pressures are one within this [-]
+  real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< relative difference of equal pressures [-]
   integer, parameter :: VALUES_PER_LINE = 6              !< values
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
 
-  !> A file that is being written; the unit is 0 if none is.
+  !> An open file; unit 0: not open.
   type :: frd_type
     private
     integer :: unit = 0
     character(:), allocatable :: path
     integer :: n_frames = 0
     integer :: n_blocks = 0
-    logical :: is_all = .false.                    !< all fields, whatever the cards ask for
-    integer, allocatable :: nodes(:)               !< those that are written: with elements
-    integer, allocatable :: present(:)             !< those of them that have elements in the present frame
+    logical :: is_all = .false.                    !< all fields, not only those requested by cards
+    integer, allocatable :: nodes(:)               !< nodes with elements: those written
+    integer, allocatable :: present(:)             !< those with elements in the current frame
     integer :: status = 0                          !< of the first line that could not be written
   end type frd_type
 
-  !> The head of a block: a scalar or several, a vector with its length, or a symmetric tensor.
+  !> The head of a block: scalars, a vector with its magnitude, or a symmetric tensor.
   type :: head_type
     character(8) :: name = ''
     integer :: n = 1                               !< components that are written
@@ -79,7 +79,7 @@ module amontons_frd_output
 
 contains
 
-  !> Creates job.frd with the mesh, if it is asked for.
+  !> Creates job.frd with the mesh, if requested.
   subroutine open_frd(frd, model, options, error)
     type(frd_type), intent(out) :: frd
     type(model_type), intent(in) :: model
@@ -96,12 +96,12 @@ contains
   end subroutine open_frd
 
 
-  !> Goes on with the file of a job after its checkpoint: it is cut off where it was then.
+  !> Reopens the file of a job resumed from a checkpoint, truncated to its length then.
   subroutine resume_frd(frd, model, options, counts, error)
     type(frd_type), intent(out) :: frd
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
-    integer(I64), intent(in) :: counts(3)          !< bytes, frames, blocks that it had (frd_file_counts)
+    integer(I64), intent(in) :: counts(3)          !< bytes, frames, blocks at the checkpoint (frd_file_counts)
     type(error_type), allocatable, intent(out) :: error
     call prepare(frd, model, options)
     if (counts(1) == 0) then
@@ -116,7 +116,7 @@ contains
   end subroutine resume_frd
 
 
-  !> Path, nodes, and whether the cards are asked.
+  !> Sets path, nodes, and the choice of fields.
   subroutine prepare(frd, model, options)
     type(frd_type), intent(inout) :: frd
     type(model_type), intent(in) :: model
@@ -128,10 +128,10 @@ contains
   end subroutine prepare
 
 
-  !> The nodes of elements, by their numbers (has_elements of the mesh does not know those of pre-tension sections).
+  !> The nodes of elements, by their numbers (has_elements of the mesh excludes those of pre-tension sections).
   pure function nodes_of(mesh, is_absent) result(nodes)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) those that do not count
+    logical, intent(in) :: is_absent(:)            !< (n_elements) removed
     integer, allocatable :: nodes(:)
     logical :: is_used(mesh%n_nodes)
     integer :: e, i
@@ -145,7 +145,7 @@ contains
   end function nodes_of
 
 
-  !> The places of numbers when these ascend.
+  !> The permutation that sorts numbers in ascending order.
   pure function places_by_number(numbers) result(places)
     integer, intent(in) :: numbers(:)
     integer :: places(size(numbers)), ascending(size(numbers)), i
@@ -168,7 +168,7 @@ contains
   end function is_wanted
 
 
-  !> Opens the file, new or behind its end.
+  !> Opens the file: new, or to append.
   subroutine open_file(frd, status_word, error)
     type(frd_type), intent(inout) :: frd
     character(*), intent(in) :: status_word
@@ -183,7 +183,7 @@ contains
   end subroutine open_file
 
 
-  !> The head: who wrote it, the heading, the names of the materials.
+  !> The head: program, heading, names of the materials.
   subroutine write_head(frd, model)
     type(frd_type), intent(inout) :: frd
     type(model_type), intent(in) :: model
@@ -202,7 +202,7 @@ contains
   end subroutine write_head
 
 
-  !> The first line of a text, at most 66 letters of it.
+  !> The first line of a text, at most 66 characters.
   pure function first_line(text) result(line)
     character(*), intent(in) :: text
     character(:), allocatable :: line
@@ -294,7 +294,7 @@ contains
   end function in_cgx_order
 
 
-  !> Writes a converged increment, if its step wants it; nothing for increment 0.
+  !> Writes a converged increment if the output frequency of its step selects it; nothing for increment 0.
   subroutine write_frd(frd, model, fields, record, error)
     type(frd_type), intent(inout) :: frd
     type(model_type), intent(in) :: model
@@ -327,13 +327,13 @@ contains
   end subroutine write_frd
 
 
-  !> The fields of a frame: those that the cards ask for, or all that the job has.
+  !> The fields of a frame: those requested by cards, or all fields of the job.
   pure function is_shown(frd, model, step, fields, n_slaves)
     type(frd_type), intent(in) :: frd
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
-    integer, intent(in) :: n_slaves                !< nodes that may touch
+    integer, intent(in) :: n_slaves                !< slave nodes
     logical :: is_shown(N_FRD)
     is_shown = step%frd%is_wanted
     if (frd%is_all) then
@@ -349,7 +349,7 @@ contains
   end function is_shown
 
 
-  !> Of some nodes those of a set.
+  !> The intersection of some nodes with a set.
   pure function nodes_in_set(mesh, nodes, set) result(chosen)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: nodes(:)
@@ -407,14 +407,14 @@ contains
 
   contains
 
-    !> Means at the nodes, as CalculiX takes them under its dialect.
+    !> Nodal averages, under the calculix dialect as in CalculiX.
     subroutine average_scalars(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (components, n_points)
       call average_at_nodes(model%mesh, absent_elements(model, fields%step), at_points, values, &
         model%dialect == DIALECT_CALCULIX)
     end subroutine average_scalars
 
-    !> The same of tensors.
+    !> The same for tensors.
     subroutine average_tensors(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
       call average_scalars(in_orientation(fields, at_points, is_local))
@@ -473,14 +473,13 @@ contains
   end function table_row
 
 
-  !> Of pairs with points the nodes show what CalculiX shows there (found by experiment,
-  !! verify/cases/contact/test_contact_integration_points.py): on
-  !! each face the closed points are fitted by the functions of its corners, least squares, and what comes out at a corner is kept
-  !! between the least and the largest value of these points; a mid-side node takes the mean of its corners, and a node shows the
-  !! mean of its faces that have closed points.
+  !> Nodal values of pairs with integration points, as in CalculiX (found by experiment,
+  !! verify/cases/contact/test_contact_integration_points.py): each face fits the values at its closed points (least squares) by
+  !! the shape functions of its corners, limited to the range of these values; the mean of the corners at a mid-side node; the mean
+  !! over the faces with closed points at a node.
   subroutine fill_point_values(model, slaves, values)
     type(model_type), intent(in) :: model
-    type(slave_state_type), intent(in) :: slaves(:)      !< points stand facet by facet, pair by pair
+    type(slave_state_type), intent(in) :: slaves(:)      !< points in the order of facets and pairs
     real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) of nodes with points they are set anew
     integer :: counts(model%mesh%n_nodes), first, last, n
     counts = 0
@@ -501,11 +500,11 @@ contains
   end subroutine fill_point_values
 
 
-  !> Adds what the closed points of one face give to its nodes.
+  !> Adds the contribution of the closed points of one face to its nodes.
   subroutine add_face_values(model, points, counts, values)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: points(:)
-    integer, intent(inout) :: counts(:)            !< (n_nodes) faces that gave to a node
+    integer, intent(inout) :: counts(:)            !< (n_nodes) contributing faces
     real(DP), intent(inout) :: values(:, :)        !< (6, n_nodes) sums
     type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
@@ -535,8 +534,7 @@ contains
   end subroutine add_face_values
 
 
-  !> Values at the corners of a face whose function comes nearest to those at points; with too few points the one nearest to their
-  !! mean.
+  !> Values at the corners of a face by a least-squares fit to those at points; with too few points the fit nearest to their mean.
   function fit_at_corners(basis, rows) result(at_corner)
     real(DP), intent(in) :: basis(:, :)            !< (m, n) functions of the corners at the points [-]
     real(DP), intent(in) :: rows(:, :)             !< (6, n)
@@ -551,7 +549,7 @@ contains
   end function fit_at_corners
 
 
-  !> A time with as many digits as twelve letters have room for.
+  !> A time with as many digits as fit into twelve characters.
   pure function time_text(time) result(text)
     real(DP), intent(in) :: time                   !< [time]
     character(12) :: text
@@ -599,7 +597,7 @@ contains
   end subroutine write_block
 
 
-  !> Row and column of a component, as CGX wants them.
+  !> Row and column of a component in the convention of CGX.
   pure function component_position(head, i) result(row_column)
     type(head_type), intent(in) :: head
     integer, intent(in) :: i                       !< component
@@ -611,7 +609,7 @@ contains
   end function component_position
 
 
-  !> A row per node that is written, many rows at a time.
+  !> A row per written node, many rows at a time.
   subroutine put_rows(frd, nodes, labels, values)
     type(frd_type), intent(inout) :: frd
     integer, intent(in) :: nodes(:)                !< those that are written
@@ -632,7 +630,7 @@ contains
   end subroutine put_rows
 
 
-  !> A row per node, of so many values that it goes on in further lines.
+  !> A row per node with continuation lines.
   subroutine put_long_rows(frd, nodes, labels, values)
     type(frd_type), intent(inout) :: frd
     integer, intent(in) :: nodes(:)
@@ -653,7 +651,7 @@ contains
   end subroutine put_long_rows
 
 
-  !> Writes a line; the first trouble is kept.
+  !> Writes a line; stores the first error status.
   subroutine write_line(frd, line)
     type(frd_type), intent(inout) :: frd
     character(*), intent(in) :: line
@@ -663,7 +661,7 @@ contains
   end subroutine write_line
 
 
-  !> How long the file is, and what it holds: for the checkpoint.
+  !> Length and contents of the file, for the checkpoint.
   subroutine frd_file_counts(frd, counts)
     type(frd_type), intent(inout) :: frd
     integer(I64), intent(out) :: counts(3)         !< bytes, frames, blocks; 0 if not open
@@ -677,7 +675,7 @@ contains
   end subroutine frd_file_counts
 
 
-  !> Brings the file to the medium.
+  !> Synchronizes the file with the disk.
   subroutine sync_frd(frd, error)
     type(frd_type), intent(in) :: frd
     type(error_type), allocatable, intent(out) :: error
@@ -686,7 +684,7 @@ contains
   end subroutine sync_frd
 
 
-  !> Ends the file and closes it; a file that is not open is left alone.
+  !> Writes the end mark and closes the file; no effect if it is not open.
   subroutine close_frd(frd, error)
     type(frd_type), intent(inout) :: frd
     type(error_type), allocatable, intent(out) :: error
@@ -700,7 +698,7 @@ contains
   end subroutine close_frd
 
 
-  !> An error if a line could not be written.
+  !> Sets an error if a line could not be written.
   subroutine check_written(frd, error)
     type(frd_type), intent(in) :: frd
     type(error_type), allocatable, intent(out) :: error

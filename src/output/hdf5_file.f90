@@ -1,13 +1,13 @@
-!> Store: HDF5 files: groups, attributes, data sets with unit and description, and tables that grow row by row.
+!> HDF5 files: groups, attributes, data sets with unit and description, extendible tables, and crash-safe page writing.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The only file of the program that knows HDF5. A store is opened without a file lock, so that a viewer may read it
-!! while the job runs: after `flush_hdf5` what is on disk is whole, and it stays where it is while the next rows come.
-!! Closing a store closes all that is open in it.
+!! The only module that uses HDF5. A file is opened without a file lock, so that a viewer can read it while the job runs:
+!! after `flush_hdf5` the file on disk is consistent, and existing data do not move while rows are added.
+!! Closing a file closes all objects that are open in it.
 !!
-!! What is on disk goes from one whole state to the next (overlay_shim.c): writes into the old state wait in memory as
-!! pages. `flush_hdf5` writes them at once. A guarded store lets them wait: its owner takes them into a checkpoint
-!! (`export_pages`) and then calls `apply_pages`; after a crash `repair_hdf5` makes the file what it was then.
+!! The file on disk changes from one consistent state to the next (overlay_shim.c): writes into the old state are kept in memory
+!! as pages. `flush_hdf5` writes them at once. A guarded file keeps them: its owner stores them in a checkpoint
+!! (`export_pages`) and then calls `apply_pages`; after a crash `repair_hdf5` restores the file of that checkpoint.
 module amontons_hdf5_file
   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_int, c_int64_t, c_int8_t, c_loc, &
     c_null_char, c_null_ptr, c_ptr, c_size_t
@@ -29,23 +29,23 @@ module amontons_hdf5_file
   public :: open_hdf5, open_table, export_pages, apply_pages, repair_hdf5, discard_hdf5, hdf5_pages_type
   public :: create_hdf5, flush_hdf5, close_hdf5, create_group, write_attribute, write_data, create_table, append_rows
 
-  ! How values are kept in the file (little endian, whatever the machine).
+  ! Storage types of values in the file (little endian on every machine).
   integer, parameter :: STORAGE_REAL = 1            !< 64-bit reals
   integer, parameter :: STORAGE_I32 = 2             !< 32-bit integers
   integer, parameter :: STORAGE_I64 = 3             !< 64-bit integers
-  integer, parameter :: STORAGE_U8 = 4              !< bytes without sign
-  integer, parameter :: STORAGE_TEXT = 5            !< texts of one length, UTF-8, filled up with NUL
+  integer, parameter :: STORAGE_U8 = 4              !< unsigned bytes
+  integer, parameter :: STORAGE_TEXT = 5            !< texts of one length, UTF-8, padded with NUL
 
-  integer, parameter :: STATUS_OTHER_WRITER = -1, STATUS_CHANGED = -2   !< beside errno: see overlay_shim.c
+  integer, parameter :: STATUS_OTHER_WRITER = -1, STATUS_CHANGED = -2   !< in addition to errno: see overlay_shim.c
 
-  ! For what the filters of HDF5 pack; level 6 takes 1.4 times as long for 1 % less. Reals of fields: pack_shim.c.
+  ! Deflate level of HDF5's filters; level 6 takes 1.4 times as long for 1 % less. Reals of fields: pack_shim.c.
   integer, parameter :: GZIP_LEVEL = 1
   integer, parameter :: COLUMN_CHUNK = 256        !< rows, of tables that grow by one row at a time
-  integer, parameter :: TEXT_CHUNK = 32           !< the same of texts
+  integer, parameter :: TEXT_CHUNK = 32           !< the same for texts
   integer, parameter :: MIN_COMPRESSED_VALUES = 1024    !< values, of data sets that do not grow
   integer(I64), parameter :: MAX_CHUNK_VALUES = 134217728_I64   !< values: 1 GiB of reals; HDF5 ends at 4 GiB
 
-  !> A file that is being written.
+  !> An open file.
   type :: hdf5_file_type
     private
     integer(HID_T) :: file = -1
@@ -55,16 +55,16 @@ module amontons_hdf5_file
     character(:), allocatable, public :: path
   end type hdf5_file_type
 
-  !> The pages that lead from one whole state of a file to the next, or back.
+  !> The pages that change a file from one consistent state to the next, or back.
   type :: hdf5_pages_type
     integer(I64) :: end = 0                       !< of that state [bytes]
     integer(I64), allocatable :: index(:)         !< page numbers, from 0
     integer(I8), allocatable :: bytes(:, :)       !< (page size, pages)
   end type hdf5_pages_type
 
-  !> What a table looks like.
+  !> Layout of a table.
   type :: hdf5_layout_type
-    integer :: storage = STORAGE_REAL               !< STORE_...
+    integer :: storage = STORAGE_REAL               !< STORAGE_...
     integer :: width = 1                          !< values per row; length of the texts for STORAGE_TEXT
     logical :: is_matrix = .false.                !< two dimensions even if width is 1
     integer :: n_rows_hint = 1                    !< rows that are added at a time; 1: uncompressed
@@ -206,7 +206,7 @@ contains
   end subroutine create_hdf5
 
 
-  !> Opens a file to go on writing it, guarded.
+  !> Opens an existing file for writing, guarded.
   subroutine open_hdf5(store, path, error)
     type(hdf5_file_type), intent(out) :: store
     character(*), intent(in) :: path
@@ -216,7 +216,7 @@ contains
   end subroutine open_hdf5
 
 
-  !> Creates or opens the file of a store.
+  !> Creates or opens the HDF5 file.
   subroutine start_file(store, path, is_new, action, error)
     type(hdf5_file_type), intent(inout) :: store
     character(*), intent(in) :: path, action
@@ -229,8 +229,8 @@ contains
     store%path = path
     store%overlay = overlay_new()
     if (.not. c_associated(store%overlay)) s(7) = -1
-    ! Until h5open_f the module's type numbers are not set. It is called once per process and never undone: other stores
-    ! may be open.
+    ! h5open_f sets the module's type numbers. It is called once per process and never closed: other files may be
+    ! open.
     call h5iis_valid_f(H5T_NATIVE_DOUBLE, is_ready, s(1))
     if (.not. is_ready) call h5open_f(s(1))
     call h5eset_auto_f(0, s(2))
@@ -252,7 +252,7 @@ contains
   end subroutine start_file
 
 
-  !> Brings everything written so far to disk; of a guarded store, to memory.
+  !> Flushes everything written so far to disk; of a guarded file, to memory.
   subroutine flush_hdf5(store, error)
     type(hdf5_file_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
@@ -264,10 +264,10 @@ contains
   end subroutine flush_hdf5
 
 
-  !> The pages between what is on disk and what was flushed or closed last. All else is brought to the medium first.
+  !> The pages that differ between the file on disk and the last flushed or closed state. Syncs all other data to disk first.
   subroutine export_pages(store, is_old, pages, error)
     type(hdf5_file_type), intent(in) :: store
-    logical, intent(in) :: is_old                 !< .true.: as they are on disk; .false.: as they will be
+    logical, intent(in) :: is_old                 !< .true.: contents on disk; .false.: new contents
     type(hdf5_pages_type), intent(out) :: pages
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: frozen, end, n_pages
@@ -282,7 +282,7 @@ contains
   end subroutine export_pages
 
 
-  !> Writes the pages: the file on disk is now what was flushed or closed last.
+  !> Writes the pages: the file on disk is then the last flushed or closed state.
   subroutine apply_pages(store, error)
     type(hdf5_file_type), intent(in) :: store
     type(error_type), allocatable, intent(out) :: error
@@ -290,7 +290,7 @@ contains
   end subroutine apply_pages
 
 
-  !> Makes a file what it was when the pages were taken.
+  !> Restores the state of a file at which the pages were exported.
   subroutine repair_hdf5(path, pages, error)
     character(*), intent(in) :: path
     type(hdf5_pages_type), intent(in) :: pages
@@ -308,8 +308,8 @@ contains
   end subroutine repair_hdf5
 
 
-  !> Closes the file and all that is open in it. A store that is not open is left alone. Of a guarded store the last
-  !! pages still wait for apply_pages; discard_hdf5 ends it.
+  !> Closes the file and all objects open in it; no effect if it is not open. The last pages of a guarded file remain in memory
+  !! for apply_pages; discard_hdf5 frees them.
   subroutine close_hdf5(store, error)
     type(hdf5_file_type), intent(inout) :: store
     type(error_type), allocatable, intent(out) :: error
@@ -326,7 +326,7 @@ contains
   end subroutine close_hdf5
 
 
-  !> Closes the file and forgets the pages that were not applied: what is on disk is the last whole state.
+  !> Closes the file and discards the pages that were not applied: the last consistent state remains on disk.
   subroutine discard_hdf5(store)
     type(hdf5_file_type), intent(inout) :: store
     integer :: unused
@@ -337,7 +337,7 @@ contains
   end subroutine discard_hdf5
 
 
-  !> Gives the pages back and closes their file.
+  !> Frees the pages and closes their file.
   subroutine free_overlay(store)
     type(hdf5_file_type), intent(inout) :: store
     call overlay_free(store%overlay)
@@ -378,7 +378,7 @@ contains
   end subroutine write_attribute_integers
 
 
-  !> A text as an attribute: ASCII, fixed length, nothing behind it (old VTK readers accept no other form).
+  !> A text as an attribute: ASCII, fixed length, no padding (old VTK readers accept no other form).
   subroutine write_attribute_text(store, object, name, text, error)
     type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: object            !< full path of the group or data set
@@ -435,7 +435,7 @@ contains
     character(*), intent(in) :: unit              !< e.g. '[length]', '[-]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
-    integer, intent(in), optional :: storage      !< STORE_..., default STORAGE_I32
+    integer, intent(in), optional :: storage      !< STORAGE_..., default STORAGE_I32
     type(hdf5_layout_type) :: form
     type(c_ptr) :: buffer
     form = hdf5_layout_type(storage=STORAGE_I32)
@@ -448,7 +448,7 @@ contains
   end subroutine write_data_integers
 
 
-  !> A matrix of integers, one column of Fortran a row of the file.
+  !> A matrix of integers, one column in Fortran per row of the file.
   subroutine write_data_integer_matrix(store, name, values, unit, description, error, storage)
     type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
@@ -456,7 +456,7 @@ contains
     character(*), intent(in) :: unit              !< e.g. '[-]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
-    integer, intent(in), optional :: storage      !< STORE_..., default STORAGE_I32
+    integer, intent(in), optional :: storage      !< STORAGE_..., default STORAGE_I32
     type(hdf5_layout_type) :: form
     type(c_ptr) :: buffer
     form = hdf5_layout_type(storage=STORAGE_I32, width=size(values, 1), is_matrix=.true.)
@@ -486,7 +486,7 @@ contains
   end subroutine write_data_reals
 
 
-  !> A matrix of reals, one column of Fortran a row of the file.
+  !> A matrix of reals, one column in Fortran per row of the file.
   subroutine write_data_real_matrix(store, name, values, unit, description, error)
     type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name              !< full path in the file
@@ -593,7 +593,7 @@ contains
     type(hdf5_file_type), intent(in) :: store
     type(hdf5_table_type), intent(out) :: table
     character(*), intent(in) :: name              !< full path in the file
-    type(hdf5_layout_type), intent(in) :: form           !< what a row is and how many come at a time
+    type(hdf5_layout_type), intent(in) :: form           !< type of a row, and rows added at a time
     character(*), intent(in) :: unit              !< e.g. '[length]'
     character(*), intent(in) :: description       !< one sentence
     type(error_type), allocatable, intent(out) :: error
@@ -620,12 +620,12 @@ contains
   end subroutine create_table
 
 
-  !> Opens a table of a file that is open, to go on after its last row.
+  !> Opens a table of an open file to append rows.
   subroutine open_table(store, table, name, form, error)
     type(hdf5_file_type), intent(in) :: store
     type(hdf5_table_type), intent(out) :: table
     character(*), intent(in) :: name              !< full path in the file
-    type(hdf5_layout_type), intent(in) :: form           !< as when it was created
+    type(hdf5_layout_type), intent(in) :: form           !< the same as at its creation
     type(error_type), allocatable, intent(out) :: error
     integer(HID_T) :: space
     integer(HSIZE_T) :: extent(2), limit(2)
@@ -676,7 +676,7 @@ contains
   end subroutine append_reals
 
 
-  !> Adds one text; what is longer than the table's texts is cut off.
+  !> Adds one text, truncated to the length of the table's texts.
   subroutine append_text(store, table, text, error)
     type(hdf5_file_type), intent(in) :: store
     type(hdf5_table_type), intent(inout) :: table
@@ -692,7 +692,7 @@ contains
   end subroutine append_text
 
 
-  !> Makes a table longer and writes the new rows.
+  !> Extends a table and writes the new rows.
   subroutine put_rows(store, table, memory_type, n_rows, buffer, error)
     type(hdf5_file_type), intent(in) :: store
     type(hdf5_table_type), intent(inout) :: table
@@ -736,7 +736,7 @@ contains
   end function is_chunk
 
 
-  !> Attributes `unit` and `description`.
+  !> Writes the attributes `unit` and `description`.
   subroutine write_label(store, name, unit, description, error)
     type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: name, unit, description
@@ -749,11 +749,10 @@ contains
 
   !> Chunk size and compression.
   !!
-  !! A table that grows by many rows at a time has one compressed chunk for each block of rows, so that a block that is
-  !! in the file is never moved again: a viewer may be reading it. Chunks of tables that grow row by row are changed in
-  !! place, hence not compressed.
+  !! A table that grows by many rows at a time has one compressed chunk per block of rows: a block in the file never moves, since
+  !! a viewer may be reading it. Chunks of tables that grow row by row are changed in place and therefore not compressed.
   subroutine set_chunks(list, form, status)
-    integer(HID_T), intent(in) :: list            !< property list of a data set to be
+    integer(HID_T), intent(in) :: list            !< property list of a new data set
     type(hdf5_layout_type), intent(in) :: form
     integer, intent(out) :: status                !< negative: it failed
     integer(I64) :: rows, n_chunks
@@ -794,7 +793,7 @@ contains
   end function extent_of
 
 
-  !> The HDF5 types of a form in the file and in memory. To be given back with close_types.
+  !> The HDF5 types of a layout in the file and in memory; close_types releases them.
   subroutine open_types(form, file_type, memory_type, status)
     type(hdf5_layout_type), intent(in) :: form
     integer(HID_T), intent(out) :: file_type, memory_type
@@ -818,7 +817,7 @@ contains
   end subroutine open_types
 
 
-  !> Closes the type that open_types made.
+  !> Closes the type of open_types.
   subroutine close_types(form, file_type)
     type(hdf5_layout_type), intent(in) :: form
     integer(HID_T), intent(in) :: file_type
@@ -841,7 +840,7 @@ contains
   end subroutine make_text_type
 
 
-  !> A text filled up with NUL instead of blanks, or cut off.
+  !> A text padded with NUL instead of blanks, or truncated.
   pure function with_nulls(text, length) result(filled)
     character(*), intent(in) :: text
     integer, intent(in) :: length
@@ -855,20 +854,20 @@ contains
   end function with_nulls
 
 
-  !> Makes an error if any of the status values is negative.
+  !> Sets an error if any of the status values is negative.
   subroutine check_status(store, statuses, action, error)
     type(hdf5_file_type), intent(in) :: store
-    integer, intent(in) :: statuses(:)            !< what HDF5 returned
-    character(*), intent(in) :: action             !< what was tried, to follow 'cannot'
+    integer, intent(in) :: statuses(:)            !< of HDF5 calls
+    character(*), intent(in) :: action             !< the action, to follow 'cannot'
     type(error_type), allocatable, intent(out) :: error
     if (any(statuses < 0)) call set_error(error, EXIT_IO, 'Result file ' // store%path // ': cannot ' // action // '.')
   end subroutine check_status
 
 
-  !> Makes an error of an error number of the operating system.
+  !> Sets an error for an error number of the operating system.
   subroutine check_errno(path, status, action, error)
     character(*), intent(in) :: path
-    integer, intent(in) :: status                 !< errno, STATUS_OTHER_WRITER, STATUS_CHANGED; 0: all is well
+    integer, intent(in) :: status                 !< errno, STATUS_OTHER_WRITER, STATUS_CHANGED; 0: success
     character(*), intent(in) :: action             !< to follow 'cannot'
     type(error_type), allocatable, intent(out) :: error
     select case (status)

@@ -1,10 +1,10 @@
-/* Overlay shim: an HDF5 file driver whose file on disk goes from one whole state to the next, for store.f90.
+/* Overlay shim: an HDF5 file driver whose file on disk changes from one consistent state to the next, for hdf5_file.f90.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * HDF5 changes a file in place, in no order that a power cut respects. Here what is on disk below the end of the last
- * whole state is never touched while HDF5 writes: such writes are kept in memory, page by page; what is new goes
- * behind the end at once. `apply` then writes the pages and makes the new state the whole one. A checkpoint stores the
- * pages before that, so that they can be written again (doc/developer/decisions/0007). It keeps no static data but the
+ * HDF5 changes a file in place, in an order that is not safe against a power failure. Here the part of the file below the
+ * end of the last consistent state does not change while HDF5 writes: such writes are kept in memory, page by page; new data
+ * are appended at once. `apply` then writes the pages; the file on disk is then the new consistent state. A checkpoint stores
+ * the pages before that, so that they can be written again (doc/developer/decisions/0007). The only static data are the
  * constant description of the driver. */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -20,24 +20,24 @@
 #endif
 
 enum { PAGE = 4096 };
-enum { ANOTHER_WRITES = -1, WAS_CHANGED = -2 }; /* beside errno: another job has the file; its length is not what we left */
+enum { ANOTHER_WRITES = -1, WAS_CHANGED = -2 }; /* in addition to errno: another job writes the file; its length has changed */
 
 typedef struct {
-  int64_t index; /* page number + 1; 0: an empty place of the table */
+  int64_t index; /* page number + 1; 0: an empty entry of the table */
   unsigned char *bytes;
 } page;
 
 typedef struct {
   int descriptor;
-  haddr_t frozen;  /* end of the last whole state */
+  haddr_t frozen;  /* end of the last consistent state */
   haddr_t end;     /* end of what HDF5 has written */
-  off_t length;    /* of the file on disk, as we have left it */
+  off_t length;    /* of the file on disk after our last write */
   page *table;     /* open addressing, n_places a power of two */
   size_t n_places, n_pages;
-  int trouble;     /* errno, ANOTHER_WRITES or WAS_CHANGED of the first write that failed; HDF5 is not told, its owner asks: a library that cannot write
-                    * what it wants to close keeps it, and stumbles over it when the process ends */
+  int trouble;     /* errno, ANOTHER_WRITES or WAS_CHANGED of the first write that failed. HDF5 gets no error, the owner queries it: HDF5
+                    * would keep a file open that it cannot close, and fail at the end of the process */
   int is_held;     /* HDF5 has the file open */
-  int is_dropped;  /* what HDF5 still writes is of no interest to anyone */
+  int is_dropped;  /* further writes of HDF5 are discarded */
 } overlay;
 
 typedef struct {
@@ -58,7 +58,7 @@ static unsigned char *page_in_memory(const overlay *self, int64_t index)
   return self->n_places ? self->table[place_of(self, index)].bytes : NULL;
 }
 
-/* Makes the table twice as large. */
+/* Doubles the table. */
 static int grow(overlay *self)
 {
   page *old = self->table;
@@ -73,7 +73,7 @@ static int grow(overlay *self)
   return 1;
 }
 
-/* Reads from disk; what lies behind the end of the file is zero. */
+/* Reads from disk; bytes beyond the end of the file are zero. */
 static int read_disk(const overlay *self, void *buffer, size_t size, off_t at)
 {
   unsigned char *to = buffer;
@@ -100,8 +100,8 @@ static int write_disk(int descriptor, const void *buffer, size_t size, off_t at)
   return 1;
 }
 
-/* One job at a time writes a file: the lock is the kernel's, which takes it back however the job ends. It is none of those by which
- * HDF5 keeps readers away. Systems that do not know it do without. 0: done. */
+/* One job at a time writes a file: a lock of the kernel, which releases it however the job ends. It differs from the locks by
+ * which HDF5 excludes readers. Systems without it use none. 0: success. */
 static int take_lock(int descriptor)
 {
 #ifdef F_OFD_SETLK
@@ -113,7 +113,7 @@ static int take_lock(int descriptor)
   return 0;
 }
 
-/* 0 if the file is still in its folder and as long as we have left it, else the trouble. */
+/* 0 if the file still exists with the length of our last write, else the error. */
 static int look_for_changes(const overlay *self)
 {
   struct stat status;
@@ -121,7 +121,7 @@ static int look_for_changes(const overlay *self)
   return status.st_size == self->length && status.st_nlink > 0 ? 0 : WAS_CHANGED;
 }
 
-/* The page in memory, fetched from disk if it is not there yet. */
+/* The page in memory, read from disk if necessary. */
 static unsigned char *fetch(overlay *self, int64_t index)
 {
   unsigned char *bytes = page_in_memory(self, index);
@@ -143,7 +143,7 @@ static void forget_pages(overlay *self)
   self->n_places = self->n_pages = 0;
 }
 
-/* --- what HDF5 calls --------------------------------------------------------------------------------------------- */
+/* --- called by HDF5 ---------------------------------------------------------------------------------------------- */
 
 static void *copy_pointer(const void *info)
 {
@@ -290,7 +290,7 @@ static const H5FD_class_t driver = {
   .set_eoa = driver_set_eoa, .get_eof = driver_get_eof, .read = driver_read, .write = driver_write,
   .truncate = driver_truncate, .fl_map = H5FD_FLMAP_DICHOTOMY};
 
-/* --- what store.f90 calls ---------------------------------------------------------------------------------------- */
+/* --- called by hdf5_file.f90 ------------------------------------------------------------------------------------- */
 
 /* A new overlay without a file; NULL without memory. */
 void *amontons_overlay_new(void)
@@ -300,7 +300,7 @@ void *amontons_overlay_new(void)
   return self;
 }
 
-/* The file that is opened with this property list next works through the overlay. Negative: it failed. */
+/* The next file opened with this property list uses the overlay. Negative: failure. */
 int amontons_overlay_attach(void *self, hid_t list)
 {
   hid_t id = H5FDregister(&driver);
@@ -326,7 +326,7 @@ int amontons_overlay_trouble(const void *handle)
   return ((const overlay *)handle)->trouble;
 }
 
-/* Ends of the last whole state and of the next one [bytes]. */
+/* Ends of the last consistent state and of the next one [bytes]. */
 void amontons_overlay_ends(const void *handle, int64_t *frozen, int64_t *end)
 {
   const overlay *self = handle;
@@ -334,7 +334,7 @@ void amontons_overlay_ends(const void *handle, int64_t *frozen, int64_t *end)
   *end = (int64_t)self->end;
 }
 
-/* Copies the pages as they will be, or as they are on disk. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
+/* Copies the pages with their new contents, or those on disk. 0: success, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_take(const void *handle, int is_old, int64_t *index, unsigned char *bytes)
 {
   const overlay *self = handle;
@@ -349,7 +349,7 @@ int amontons_overlay_take(const void *handle, int is_old, int64_t *index, unsign
   return 0;
 }
 
-/* Brings what was written behind the end to the medium; the file gets its new length. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
+/* Syncs the appended data to disk; the file gets its new length. 0: success, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_sync(void *handle)
 {
   overlay *self = handle;
@@ -362,7 +362,7 @@ int amontons_overlay_sync(void *handle)
   return fdatasync(self->descriptor) < 0 ? errno : 0;
 }
 
-/* Writes the pages: the file on disk is the next whole state. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
+/* Writes the pages: the file on disk is then the next consistent state. 0: success, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_apply(void *handle)
 {
   overlay *self = handle;
@@ -380,8 +380,8 @@ int amontons_overlay_apply(void *handle)
   return 0;
 }
 
-/* Pages that were not applied are lost, and what HDF5 may still write goes nowhere: a file that it cannot close because
- * the disk is full would otherwise haunt the end of the process. Everything is given back once HDF5 lets go. */
+/* Pages that were not applied are lost, and further writes of HDF5 are discarded: a file that it cannot close because
+ * the disk is full would otherwise cause errors at the end of the process. All memory is freed once HDF5 closes the file. */
 void amontons_overlay_free(void *handle)
 {
   overlay *self = handle;
@@ -390,7 +390,7 @@ void amontons_overlay_free(void *handle)
   release(self);
 }
 
-/* Makes a file what it was: writes pages into it and cuts it off. 0: done, else errno, ANOTHER_WRITES or WAS_CHANGED. */
+/* Restores a file: writes pages into it and truncates it. 0: success, else errno, ANOTHER_WRITES or WAS_CHANGED. */
 int amontons_overlay_mend(const char *path, int64_t n_pages, const int64_t *index, const unsigned char *bytes,
                           int64_t end)
 {

@@ -1,11 +1,10 @@
-/* Pack shim: one chunk of doubles into an HDF5 data set, packed as its filters shuffle and deflate would, but faster, for store.f90.
+/* Pack shim: writes one chunk of doubles to an HDF5 data set, compressed like shuffle and deflate but faster, for hdf5_file.f90.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * Shuffle sorts the eight bytes of all doubles into eight planes. The planes of the exponents and of the first digits can be packed;
- * those of the last digits are noise, on which deflate spends nearly all of its time for nothing. Here the planes of noise go into
- * the same stream as they are ("stored" blocks of RFC 1951), those in between are written by Huffman's codes alone, and zlib gets those with
- * repetitions. Any reader of HDF5 reads the chunk. It is C because the chunk is written by H5Dwrite_chunk, which the Fortran interface
- * of HDF5 1.10 does not have, and for zlib. */
+ * Shuffle sorts the eight bytes of all doubles into eight planes. The planes of the exponents and of the first digits are compressible;
+ * those of the last digits are noise, on which deflate spends nearly all of its time without effect. Here noise planes are written
+ * uncompressed ("stored" blocks of RFC 1951), intermediate planes by Huffman codes alone, and planes with repetitions by zlib.
+ * Any reader of HDF5 reads the chunk. It is C because the Fortran interface of HDF5 1.10 lacks H5Dwrite_chunk, and for zlib. */
 #include <hdf5.h>
 #include <math.h>
 #include <stdint.h>
@@ -15,14 +14,14 @@
 
 enum { BYTES = 8, LEVEL = 1, MOST_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
 enum { MODULUS = 65521, SUMMED = 4096, SHUFFLED = 1024, SYMBOLS = 257, LONGEST = 15 };
-static const double REPEATED = 1.0; /* bits a byte: a plane with less entropy is deflated, with a view to its repetitions */
-static const double NOISE = 6.7; /* bits a byte: a plane with more entropy than this is left as it is. Deflate makes a tenth less of a
-                                    plane with 7.2 bits, 1.5 % of a file, and took half of the time of packing for it. */
+static const double REPEATED = 1.0; /* bits per byte: a plane with less entropy is deflated, to use its repetitions */
+static const double NOISE = 6.7; /* bits per byte: a plane with more entropy is stored. Deflate saves a tenth of a plane with
+                                    7.2 bits, 1.5 % of a file, and takes half of the compression time for it. */
 
-/* The entropy of a plane in bits a byte, by a sample: a stretch of SAMPLE bytes in each EVERY. */
+/* The entropy of a plane in bits per byte, from a sample of SAMPLE bytes in each EVERY. */
 static double entropy(const unsigned char *plane, size_t n)
 {
-  size_t count[4][256] = {{0}}, seen = 0; /* four tables, so that equal neighbours do not wait for each other */
+  size_t count[4][256] = {{0}}, seen = 0; /* four tables, so that equal neighbours cause no dependency */
   double bits = 0;
   for (size_t start = 0; start < n; start += EVERY) {
     size_t end = start + SAMPLE < n ? start + SAMPLE : n;
@@ -36,7 +35,7 @@ static double entropy(const unsigned char *plane, size_t n)
   return bits / (double)seen;
 }
 
-/* The planes, one after the other; so many values at a time that they stay in the cache while each plane takes its byte of them. */
+/* Splits values into planes, in blocks of values that fit into the cache. */
 static void shuffle(const uint64_t *values, size_t n, unsigned char *planes)
 {
 #pragma omp parallel for schedule(static) if(n > WORTH_THREADS)
@@ -47,7 +46,7 @@ static void shuffle(const uint64_t *values, size_t n, unsigned char *planes)
   }
 }
 
-/* Adler's sum of RFC 1950 of a plane. Over SUMMED bytes a and b do not reach 2^32, and the compiler adds them up in vectors. */
+/* Adler's checksum (RFC 1950) of a plane. Over SUMMED bytes a and b do not reach 2^32, so the compiler can vectorize the sums. */
 static uLong adler_sum(const unsigned char *plane, size_t n)
 {
   uint32_t a = 1, b = 0;
@@ -63,7 +62,7 @@ static uLong adler_sum(const unsigned char *plane, size_t n)
   return (uLong)b << 16 | a;
 }
 
-/* A plane as it is, in stored blocks: a byte 0, length and its complement, the bytes. Returns the length. */
+/* A plane uncompressed, in stored blocks: a byte 0, length and its complement, the bytes. Returns the length. */
 static size_t store(const unsigned char *plane, size_t n, unsigned char *to)
 {
   unsigned char *start = to;
@@ -81,7 +80,7 @@ static size_t store(const unsigned char *plane, size_t n, unsigned char *to)
   return (size_t)(to - start);
 }
 
-/* A plane deflated, up to the border of a byte, so that another piece can follow. Returns the length, 0 if it fails. */
+/* A plane deflated, up to a byte boundary, so that another piece can follow. Returns the length, 0 on failure. */
 static size_t squeeze(unsigned char *plane, size_t n, unsigned char *to, size_t room)
 {
   z_stream z = {0};
@@ -96,7 +95,7 @@ static size_t squeeze(unsigned char *plane, size_t n, unsigned char *to, size_t 
   return length;
 }
 
-/* Bits as RFC 1951 packs them: the lowest first, codes with their highest bit first, that is turned round beforehand. */
+/* Bits in the order of RFC 1951: lowest first; codes with their highest bit first, that is reversed beforehand. */
 typedef struct {
   unsigned char *to;
   uint64_t bits;
@@ -109,7 +108,7 @@ static void put_bits(bit_writer *self, uint32_t value, unsigned n)
   self->n += n;
 }
 
-/* Whole bytes to their place; there must be room for eight. At most 57 bits can then be put before the next time. */
+/* Writes the whole bytes; there must be space for eight. At most 57 bits can then be added before the next call. */
 static void flush_bits(bit_writer *self)
 {
   memcpy(self->to, &self->bits, sizeof self->bits);
@@ -118,7 +117,7 @@ static void flush_bits(bit_writer *self)
   self->n &= 7;
 }
 
-/* Lengths of the codes that Huffman finds for counts, at most LONGEST; 0 for what does not occur. */
+/* Lengths of the Huffman codes for counts, at most LONGEST; 0 for symbols that do not occur. */
 static void code_lengths(const uint32_t *count, unsigned char *length)
 {
   uint64_t weight[2 * SYMBOLS];
@@ -126,11 +125,11 @@ static void code_lengths(const uint32_t *count, unsigned char *length)
   for (int s = 0; s < SYMBOLS; s++) {
     length[s] = 0;
     if (count[s] == 0) continue;
-    int k = n++;                                /* sorted by counts, those that are equal by their number */
+    int k = n++;                                /* sorted by counts, equal ones by their number */
     for (; k > 0 && count[symbol[k - 1]] > count[s]; k--) symbol[k] = symbol[k - 1];
     symbol[k] = s;
   }
-  for (unsigned shift = 0;; shift++) {          /* smaller differences between the counts make the longest code shorter */
+  for (unsigned shift = 0;; shift++) {          /* smaller differences between counts shorten the longest code */
     for (int k = 0; k < n; k++) weight[k] = count[symbol[k]] >> shift > 0 ? count[symbol[k]] >> shift : 1;
     int leaf = 0, branch = n, longest = 0;
     for (int next = n; next < 2 * n - 1; next++) {
@@ -151,7 +150,7 @@ static void code_lengths(const uint32_t *count, unsigned char *length)
   }
 }
 
-/* The codes that belong to the lengths, turned round. */
+/* The codes for the lengths, bits reversed. */
 static void number_codes(const unsigned char *length, uint16_t *code)
 {
   uint32_t next = 0;
@@ -165,7 +164,7 @@ static void number_codes(const unsigned char *length, uint16_t *code)
     }
 }
 
-/* A plane as one block of Huffman codes without repetitions, up to the border of a byte: five times as fast as deflate, which looks for
+/* A plane as one block of Huffman codes without repetitions, up to a byte boundary: five times as fast as deflate, which searches for
  * repetitions that bytes of exponents do not have. Returns the length, 0 if the plane would not become shorter. */
 static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
 {
@@ -186,7 +185,7 @@ static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
     put_bits(&writer, k < 3 ? 0 : 4, 3);
     flush_bits(&writer);
   }
-  for (int s = 0; s <= SYMBOLS; s++) {          /* the last is the length of the code of distances, which there are none of */
+  for (int s = 0; s <= SYMBOLS; s++) {          /* the last is the length of the unused code of distances */
     unsigned v = s < SYMBOLS ? length[s] : 0;
     put_bits(&writer, (v & 1) << 3 | (v & 2) << 1 | (v & 4) >> 1 | v >> 3, 4);
     flush_bits(&writer);
@@ -199,7 +198,7 @@ static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
   for (; i < n; i++) put_bits(&writer, code[plane[i]], length[plane[i]]);
   flush_bits(&writer);
   put_bits(&writer, code[SYMBOLS - 1], length[SYMBOLS - 1]);
-  put_bits(&writer, 0, 3);                      /* a stored block without bytes, which begins at the border of a byte */
+  put_bits(&writer, 0, 3);                      /* a stored block without bytes, which starts at a byte boundary */
   put_bits(&writer, 0, (8 - writer.n % 8) % 8);
   flush_bits(&writer);
   put_bits(&writer, 0xffff0000u, 32);
@@ -207,8 +206,8 @@ static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
   return (size_t)(writer.to - to);
 }
 
-/* Packs the planes, each by itself, into one zlib stream (RFC 1950): threads share them, and the bytes do not depend on who did what.
- * Each plane has `room` bytes in `packed`. Returns the length of the stream, 0 if it fails. */
+/* Compresses the planes one by one into one zlib stream (RFC 1950): threads share them, and the result does not depend on the threads.
+ * Each plane has `room` bytes in `packed`. Returns the length of the stream, 0 on failure. */
 static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t room)
 {
   size_t length[BYTES];

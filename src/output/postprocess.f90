@@ -1,18 +1,17 @@
-!> Derived: what is made of a committed state for people to read: means at nodes, strains by part, forces through sections.
+!> Postprocessing: nodal averages, stress error estimate, section and pair forces, CalculiX sector quantities.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Sections are taken as CalculiX takes them: the stress is extrapolated to the nodes, averaged there, and integrated over the
-!! faces, at finite displacements over their present place. It follows that the force equals that of the loads only as well as the
-!! mesh resolves the stress.
+!! Section forces follow CalculiX: the stress is extrapolated to the nodes, averaged there, and integrated over the faces, at
+!! finite displacements over the current faces. So the force equals that of the loads only as far as the mesh resolves the stress.
 !!
-!! Expanded is what CalculiX makes of axisymmetric elements: a solid sector of two degrees of the circle, and of the plane elements
-!! beside them the same part of their thickness.
-!! Volumes and energies are those of the sector, a 180th of the circle. Forces are sums of the forces in space on the
-!! nodes that one node became: what the hoop stress does to a node points, on both sides of the sector, across the radius
-!! and cancels but for its turn by one degree, which these sums leave to the equations between the nodes. So the
+!! CalculiX expands axisymmetric elements to a solid sector of two degrees of the circle, and plane elements in the same model
+!! to the same part of their thickness.
+!! Volumes and energies are those of the sector, a 180th of the circle. Forces are sums of the spatial forces on the
+!! nodes into which a node is expanded. The forces of the hoop stress on both sides of the sector point across the radius
+!! and cancel except for their rotation by one degree, which the equations between these nodes take. So the
 !! radial force is that of the radial and shear stresses alone.
 !!
-!! Trusses become bars of 8 points, of 27 with a middle node, whose tensors stand in global axes.
+!! CalculiX expands trusses to bars of 8 points, of 27 with a middle node, with tensors in global axes.
 module amontons_postprocess
   use amontons_kinds, only: DP, PI
   use amontons_topology, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
@@ -42,30 +41,30 @@ module amontons_postprocess
   public :: pair_sums_type, list_followers, fill_midside_values, sum_pair_forces
   public :: add_inelastic_work, printed_energy_density
 
-  real(DP), parameter :: EXTRAPOLATION_WEIGHT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point if it were one
+  real(DP), parameter :: EXTRAPOLATION_WEIGHT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point in a rule
                                                                                        !! of three [-]
   real(DP), parameter :: TRUSS_WEIGHTS(6) = [EXTRAPOLATION_WEIGHT, 1 - EXTRAPOLATION_WEIGHT, EXTRAPOLATION_WEIGHT, &
     1 - EXTRAPOLATION_WEIGHT, EXTRAPOLATION_WEIGHT, 1 - EXTRAPOLATION_WEIGHT]
   integer, parameter :: N_TENSOR = 6            !< components of a symmetric tensor
 
-  !> The sums over a surface.
+  !> Sums over a surface.
   type :: section_type
     real(DP) :: force(3) = 0                       !< on the body that the faces belong to [force]
     real(DP) :: moment(3) = 0                      !< about the origin [force length]
     real(DP) :: center(3) = 0                      !< of the area [length]
-    real(DP) :: normal(3) = 0                      !< mean over the area, out of the body: shorter than 1 if it is bent
+    real(DP) :: normal(3) = 0                      !< mean over the area, outward: shorter than 1 if curved
     real(DP) :: area = 0                           !< [length^2]
   end type section_type
 
   real(DP), parameter :: N_SECTORS = 180             !< of two degrees in the circle
 
-  !> What the closed slaves of a pair carry together. Columns of matrices: by pressure, by friction (place: and by both).
+  !> Sums over the closed slaves of a pair. Columns of matrices: pressure, friction (place: also both).
   type :: pair_sums_type
     real(DP) :: force(3, 2) = 0                    !< on the slave; of bodies of revolution x is the sum of radial forces [force]
     real(DP) :: moment(3, 2) = 0                   !< about the origin; of bodies of revolution in the half plane [force length]
-    real(DP) :: place(3, 3) = 0                    !< mean of their places by the sizes of their forces [length]
+    real(DP) :: place(3, 3) = 0                    !< mean of the positions weighted by force magnitude [length]
     real(DP) :: center(3) = 0                      !< of the area [length]
-    real(DP) :: normal(3) = 0                      !< mean over the area, out of the slave: shorter than 1 if it is bent
+    real(DP) :: normal(3) = 0                      !< mean over the area, outward: shorter than 1 if curved
     real(DP) :: area = 0                           !< in contact [length^2]
   end type pair_sums_type
 
@@ -73,15 +72,15 @@ contains
 
   !> Extrapolates values from the integration points of each element to its nodes and takes the mean at each node.
   !!
-  !! All elements at a node weigh the same, whatever their size or material (as in CalculiX); bodies in contact do not
+  !! All elements at a node have equal weight, whatever their size or material (as in CalculiX); bodies in contact do not
   !! mix, since they share no node. Springs and masses have no stress and do not count. A node without elements gets 0.
   !! Cost: linear.
   !!
-  !! As CalculiX writes them, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are brought to
-  !! the nodes in turn, as far out as if they were those of a rule of three points.
+  !! With `is_calculix`, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are extrapolated to
+  !! the nodes one by one, as far as those of a rule of three points.
   subroutine average_at_nodes(mesh, is_absent, values, averages, is_calculix)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)         !< (n_elements) taken out, which do not count
+    logical, intent(in) :: is_absent(:)         !< (n_elements) removed, not counted
     real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
     real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes) same unit
     logical, intent(in), optional :: is_calculix    !< default .false.
@@ -156,16 +155,16 @@ contains
   end subroutine add_tensors
 
 
-  !> An estimate of the error of the stress at the nodes, in per cent of it, as CalculiX makes it.
+  !> Estimate of the relative stress error at the nodes in per cent, as in CalculiX.
   !!
-  !! Of each element the spread over its points of the principal stress that is the largest in size, over that stress; the largest
-  !! spread of the elements at a corner becomes an error by lines fitted to known solutions, max(a x, b x - c), which depend on the
-  !! kind of element; a node on an edge has the mean of the edge's ends. Elements of one point, wedges of six nodes and trusses
-  !! have no lines and give nothing.
+  !! Per element: the spread over its points of the principal stress with the largest magnitude, over that stress. The largest
+  !! spread of the elements at a corner is converted to an error by lines fitted to known solutions, max(a x, b x - c), which depend
+  !! on the kind of element; a mid-side node has the mean of the edge's ends. Elements of one point, wedges of six nodes and trusses
+  !! have no lines and do not contribute.
   !! Reference: CalculiX (2.20), errorestimator.f, for the figures of the lines.
   subroutine estimate_error(mesh, is_absent, stress, errors)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out, which do not count
+    logical, intent(in) :: is_absent(:)            !< (n_elements) removed, not counted
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP), intent(out) :: errors(:)             !< (n_nodes) [%]
     real(DP) :: scatter(mesh%n_nodes)              ! largest spread of the elements at a corner [-]
@@ -195,7 +194,7 @@ contains
   end subroutine estimate_error
 
 
-  !> How many corners an element has, and the corners at both ends of the edge of each mid-side node.
+  !> Number of corners of an element, and the corners at both ends of the edge of each mid-side node.
   pure subroutine find_edges(entry, n_corners, ends)
     type(element_kind_type), intent(in) :: entry
     integer, intent(out) :: n_corners
@@ -213,7 +212,7 @@ contains
   end subroutine find_edges
 
 
-  !> The spread over the points of an element of the principal stress with the largest size, over that.
+  !> Relative spread over the points of an element of the principal stress with the largest magnitude [-].
   pure real(DP) function stress_spread(stress) result(spread)
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP) :: values(3), vectors(3, 3), low(2), high(2)
@@ -231,7 +230,7 @@ contains
   end function stress_spread
 
 
-  !> The error of the stress that goes with a spread.
+  !> The stress error for a spread [%].
   elemental real(DP) function error_from_spread(kind, spread) result(error)
     integer, intent(in) :: kind
     real(DP), intent(in) :: spread                 !< [-]
@@ -273,7 +272,7 @@ contains
   end function error_from_spread
 
 
-  !> The places of the integration points for given places of the nodes. Points of springs and masses are in the middle.
+  !> Coordinates of the integration points for given coordinates of the nodes. Points of springs and masses are at the centre.
   subroutine integration_point_positions(mesh, x, places)
     type(mesh_type), intent(in) :: mesh
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
@@ -295,7 +294,7 @@ contains
   end subroutine integration_point_positions
 
 
-  !> The reference volume that each integration point of an element stands for: weight times Jacobian.
+  !> The reference volume of each integration point of an element: weight times Jacobian.
   pure subroutine integration_point_volumes(mesh, e, n, volumes)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element index
@@ -336,14 +335,14 @@ contains
   end function mechanical_strain
 
 
-  !> The sums over a surface of element faces.
+  !> Sums over a surface of element faces.
   subroutine integrate_section(mesh, is_absent, surface, fields, is_nlgeom, is_calculix, section)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out, which do not count
+    logical, intent(in) :: is_absent(:)            !< (n_elements) removed, not counted
     type(surface_type), intent(in) :: surface      !< of element faces
     type(fields_type), intent(in) :: fields
-    logical, intent(in) :: is_nlgeom               !< the faces are where they are now
-    logical, intent(in) :: is_calculix             !< stress is brought to the nodes as CalculiX does
+    logical, intent(in) :: is_nlgeom               !< current faces instead of reference ones
+    logical, intent(in) :: is_calculix             !< nodal averages as in CalculiX
     type(section_type), intent(out) :: section
     real(DP) :: stress(6, mesh%n_nodes)
     integer :: i
@@ -357,7 +356,7 @@ contains
   end subroutine integrate_section
 
 
-  !> Adds one face. A plane body has edges for faces, as deep as it is thick, about its own plane.
+  !> Adds one face. Faces of a plane body are edges extruded over its thickness, symmetric to its plane.
   subroutine add_face(mesh, e, face, fields, stress, is_nlgeom, section)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, face
@@ -391,7 +390,7 @@ contains
   end subroutine add_face
 
 
-  !> The part of an element that CalculiX has in its sector: 1 but in models of its dialect with axisymmetric elements.
+  !> The part of an element in CalculiX's sector: 1 except in models of its dialect with axisymmetric elements.
   pure real(DP) function sector_share(model) result(share)
     type(model_type), intent(in) :: model
     integer :: e
@@ -404,8 +403,8 @@ contains
   end function sector_share
 
 
-  !> The points of the solid that a truss becomes, 0 of other elements: its tables have so many rows, all with the mean of
-  !! its points.
+  !> Number of points of the solid to which CalculiX expands a truss, 0 for other elements: its tables have so many rows, all with
+  !! the mean of its points.
   pure integer function bar_points(model, e) result(n)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                       !< element
@@ -416,11 +415,11 @@ contains
   end function bar_points
 
 
-  !> Tensors at the points, those of trusses turned from their axis into global axes where CalculiX has them so.
+  !> Tensors at the points, those of trusses rotated from their axis to global axes, as in CalculiX.
   pure function rotate_truss_tensors(model, fields, is_current, values) result(turned)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    logical, intent(in) :: is_current              !< along the truss as it lies now
+    logical, intent(in) :: is_current              !< along the truss in the current configuration
     real(DP), intent(in) :: values(:, :)           !< (6, n_points) of trusses: xx along them
     real(DP) :: turned(6, size(values, 2))
     real(DP) :: chord(3)
@@ -451,10 +450,10 @@ contains
   end function is_truss
 
 
-  !> Turns the forces of the full circle on the nodes of axisymmetric elements into those that CalculiX prints.
+  !> Converts the forces of the full circle on the nodes of axisymmetric elements to those that CalculiX prints.
   pure subroutine convert_to_sector(mesh, is_absent, fields, is_nlgeom, force)
     type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out, which do not count
+    logical, intent(in) :: is_absent(:)            !< (n_elements) removed, not counted
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
     real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
@@ -508,7 +507,7 @@ contains
     call element_nodes(mesh, e, n_nodes, nodes)
     X(:, :n_nodes) = mesh%coordinates(:2, nodes(:n_nodes))
     rule = mesh%kind(e)
-    if (rule == KIND_CAX4R) rule = KIND_CPE4_FULL  ! one point, but the mean over four
+    if (rule == KIND_CAX4R) rule = KIND_CPE4_FULL  ! one point, but the mean of four
     call quadrature(rule, n_rule, xi, w)
     m = mesh%point_first(e + 1) - mesh%point_first(e)
     hoop = 0
@@ -528,7 +527,7 @@ contains
   end subroutine hoop_forces
 
 
-  !> How many slaves `nodal_slaves` gives: the same throughout a job.
+  !> Number of slaves of `nodal_slaves`: constant during a job.
   pure integer function n_nodal_slaves(model, slaves) result(n)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
@@ -540,16 +539,16 @@ contains
   end function n_nodal_slaves
 
 
-  !> The slave nodes, and for a pair with points each node of its slave surface with what the points around it carry.
+  !> The slave nodes, and for a pair with points each node of its slave surface with the sums of the points around it.
   !!
-  !! A point gives to the nodes of its face by the shape functions that are positive there, so that a node never pulls: forces,
-  !! areas and energies as sums, gap, normal and slip as means over the areas. A node is closed if a point of its is, and slips if
-  !! one does.
+  !! A point contributes to the nodes of its face by the positive shape functions there, so that no node has tension: forces,
+  !! areas and energies as sums, gap, normal and slip as means over the areas. A node is closed if one of its points is closed, and
+  !! slips if one slips.
   function nodal_slaves(model, slaves) result(nodal)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
     type(slave_state_type), allocatable :: nodal(:)
-    integer, allocatable :: at(:)                  ! (n_nodes) place of a node among those of the pair
+    integer, allocatable :: at(:)                  ! (n_nodes) index of a node among those of the pair
     integer :: p, i, before
     nodal = pack(slaves, slaves%slave_facet == 0)
     do p = 1, size(model%pairs)
@@ -571,7 +570,7 @@ contains
   end function nodal_slaves
 
 
-  !> What one point gives to the nodes of its face.
+  !> Adds the contribution of one point to the nodes of its face.
   subroutine add_point_to_nodes(model, point, at, nodal)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: point
@@ -602,7 +601,7 @@ contains
   end subroutine add_point_to_nodes
 
 
-  !> Sums over areas become means.
+  !> Divides sums by areas to get means.
   pure subroutine divide_by_area(node)
     type(slave_state_type), intent(inout) :: node
     if (node%area <= 0.0_DP) return
@@ -635,7 +634,7 @@ contains
   end subroutine face_of
 
 
-  !> The slip of a slave as tables and fields show it: CalculiX shows none of its springs where there is no friction.
+  !> The slip of a slave for tables and fields: zero for CalculiX's springs without friction.
   pure function printed_slip(model, slave) result(slip)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slave
@@ -643,14 +642,14 @@ contains
     slip = slave%slip + slave%elastic
     if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%slave_facet == 0 .or. norm2(slave%elastic) > 0.0_DP) return
     associate (law => model%interactions(model%pairs(slave%pair)%interaction))
-      if (law%friction > 0.0_DP) return            ! a calling program may have set one: then there is shear
+      if (law%friction > 0.0_DP) return            ! shear: a calling program may have set friction
       if (law%is_user_friction .or. law%behavior == BEHAVIOR_USER .or. all(slave%shear == 0.0_DP)) slip = 0.0_DP
     end associate
   end function printed_slip
 
 
-  !> The energy of a slave's spring as CONTACT PRINT shows it. CalculiX counts the elastic slip with all of its shear in place of
-  !! half of it, and under LINEAR half the pressure times the overclosure at slave nodes.
+  !> The energy of a slave's spring for CONTACT PRINT. CalculiX multiplies the elastic slip by the full shear instead of half of it,
+  !! and under LINEAR takes half the pressure times the overclosure at slave nodes.
   pure real(DP) function printed_contact_energy(model, slave) result(energy)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slave
@@ -659,13 +658,13 @@ contains
     if (model%dialect /= DIALECT_CALCULIX .or. slave%row > 0 .and. slave%slave_facet == 0) return
     shear_part = -0.5_DP * dot_product(slave%shear, slave%elastic)
     energy = energy + shear_part
-    if (slave%slave_facet > 0 .or. model%pairs(slave%pair)%has_point_contact) return   ! a point, or what points give to a node
+    if (slave%slave_facet > 0 .or. model%pairs(slave%pair)%has_point_contact) return   ! a point, or a node with sums of points
     if (model%interactions(model%pairs(slave%pair)%interaction)%behavior == BEHAVIOR_LINEAR) &
       energy = 2 * shear_part - 0.5_DP * dot_product(slave%force, slave%normal) * slave%gap
   end function printed_contact_energy
 
 
-  !> Sums over the closed slaves among those that are given; all are of one pair.
+  !> Sums over the closed ones of some slaves; all are of one pair.
   subroutine sum_pair_forces(model, u, slaves, sums)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -705,8 +704,8 @@ contains
   end subroutine sum_pair_forces
 
 
-  !> Where the force of a slave acts: at its node, at its place on its face, or, of quadratic faces of a mortar pair, where the
-  !! transformed node is (doc/theory/contact.md, "Quadratic slave faces").
+  !> Position of a slave's force: its node, its point on the face, or, for quadratic faces of a mortar pair, the transformed
+  !! node (doc/theory/contact.md, "Quadratic slave faces").
   function force_position(model, slave, u, ends) result(x)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slave
@@ -733,7 +732,7 @@ contains
   subroutine find_edge_corners(model, surface, is_of_mortar, ends)
     type(model_type), intent(in) :: model
     integer, intent(in) :: surface                 !< index
-    logical, intent(in) :: is_of_mortar            !< only of faces whose basis is transformed
+    logical, intent(in) :: is_of_mortar            !< only faces with a transformed basis
     integer, allocatable, intent(out) :: ends(:, :)   !< (2, n_nodes)
     type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
@@ -755,10 +754,10 @@ contains
   end subroutine find_edge_corners
 
 
-  !> The mid-side nodes that follow the slave nodes at their corners (exact node-to-surface contact): they show the means of both.
+  !> Mid-side nodes constrained to the slave nodes at their corners (exact node-to-surface contact); fields have the corners' mean.
   subroutine list_followers(model, slaves, followers)
     type(model_type), intent(in) :: model
-    type(slave_state_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
+    type(slave_state_type), intent(in) :: slaves(:)      !< of nodal_slaves
     integer, allocatable, intent(out) :: followers(:, :)   !< (3, n) the node and its two corners
     integer, allocatable :: ends(:, :)
     logical :: is_shown(model%mesh%n_nodes)
@@ -780,12 +779,12 @@ contains
   end subroutine list_followers
 
 
-  !> Stresses of contact at the mid-side nodes of quadratic faces of mortar pairs: what slaves have belongs to the transformed
-  !! functions, and the field has (1 - 2 alpha) of it at the node and alpha of both its corners (doc/theory/contact.md, "Quadratic
-  !! slave faces").
+  !> Contact stresses at the mid-side nodes of quadratic faces of mortar pairs. Slave values belong to the transformed functions;
+  !! the field is (1 - 2 alpha) times the value of the node plus alpha times those of both corners (doc/theory/contact.md,
+  !! "Quadratic slave faces").
   subroutine fill_midside_values(model, slaves, first, last, values)
     type(model_type), intent(in) :: model
-    type(slave_state_type), intent(in) :: slaves(:)      !< as nodal_slaves gives them
+    type(slave_state_type), intent(in) :: slaves(:)      !< of nodal_slaves
     integer, intent(in) :: first, last             !< rows with the stresses
     real(DP), intent(inout) :: values(:, :)        !< (:, n_nodes)
     integer, allocatable :: ends(:, :)
@@ -807,9 +806,9 @@ contains
   end subroutine fill_midside_values
 
 
-  !> Adds the work of the stresses on the plastic and creep strains between two states, by the trapezoidal rule: q (dp + dc) where
+  !> Adds the work of the stresses on the plastic and creep strains between two states (trapezoidal rule): q (dp + dc) where
   !! the flow follows von Mises, T : d_eps_p with kinematic hardening, where rotations within the increment are taken as small.
-  !! Materials of the user and linear bodies give nothing. Cost: linear in the points.
+  !! User materials and linear bodies do not contribute. Cost: linear in the points.
   pure subroutine add_inelastic_work(model, old, new)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: old
@@ -840,7 +839,7 @@ contains
   end subroutine add_inelastic_work
 
 
-  !> ENER as tables and fields show it: the energy in the strain; in CalculiX with the work that plastic and creep strains took.
+  !> ENER for tables and fields: the strain energy; in CalculiX including the work on plastic and creep strains.
   pure function printed_energy_density(model, fields) result(density)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields

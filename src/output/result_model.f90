@@ -1,8 +1,8 @@
-!> Inventory: what stands in the result file once: the grid, the mesh with its sets, materials, pairs and steps of the model.
+!> Static model data of the result file: grid, mesh with sets, materials, pairs, steps, drawn analytic surfaces.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Analytic surfaces are in the grid as points and cells for the eye, after the nodes and elements of the mesh; they move with the
-!! nodes that carry them, and nothing is computed with them.
+!! The grid contains analytic surfaces as points and cells for display, after the nodes and elements of the mesh. They move with
+!! their carrier nodes and have no effect on the solution.
 module amontons_result_model
   use amontons_kinds, only: DP, PI, NAME_LENGTH
   use amontons_errors, only: error_type
@@ -25,8 +25,8 @@ module amontons_result_model
 
   integer, parameter :: MAX_NAME_LENGTH = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
   real(DP), parameter :: MAX_ARC_ANGLE = PI / 36.0_DP   !< largest angle of a cell on an arc [rad]
-  real(DP), parameter :: TOL_ANGLE = 1.0e-9_DP        !< of an angle: a whole number of steps is that [-]
-  real(DP), parameter :: DRAWN_MARGIN = 0.1_DP       !< a surface that is drawn out goes this far beyond the mesh, over its size [-]
+  real(DP), parameter :: TOL_ANGLE = 1.0e-9_DP        !< of the number of angle steps: rounding to an integer [-]
+  real(DP), parameter :: DRAWN_MARGIN = 0.1_DP       !< margin of an extruded surface beyond the mesh, over its size [-]
 
   !> Points and cells.
   type :: drawn_surfaces_type
@@ -85,7 +85,7 @@ contains
   end subroutine write_grid
 
 
-  !> /AMONTONS: what is known of the model before the first increment.
+  !> /AMONTONS: data of the model before the first increment.
   subroutine write_model_data(store, model, error)
     type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
@@ -279,7 +279,7 @@ contains
   end subroutine list_facets
 
 
-  !> /AMONTONS/steps and /AMONTONS/controls: what was taken in each step.
+  !> /AMONTONS/steps and /AMONTONS/controls: values used in each step.
   subroutine write_steps(store, steps, error)
     type(hdf5_file_type), intent(in) :: store
     type(step_type), intent(in) :: steps(:)
@@ -356,7 +356,7 @@ contains
   end subroutine draw_piece
 
 
-  !> From where to where a surface is shown across its profile: the mesh and a margin, or once round.
+  !> Range of a surface across its profile: the mesh with a margin, or the full circle.
   pure function transverse_range(model, profile) result(at)
     type(model_type), intent(in) :: model
     type(analytic_profile_type), intent(in) :: profile
@@ -370,7 +370,7 @@ contains
   end function transverse_range
 
 
-  !> One more point.
+  !> Adds a point.
   pure subroutine add_point(profile, X, drawn)
     type(analytic_profile_type), intent(in) :: profile
     real(DP), intent(in) :: X(3)               !< [length]
@@ -384,7 +384,7 @@ contains
   end subroutine add_point
 
 
-  !> One more cell: a line or a square.
+  !> Adds a cell: a line or a quadrilateral.
   pure subroutine add_cell(corners, drawn)
     integer, intent(in) :: corners(:)
     type(drawn_surfaces_type), intent(inout) :: drawn

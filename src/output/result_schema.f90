@@ -1,8 +1,8 @@
-!> Columns: the tables of the result file as data: names, widths, units, sentences; and how they are made and filled.
+!> Result schema: names, widths, units and descriptions of the tables of the result file, and their creation and filling.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A group of columns is a group of the file with one data set per column and the same number of rows in each. What is
-!! written comes as two matrices, integers and reals, with the values of the columns one below the other.
+!! A group of columns is a group of the file with one data set per column and the same number of rows in each. The values are
+!! passed as two matrices, integers and reals, with the columns one below the other.
 module amontons_result_schema
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
@@ -39,7 +39,7 @@ module amontons_result_schema
     result_column_type('CPRESS', 1, '[stress]', 'Pressure on slave nodes: normal force over tributary area; 0 elsewhere.'), &
     result_column_type('CSHEAR', 3, '[stress]', 'Friction on slave nodes: shear force over tributary area; 0 elsewhere.'), &
     result_column_type('COPEN', 1, '[length]', &
-      'Gap at slave nodes: open is positive; 0 elsewhere; the size of the model if no master is near.'), &
+      'Gap at slave nodes: open is positive; 0 elsewhere; the size of the model without projection.'), &
     result_column_type('CSLIP', 3, '[length]', 'Slip vector of slave nodes since the start of the job; 0 elsewhere.'), &
     result_column_type('CNORMF', 3, '[force]', 'Contact force on slave nodes, normal part; 0 elsewhere.'), &
     result_column_type('CSHEARF', 3, '[force]', 'Contact force on slave nodes, tangential part; 0 elsewhere.'), &
@@ -67,7 +67,7 @@ module amontons_result_schema
     result_column_type('scenario', 1, '[-]', '1 to 4 of the last iteration that moved the node, else 0.', .true.), &
     result_column_type('xi', 2, '[-]', 'Natural coordinates of the projection in the facet.'), &
     result_column_type('gap', 1, '[length]', &
-      'Signed distance along the normal, negative is penetration; of no meaning without a facet.'), &
+      'Signed distance along the normal, negative is penetration; undefined without a facet.'), &
     result_column_type('normal', 3, '[-]', 'Unit normal out of the master.'), &
     result_column_type('force', 3, '[force]', 'Contact force on the slave node, normal part.'), &
     result_column_type('shear', 3, '[force]', 'Contact force on the slave node, tangential part.'), &
@@ -89,7 +89,7 @@ module amontons_result_schema
     result_column_type('CMN', 3, '[force length]', 'Moment of the pressure about the origin.'), &
     result_column_type('CMS', 3, '[force length]', 'Moment of the friction about the origin.'), &
     result_column_type('CAREA', 1, '[length^2]', 'Area in contact.'), &
-    result_column_type('XN', 3, '[length]', 'Centre of the pressure: places by the sizes of their forces; 0 if there is none.'), &
+    result_column_type('XN', 3, '[length]', 'Centre of the pressure: positions weighted by force magnitude; 0 without forces.'), &
     result_column_type('XS', 3, '[length]', 'Centre of the friction, likewise.')]
   integer, parameter :: N_PAIR_INTEGERS = sum(PAIR_COLUMNS%width, mask=PAIR_COLUMNS%is_integer)
   integer, parameter :: N_PAIR_REALS = sum(PAIR_COLUMNS%width, mask=.not. PAIR_COLUMNS%is_integer)
@@ -105,9 +105,9 @@ module amontons_result_schema
     result_column_type('n_scenario', 4, '[-]', 'Slave nodes in scenario I to IV, summed over iterations.', .true.), &
     result_column_type('n_factorisations', 1, '[-]', 'Factorisations.', .true.), &
     result_column_type('n_krylov', 1, '[-]', 'Krylov iterations.', .true.), &
-    result_column_type('n_cycles', 1, '[-]', 'Cycles of slave nodes that were acted on.', .true.), &
+    result_column_type('n_cycles', 1, '[-]', 'Active-set cycles that were treated.', .true.), &
     result_column_type('n_unforeseen', 1, '[-]', &
-      'Slave nodes whose status at the end was not that after the first iteration.', .true.), &
+      'Slave nodes whose status changed after the first iteration.', .true.), &
     result_column_type('frame', 1, '[-]', 'Frame that holds the fields of this row; -1: not written.', .true.), &
     result_column_type('total_time', 1, '[time]', 'Time since the start of the job, at the end of the increment.'), &
     result_column_type('step_time', 1, '[time]', 'Time since the start of the step, at the end of the increment.'), &
@@ -120,14 +120,14 @@ module amontons_result_schema
     result_column_type('seconds', N_PHASES, '[s]', 'Seconds by phase; the phases are named in /AMONTONS/phases.'), &
     result_column_type('applied_force', 3, '[force]', 'Sum of the applied forces.'), &
     result_column_type('reaction_force', 3, '[force]', 'Sum of the reactions of the supports.'), &
-    result_column_type('contact_force', 3, '[force]', 'Sum of contact forces on slaves and masters; the balance wants 0.'), &
+    result_column_type('contact_force', 3, '[force]', 'Sum of contact forces on slaves and masters; 0 in equilibrium.'), &
     result_column_type('slave_force', 3, '[force]', 'Sum of the contact forces on the slave nodes.'), &
     result_column_type('external_work', 1, '[energy]', 'Of loads and prescribed displacements since the start of the job.'), &
     result_column_type('friction_work', 1, '[energy]', 'Dissipated by friction since the start of the job.'), &
     result_column_type('strain_energy', 1, '[energy]', 'Stored in the elements.'), &
     result_column_type('contact_energy', 1, '[energy]', 'Stored by compliant laws of contact.'), &
     result_column_type('carried_work', 1, '[energy]', &
-      'Taken while bodies that nothing held were carried to where they touch, since the start of the job.'), &
+      'Work of unbalanced forces in proximal and snap-through steps since the start of the job.'), &
     result_column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.'), &
     result_column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.')]
   integer, parameter :: N_HISTORY_INTEGERS = sum(HISTORY_COLUMNS%width, mask=HISTORY_COLUMNS%is_integer)
@@ -144,8 +144,8 @@ module amontons_result_schema
     result_column_type('n_opened', 1, '[-]', 'Slave nodes that opened.', .true.), &
     result_column_type('n_closed_now', 1, '[-]', 'Slave nodes that closed.', .true.), &
     result_column_type('n_krylov', 1, '[-]', 'Krylov iterations.', .true.), &
-    result_column_type('n_balanced', 1, '[-]', 'Slave nodes that slip in balance.', .true.), &
-    result_column_type('n_rounds', 1, '[-]', 'Corrections of the direction with the bulk linearised.', .true.), &
+    result_column_type('n_balanced', 1, '[-]', 'Slave nodes that slip in equilibrium.', .true.), &
+    result_column_type('n_rounds', 1, '[-]', 'Corrections of the direction with the bulk linearized.', .true.), &
     result_column_type('residual', 1, '[-]', 'Largest force imbalance over the largest force; 1e30 if not finite.'), &
     result_column_type('correction', 1, '[-]', &
       'Largest correction over the largest increment of displacement; 1e30 if not finite.'), &
@@ -174,7 +174,7 @@ module amontons_result_schema
     result_column_type('i_c', 1, '[-]', 'Most iterations of an increment.', .true.), &
     result_column_type('i_l', 1, '[-]', 'More iterations than this: the next increment is smaller (d_b).', .true.), &
     result_column_type('i_g', 1, '[-]', &
-      'At most this many iterations twice running: the next increment is larger (d_d).', .true.), &
+      'At most this many iterations in two consecutive increments: the next increment is larger (d_d).', .true.), &
     result_column_type('i_a', 1, '[-]', 'Most cut-backs of an increment.', .true.), &
     result_column_type('d_f', 1, '[-]', 'Cut-back factor: divergence.'), &
     result_column_type('d_c', 1, '[-]', 'Cut-back factor: too slow.'), &
@@ -183,7 +183,7 @@ module amontons_result_schema
     result_column_type('r_n', 1, '[-]', 'Tolerance of the residual over the largest force.'), &
     result_column_type('c_n', 1, '[-]', 'Tolerance of the correction over the largest increment of displacement.'), &
     result_column_type('r_p', 1, '[-]', 'Residual tolerance after i_p iterations.'), &
-    result_column_type('r_l', 1, '[-]', 'Residual so small that the correction is not asked for.'), &
+    result_column_type('r_l', 1, '[-]', 'Residual below which the correction is not checked.'), &
     result_column_type('s_max', 1, '[-]', 'Largest step length of the line search.'), &
     result_column_type('s_min', 1, '[-]', 'Smallest step length of the line search.'), &
     result_column_type('gap_tolerance', 1, '[-]', &
@@ -210,7 +210,7 @@ contains
   end subroutine create_columns
 
 
-  !> Opens the tables of a group that is there, to go on after their last rows.
+  !> Opens the tables of an existing group to append rows.
   subroutine open_columns(store, folder, columns, n_rows_hint, tables, error)
     type(hdf5_file_type), intent(in) :: store
     character(*), intent(in) :: folder              !< full path of the group
@@ -238,7 +238,7 @@ contains
   end function field_rows
 
 
-  !> What the table of a column looks like.
+  !> Layout of the table of a column.
   pure function layout_of(column, n_rows_hint) result(form)
     type(result_column_type), intent(in) :: column
     integer, intent(in) :: n_rows_hint
@@ -248,7 +248,7 @@ contains
   end function layout_of
 
 
-  !> Adds rows to all tables of a group of columns. (The brackets say that a copy is meant: rows of a matrix are apart.)
+  !> Adds rows to all tables of a group of columns. (The brackets make a copy: rows of a matrix are not contiguous.)
   subroutine append_columns(store, columns, integers, reals, tables, error)
     type(hdf5_file_type), intent(in) :: store
     type(result_column_type), intent(in) :: columns(:)
@@ -301,9 +301,9 @@ contains
   end subroutine write_columns
 
 
-  !> An error if a value is NaN or infinite: a mistake of the program that must not reach the file.
+  !> Sets an error if a value is NaN or infinite: a program error that must not reach the file.
   subroutine check_finite(where, columns, reals, error)
-    character(*), intent(in) :: where               !< what a row is, e.g. 'node'
+    character(*), intent(in) :: where               !< meaning of a row, e.g. 'node'
     type(result_column_type), intent(in) :: columns(:)
     real(DP), intent(in) :: reals(:, :)             !< (widths of the real columns, rows)
     type(error_type), allocatable, intent(out) :: error

@@ -1,11 +1,10 @@
-!> Results: job.vtkhdf, in which ParaView sees the fields of every increment and a script finds everything else.
+!> The result file job.vtkhdf: fields per increment for ParaView, history, iterations, contact states.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two groups. `/VTKHDF` is an UnstructuredGrid of VTK's HDF format, version 2.0: one mesh, in one part, and a block of
-!! rows of point data per written increment; it is kept to what VTK 9.3 to 9.7 read alike. `/AMONTONS` is ours, VTK
-!! ignores it:
+!! rows of point data per written increment, restricted to features that VTK 9.3 to 9.7 read alike. VTK ignores `/AMONTONS`:
 !!
-!! | group                | holds                                                                                      |
+!! | group                | contents                                                                                   |
 !! |----------------------|--------------------------------------------------------------------------------------------|
 !! | (itself)             | deck, version, dialect, heading, phases                                                    |
 !! | `mesh`               | labels, kinds and materials of nodes and elements; `node_sets`, `element_sets`             |
@@ -13,16 +12,16 @@
 !! | `pairs`              | contact pairs: surfaces, friction, facets of the master                                    |
 !! | `steps`, `controls`  | one value per step                                                                         |
 !! | `pair_history`       | sums over each pair: a row per pair of the initial state and each converged increment      |
-!! | `history`            | one row per attempt at an increment, failed ones included; `frame` leads to the fields     |
+!! | `history`            | one row per attempt at an increment, failed ones included; `frame` of the fields          |
 !! | `iterations`         | one row per Newton iteration                                                               |
 !! | `told`               | lines on attempts that failed: worst nodes with their contact, and a remedy                |
 !! | `integration_points` | stress, strain and energy density of each frame                                            |
-!! | `contact`            | what each slave node remembers, of each frame                                              |
+!! | `contact`            | contact state of each slave node in each frame                                             |
 !!
-!! Every data set has attributes `unit` and `description`. Indices count from 0, -1 is none; labels are the user's.
-!! Lists of lists have `first` (where each begins, one more entry than lists) beside their members. A frame is one
+!! Every data set has attributes `unit` and `description`. Indices count from 0, -1 means none; labels are those of the deck.
+!! Lists of lists have `first` (start of each, and the end) beside their members. A frame is one
 !! written increment: rows [frame * n, (frame + 1) * n) of the fields, n the number of nodes, points or slave nodes.
-!! A field is never written with a NaN or an infinity in it. The file is flushed after each increment.
+!! Fields never contain NaN or infinity. The file is flushed after each increment.
 module amontons_results
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, I64
@@ -52,7 +51,7 @@ module amontons_results
 
   character(*), parameter :: REASON_TABLE = '/AMONTONS/history/reason'
   character(*), parameter :: FAILURE_TEXT_GROUP = '/AMONTONS/told'
-  integer, parameter :: REASON_LENGTH = 240        !< longest reason why an attempt failed
+  integer, parameter :: REASON_LENGTH = 240        !< characters of the cause of a failed attempt
   type(hdf5_layout_type), parameter :: REASON_FORM = hdf5_layout_type(storage=STORAGE_TEXT, width=REASON_LENGTH)
   type(hdf5_layout_type), parameter :: LINE_FORM = hdf5_layout_type(storage=STORAGE_TEXT, width=REPORT_LINE_LENGTH)
   type(hdf5_layout_type), parameter :: ROW_FORM = hdf5_layout_type(storage=STORAGE_I32)
@@ -61,11 +60,11 @@ module amontons_results
   type :: failure_text_type
     private
     type(hdf5_table_type) :: reason                     !< a row per attempt
-    type(hdf5_table_type) :: line                       !< what is told of attempts, one line after the other
-    type(hdf5_table_type) :: attempt                    !< of each line: the row of the history to which it belongs
+    type(hdf5_table_type) :: line                       !< report lines of attempts
+    type(hdf5_table_type) :: attempt                    !< (per line) its row in the history
   end type failure_text_type
 
-  !> A result file that is being written.
+  !> An open result file.
   type :: results_type
     private
     type(hdf5_file_type) :: store
@@ -73,8 +72,8 @@ module amontons_results
     type(drawn_surfaces_type) :: drawn                          !< analytic surfaces
     integer :: n_points = 0
     integer :: n_slaves = 0
-    integer :: n_frames = 0                            !< increments of which the fields are written
-    real(DP) :: no_projection_gap = 0                                !< COPEN of a node that projects nowhere [length]
+    integer :: n_frames = 0                            !< increments with written fields
+    real(DP) :: no_projection_gap = 0                                !< COPEN of a node without projection [length]
     type(result_column_type), allocatable :: point_columns(:)
     type(hdf5_table_type), allocatable :: point(:)          !< /VTKHDF/PointData
     type(hdf5_table_type), allocatable :: point_offset(:)   !< /VTKHDF/Steps/PointDataOffsets
@@ -82,14 +81,14 @@ module amontons_results
     type(hdf5_table_type), allocatable :: constant(:)       !< the other tables of /VTKHDF/Steps
     type(result_column_type), allocatable :: integration_columns(:)
     type(hdf5_table_type), allocatable :: integration(:)
-    type(hdf5_table_type), allocatable :: contact(:)        !< created with the first fields, which know the slave nodes
+    type(hdf5_table_type), allocatable :: contact(:)        !< created with the first fields, which define the slave nodes
     type(hdf5_table_type), allocatable :: pairs(:)          !< sums over pairs; only with pairs
     type(hdf5_table_type), allocatable :: history(:)
     type(failure_text_type) :: failure_texts                            !< of attempts, in words
     type(hdf5_table_type), allocatable :: iterations(:)
   end type results_type
 
-  real(DP), parameter :: TOL_EQUAL_VALUE = 1.0e-6_DP             !< two contact forces or gaps are one within this [-]
+  real(DP), parameter :: TOL_EQUAL_VALUE = 1.0e-6_DP             !< relative difference of equal contact forces or gaps [-]
   real(DP), parameter :: NOT_FINITE_VALUE = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
   ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
@@ -100,8 +99,8 @@ module amontons_results
 
 contains
 
-  !> Creates options%outdir/job.vtkhdf with the mesh and all that is known before the first increment. It can be read
-  !! once increment 0 is written.
+  !> Creates options%outdir/job.vtkhdf with the mesh and all data available before the first increment. It is readable once
+  !! increment 0 is written.
   subroutine open_results(results, model, options, error)
     type(results_type), intent(out) :: results
     type(model_type), intent(in) :: model
@@ -124,7 +123,7 @@ contains
   end subroutine open_results
 
 
-  !> Opens the file of a job that goes on after a checkpoint; the file has been made what it was then.
+  !> Opens the file of a job resumed from a checkpoint; the file has already been restored to that commit.
   subroutine resume_results(results, model, n_slaves, options, error)
     type(results_type), intent(out) :: results
     type(model_type), intent(in) :: model
@@ -181,7 +180,7 @@ contains
   end subroutine open_frames
 
 
-  !> The pages of a guarded file that are still in memory, for the checkpoint (store.f90).
+  !> The pages of a guarded file that are still in memory, for the checkpoint (amontons_hdf5_file).
   subroutine export_result_pages(results, is_old, pages, error)
     type(results_type), intent(in) :: results
     logical, intent(in) :: is_old                            !< .true.: as they are on disk
@@ -199,22 +198,22 @@ contains
   end subroutine apply_result_pages
 
 
-  !> Whether the file is open and no error has ended it.
+  !> Whether the file is open and has had no error.
   pure logical function is_writing(results)
     type(results_type), intent(in) :: results
     is_writing = results%store%is_open
   end function is_writing
 
 
-  !> Ends with the file. Pages that were not applied are lost.
+  !> Closes the file; pages that were not applied are lost.
   subroutine discard_results(results)
     type(results_type), intent(inout) :: results
     call discard_hdf5(results%store)
   end subroutine discard_results
 
 
-  !> Writes a converged increment (or the initial state, increment 0): its history row and, if its step wants it
-  !! (file_frequency; the initial state always), its fields. Then everything is brought to disk.
+  !> Writes a converged increment (or the initial state, increment 0): its history row and, if file_frequency of its step
+  !! selects it (the initial state always), its fields. Then flushes the file.
   subroutine write_increment(results, model, fields, record, error)
     type(results_type), intent(inout) :: results
     type(model_type), intent(in) :: model
@@ -238,7 +237,7 @@ contains
   end subroutine write_increment
 
 
-  !> Adds the sums over all pairs.
+  !> Writes the sums over all pairs.
   subroutine write_pair_sums(results, model, fields, record, error)
     type(results_type), intent(inout) :: results
     type(model_type), intent(in) :: model
@@ -260,7 +259,7 @@ contains
   end subroutine write_pair_sums
 
 
-  !> Writes the history row of an attempt without fields (it failed), and brings everything to disk.
+  !> Writes the history row of a failed attempt, without fields, and flushes the file.
   subroutine write_attempt(results, record, error)
     type(results_type), intent(inout) :: results
     type(increment_record_type), intent(in) :: record
@@ -285,7 +284,7 @@ contains
   end subroutine write_iteration
 
 
-  !> Closes the file; a file that is not open is left alone. Of a guarded file the last pages still wait.
+  !> Closes the file; no effect if it is not open. The last pages of a guarded file remain in memory.
   subroutine close_results(results, error)
     type(results_type), intent(inout) :: results
     type(error_type), allocatable, intent(out) :: error
@@ -293,7 +292,7 @@ contains
   end subroutine close_results
 
 
-  !> Ends with the file after an error: what is on disk is the last whole state.
+  !> Abandons the file after an error: the last consistent state remains on disk.
   subroutine abandon(results)
     type(results_type), intent(inout) :: results
     call discard_hdf5(results%store)
@@ -333,7 +332,7 @@ contains
   end subroutine create_frames
 
 
-  !> The columns of the integration points: STATEV too where a user's material has some.
+  !> The columns of the integration points, with STATEV if a user material has state variables.
   pure function columns_of_points(model) result(columns)
     type(model_type), intent(in) :: model
     type(result_column_type), allocatable :: columns(:)
@@ -341,7 +340,7 @@ contains
     columns = INTEGRATION_COLUMNS
     n = 0
     if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
-    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'Variables of UMAT (STATEV), as it left them.')]
+    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'State variables of UMAT (STATEV).')]
   end function columns_of_points
 
 
@@ -359,7 +358,7 @@ contains
   end subroutine create_histories
 
 
-  !> Writes the fields of an increment as a new frame. All is checked first, so that an error leaves the file whole.
+  !> Writes the fields of an increment as a new frame. All values are checked first, so that an error leaves the file consistent.
   subroutine write_frame(results, model, fields, slaves, error)
     type(results_type), intent(inout) :: results
     type(model_type), intent(in) :: model
@@ -398,7 +397,7 @@ contains
   end subroutine write_frame
 
 
-  !> An error if a value at an integration point is NaN or infinite.
+  !> Sets an error if a value at an integration point is NaN or infinite.
   subroutine check_points(results, fields, error)
     type(results_type), intent(in) :: results
     type(fields_type), intent(in) :: fields
@@ -416,7 +415,7 @@ contains
   end subroutine check_points
 
 
-  !> The fields at the integration points, each from where it is.
+  !> Appends the fields at the integration points, without a common copy.
   subroutine append_points(results, fields, error)
     type(results_type), intent(inout) :: results
     type(fields_type), intent(in) :: fields
@@ -432,7 +431,7 @@ contains
   end subroutine append_points
 
 
-  !> The contact tables, and which slave stands in which row.
+  !> Creates the contact tables, with pair and node of each row.
   subroutine create_contact(results, slaves, error)
     type(results_type), intent(inout) :: results
     type(slave_state_type), intent(in) :: slaves(:)
@@ -447,7 +446,7 @@ contains
   end subroutine create_contact
 
 
-  !> The rows of /VTKHDF/Steps; the number of steps last, so that a reader never sees half a frame.
+  !> The rows of /VTKHDF/Steps; the number of steps last, so that a reader never sees an incomplete frame.
   subroutine write_step(results, time, error)
     type(results_type), intent(inout) :: results
     real(DP), intent(in) :: time                    !< total time [time]
@@ -468,7 +467,7 @@ contains
   end subroutine write_step
 
 
-  !> The fields at the nodes as they stand in the file, one below the other.
+  !> The fields at the nodes in the order of the file, one below the other.
   subroutine point_fields(model, fields, slaves, no_projection_gap, reals, integers)
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
@@ -508,7 +507,7 @@ contains
     mises = field_rows('S_mises')
     peeq = field_rows('PEEQ')
     nt = field_rows('NT')
-    reals = 0                                       ! what no slave node fills, and PEEQ without plasticity
+    reals = 0                                       ! columns of slave nodes elsewhere, and PEEQ without plasticity
     reals(u(1):u(2), :) = fields%u
     reals(rf(1):rf(2), :) = fields%reaction_force
     !$omp parallel sections
@@ -528,7 +527,7 @@ contains
   end subroutine pack_solid
 
 
-  !> The contact columns of the point data. A node that is slave of two pairs shows the one that counts more.
+  !> The contact columns of the point data. A slave node of two pairs has the values of the pair with precedence.
   subroutine pack_contact(slaves, no_projection_gap, reals, integers)
     type(slave_state_type), intent(in) :: slaves(:)
     real(DP), intent(in) :: no_projection_gap                     !< COPEN without a facet [length]
@@ -569,8 +568,8 @@ contains
   end subroutine pack_contact
 
 
-  !> Closed before open; of two closed the one with the larger force; of two open the nearer; of two equal ones, which rounding
-  !! makes differ, the pair that comes first in the deck.
+  !> Precedence of slave a over b at a node: closed before open; if both are closed the larger force; if both are open the smaller
+  !! gap; if equal up to rounding the pair that comes first in the deck.
   pure function has_precedence(a, b) result(is_more)
     type(slave_state_type), intent(in) :: a, b
     logical :: is_more
@@ -584,7 +583,7 @@ contains
   end function has_precedence
 
 
-  !> The memory of all slaves in the order of CONTACT_COLUMNS.
+  !> The contact state of all slaves in the order of CONTACT_COLUMNS.
   pure subroutine pack_slaves(slaves, integers, reals)
     type(slave_state_type), intent(in) :: slaves(:)
     integer, allocatable, intent(out) :: integers(:, :)
@@ -601,7 +600,7 @@ contains
   end subroutine pack_slaves
 
 
-  !> Writes a history row and brings everything to disk.
+  !> Writes a history row and flushes the file.
   subroutine write_row(results, record, frame, error)
     type(results_type), intent(inout) :: results
     type(increment_record_type), intent(in) :: record
@@ -628,7 +627,7 @@ contains
   end subroutine write_row
 
 
-  !> A value that can be written: what is NaN or infinite in a failed attempt becomes 1e30.
+  !> A value for the history: NaN and infinity of a failed attempt become 1e30.
   elemental function finite_or_marker(value) result(written)
     real(DP), intent(in) :: value
     real(DP) :: written
@@ -637,7 +636,7 @@ contains
   end function finite_or_marker
 
 
-  !> Creates the tables; the group of the history is there.
+  !> Creates the tables; the group of the history exists.
   subroutine create_failure_texts(failure_texts, store, error)
     type(failure_text_type), intent(out) :: failure_texts
     type(hdf5_file_type), intent(in) :: store
@@ -646,13 +645,13 @@ contains
       'Why the attempt failed; empty if it converged.', error)
     if (.not. allocated(error)) call create_group(store, FAILURE_TEXT_GROUP, error)
     if (.not. allocated(error)) call create_table(store, failure_texts%line, FAILURE_TEXT_GROUP // '/line', LINE_FORM, '[-]', &
-      'What was told of attempts: of those that failed the worst nodes with their contact, and a remedy.', error)
+      'Reports on failed attempts: worst nodes with their contact, and a remedy.', error)
     if (.not. allocated(error)) call create_table(store, failure_texts%attempt, FAILURE_TEXT_GROUP // '/attempt', ROW_FORM, '[-]', &
-      'The row of the history that the line is about.', error)
+      'Row of the history for each line.', error)
   end subroutine create_failure_texts
 
 
-  !> Opens the tables of a file that goes on.
+  !> Opens the tables of an existing file.
   subroutine open_failure_texts(failure_texts, store, error)
     type(failure_text_type), intent(out) :: failure_texts
     type(hdf5_file_type), intent(in) :: store
@@ -663,7 +662,7 @@ contains
   end subroutine open_failure_texts
 
 
-  !> Adds what is told of an attempt.
+  !> Appends the report of an attempt.
   subroutine append_failure_texts(failure_texts, store, record, error)
     type(failure_text_type), intent(inout) :: failure_texts
     type(hdf5_file_type), intent(in) :: store

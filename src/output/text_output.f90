@@ -1,8 +1,8 @@
-!> Printed: job.sta and job.cvg, a line per attempt and per iteration, and the file job.dat for the PRINT cards.
+!> The text files job.sta and job.cvg (one line per attempt and iteration), and the handling of job.dat.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The columns are those of CalculiX, so that programs which read its files read ours; what we add stands to the right.
-!! Lines of .sta and .cvg are brought to disk one by one, since such programs watch them while the job runs.
+!! The columns are those of CalculiX, so that programs for its files can read them; additional columns follow on the right.
+!! Each line of .sta and .cvg is flushed, since such programs monitor the files while the job runs.
 module amontons_text_output
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
@@ -18,7 +18,7 @@ module amontons_text_output
     print_iteration, &
     print_increment, print_fields, close_text_output
 
-  !> The text files of a job that are being written. Units are 0 if not open.
+  !> The text files of a job. Unit 0: not open.
   type :: text_output_type
     private
     integer :: sta = 0
@@ -63,7 +63,7 @@ contains
   end subroutine open_text_output
 
 
-  !> Opens the files of a job that goes on after a checkpoint: each is cut off where it was then.
+  !> Reopens the files of a job resumed from a checkpoint, each truncated to its length then.
   subroutine resume_text_output(output, model, options, lengths, error)
     type(text_output_type), intent(out) :: output
     type(model_type), intent(in) :: model
@@ -81,7 +81,7 @@ contains
   end subroutine resume_text_output
 
 
-  !> Brings the files to the medium.
+  !> Synchronizes the files with the disk.
   subroutine sync_text_output(output, error)
     type(text_output_type), intent(in) :: output
     type(error_type), allocatable, intent(out) :: error
@@ -92,7 +92,7 @@ contains
   end subroutine sync_text_output
 
 
-  !> How long the files are now.
+  !> Current lengths of the files.
   subroutine text_output_lengths(output, lengths)
     type(text_output_type), intent(inout) :: output
     integer(I64), intent(out) :: lengths(3)        !< of .sta, .cvg, .dat; 0 if not open [bytes]
@@ -103,7 +103,7 @@ contains
 
   contains
 
-    !> One of them.
+    !> Length of one file.
     subroutine unit_length(unit, length)
       integer, intent(in) :: unit
       integer(I64), intent(inout) :: length
@@ -115,7 +115,7 @@ contains
   end subroutine text_output_lengths
 
 
-  !> An error if a line could not be written since the files were opened: a full disk.
+  !> Sets an error if a line could not be written since the files were opened: a full disk.
   subroutine check_text_output(output, error)
     type(text_output_type), intent(in) :: output
     type(error_type), allocatable, intent(out) :: error
@@ -124,7 +124,7 @@ contains
   end subroutine check_text_output
 
 
-  !> Closes a file; the first trouble is kept.
+  !> Closes a file; stores the first error status.
   subroutine close_text(output, unit)
     type(text_output_type), intent(inout) :: output
     integer, intent(in) :: unit
@@ -146,7 +146,7 @@ contains
   end function has_prints
 
 
-  !> Flushes a file; the first trouble is kept.
+  !> Flushes a file; stores the first error status.
   subroutine flush_unit(output, unit)
     type(text_output_type), intent(inout) :: output
     integer, intent(in) :: unit
@@ -156,7 +156,7 @@ contains
   end subroutine flush_unit
 
 
-  !> Opens a text file to go on behind a length that it has.
+  !> Opens a text file to append after a given length.
   subroutine reopen_text(path, length, unit, error)
     character(*), intent(in) :: path
     integer(I64), intent(in) :: length             !< [bytes]
@@ -206,7 +206,7 @@ contains
   end subroutine print_iteration
 
 
-  !> Writes a line of .sta; an attempt that failed has a U behind its number and the times at which it began.
+  !> Writes a line of .sta; a failed attempt has a U after its number and the times of its start.
   subroutine print_increment(output, record)
     type(text_output_type), intent(inout) :: output
     type(increment_record_type), intent(in) :: record
@@ -232,7 +232,7 @@ contains
   end subroutine print_increment
 
 
-  !> Writes below the iterations of an attempt what they do not tell: cycles, bodies that were carried, why it failed.
+  !> Writes notes below the iterations of an attempt: active-set cycles, proximal steps, cause of failure.
   subroutine print_attempt_notes(output, record)
     type(text_output_type), intent(inout) :: output
     type(increment_record_type), intent(in) :: record
@@ -260,8 +260,8 @@ contains
   end subroutine print_attempt_notes
 
 
-  !> Writes what the PRINT cards of the step ask of a converged increment; nothing if its turn has not come
-  !! (print_frequency), and nothing for increment 0.
+  !> Writes the output of the step's PRINT cards for a converged increment if print_frequency selects it; nothing for
+  !! increment 0.
   subroutine print_fields(output, model, fields, record, error)
     type(text_output_type), intent(in) :: output
     type(model_type), intent(in) :: model

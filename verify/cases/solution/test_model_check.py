@@ -70,7 +70,7 @@ def refuse(run_deck: Run, tmp_path: Path, deck: Deck | str, *sentences: str) -> 
     done = run_deck(deck if isinstance(deck, str) else deck.text())
     assert done.returncode == SETUP, done.stdout + done.stderr
     lines = done.stdout.splitlines()
-    assert re.match(r"\*ERROR: The model cannot stand as it is: the audit found \d+ errors?\.", lines[-1]), done.stdout
+    assert re.match(r"\*ERROR: The model check found \d+ errors?\.", lines[-1]), done.stdout
     errors = [line for line in lines[:-1] if line.startswith("*ERROR")]
     assert f"found {len(errors)} error" in lines[-1]
     for sentence in sentences:

@@ -1,4 +1,4 @@
-!> Driven loads and model change: the present step has what a calling program sets, and the model stays as it was read.
+!> Driven loads and model change: the current step has the values set by a calling program; the model does not change.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_driven_loads
   use amontons_kinds, only: DP
@@ -63,7 +63,7 @@ contains
   end function along_z
 
 
-  !> The force on an item in the present step at a time, summed over its loads.
+  !> The force on an item in the current step at a time, summed over its loads.
   real(DP) function force(drive, item, time)
     type(driven_loads_type), intent(in) :: drive
     integer, intent(in) :: item
@@ -78,7 +78,7 @@ contains
   end function force
 
 
-  !> A force that is set runs from where it stands to its target, replaces the deck's in all steps, and others stay.
+  !> A force that is set varies linearly from its current value to its target and replaces the deck's in all steps; others remain.
   subroutine check_forces()
     type(driven_loads_type) :: drive
     type(error_type), allocatable :: error
@@ -128,7 +128,7 @@ contains
   end subroutine check_displacements
 
 
-  !> A coefficient of friction goes into the present step alone.
+  !> A coefficient of friction changes the current step, not the model.
   subroutine check_friction()
     type(driven_loads_type) :: drive
     call start_loads(drive, model)
@@ -143,7 +143,7 @@ contains
   end subroutine check_friction
 
 
-  !> What a checkpoint keeps makes the same loads again.
+  !> The numbers of a checkpoint restore the same loads.
   subroutine check_recall()
     type(driven_loads_type) :: drive, again
     type(error_type), allocatable :: error
@@ -166,7 +166,7 @@ contains
   end subroutine check_recall
 
 
-  !> Elements that a step takes out, and their materials, follow from the number of the step.
+  !> Elements that a step removes, and their materials, follow from the number of the step.
   subroutine check_model_change()
     type(model_type) :: changed
     changed = model

@@ -1,4 +1,4 @@
-!> Model set-up: equations and coordinates of ties and ways of ADJUST are returned; the set-up alone puts them into the model.
+!> Model set-up: equations and coordinates of ties and moves of ADJUST are returned; only the set-up changes the model.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_model_setup
   use amontons_kinds, only: DP
@@ -47,7 +47,7 @@ contains
   end subroutine read_model
 
 
-  !> Four slave nodes with three equations each; the weights of each sum up to zero.
+  !> Four slave nodes with three equations each; the weights of each sum to zero.
   subroutine check_ties()
     type(model_type) :: model
     type(job_options_type) :: options
@@ -71,7 +71,7 @@ contains
   end subroutine check_ties
 
 
-  !> Slave nodes within the distance go along the normal onto their master.
+  !> Slave nodes within the distance move along the normal onto their master.
   subroutine check_adjustment()
     type(model_type) :: model
     type(job_options_type) :: options

@@ -1,4 +1,4 @@
-!> Tests of the audit: each thing that it names, that it names nothing else, and the words of free motions.
+!> Model check: each error and warning, no false reports, and the description of free motions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_model_check
   use amontons_kinds, only: DP
@@ -93,8 +93,7 @@ contains
           end do
         end do
       end do
-      if (allocated(mesh%section_value)) deallocate (mesh%section_value, mesh%directions, mesh%is_auxiliary)   ! of the blocks
-                                                                                                               ! before
+      if (allocated(mesh%section_value)) deallocate (mesh%section_value, mesh%directions, mesh%is_auxiliary)   ! outdated
     end associate
     call finalize_mesh(model%mesh)
   end subroutine add_block
@@ -138,7 +137,7 @@ contains
   end subroutine add_pair
 
 
-  !> Holds some directions of some nodes in a step at a displacement.
+  !> Prescribes some displacement components of some nodes in a step.
   subroutine hold(model, step, nodes, dofs, amount)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: step, nodes(:), dofs(:)
@@ -156,7 +155,7 @@ contains
   end subroutine hold
 
 
-  !> Presses a node down in the first step.
+  !> Loads a node by a downward force in the first step.
   subroutine press(model, node)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: node
@@ -200,7 +199,7 @@ contains
   end subroutine start_contact
 
 
-  !> Audits a model as the job does.
+  !> Checks a model as the job does.
   subroutine audit(model, report, error)
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(out) :: report
@@ -212,7 +211,7 @@ contains
   end subroutine audit
 
 
-  !> Audits a model: it has so many errors and warnings, and one of the remarks holds the words.
+  !> Checks a model: numbers of errors and warnings, and the text of one of the messages.
   subroutine expect(suite, name, model, n_errors, n_warnings, words)
     type(suite_type), intent(inout) :: suite
     character(*), intent(in) :: name
@@ -243,7 +242,7 @@ contains
   end subroutine expect
 
 
-  !> A cube that nothing holds, in one step of two.
+  !> A cube without supports, in one step of two.
   subroutine check_free_body(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -259,7 +258,7 @@ contains
   end subroutine check_free_body
 
 
-  !> Supports that leave some motions: their words.
+  !> Supports that leave some motions free: their description.
   subroutine check_partly_held(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model, whole
@@ -287,7 +286,7 @@ contains
   end subroutine check_partly_held
 
 
-  !> The same in a model that is turned, far from the origin, and small: the direction is told.
+  !> The same in a model that is rotated, far from the origin, and small: the message has the direction.
   subroutine check_turned(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -310,7 +309,7 @@ contains
   end subroutine check_turned
 
 
-  !> A block on a held one: without friction it slides, with friction it stands; open contact holds with a warning.
+  !> A block on a supported one: free to slide without friction, restrained with friction; open contact gives a warning.
   subroutine check_contact_holds(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -330,7 +329,7 @@ contains
   end subroutine check_contact_holds
 
 
-  !> A held block of 9 cubes with surface A (top), a gap above its middle a block of 4 smaller cubes: nodes 33 to 50,
+  !> A supported block of 9 cubes with surface A (top); a gap above its middle, a block of 4 smaller cubes: nodes 33 to 50,
   !! surface B (bottom), pressed on it.
   subroutine two_blocks(model, gap, interaction)
     type(model_type), intent(out) :: model
@@ -348,7 +347,7 @@ contains
   end subroutine two_blocks
 
 
-  !> Three bodies: the upper two hang together by friction and slide together on the lowest.
+  !> Three bodies: friction couples the upper two, which slide together on the lowest.
   subroutine check_chain(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -370,7 +369,7 @@ contains
   end subroutine check_chain
 
 
-  !> Equations to a node without elements, which is driven, hold a body; without the drive they do not.
+  !> Equations to a node without elements restrain a body if that node is prescribed, else not.
   subroutine check_equations_hold(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -393,7 +392,7 @@ contains
   end subroutine check_equations_hold
 
 
-  !> Equations against supports and one another.
+  !> Equations that contradict supports and one another.
   subroutine check_equations_conflict(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -417,7 +416,7 @@ contains
   end subroutine check_equations_conflict
 
 
-  !> A tower of 200 cubes that rub on each other: one cluster of 1200 motions, 6 of them free; quick all the same.
+  !> A tower of 200 cubes with friction: one cluster of 1200 motions, 6 of them free; the cost stays low.
   subroutine check_many_bodies(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -550,7 +549,7 @@ contains
   end subroutine check_overlap
 
 
-  !> Slave nodes that supports hold along the normal.
+  !> Slave nodes with supports along the normal.
   subroutine check_held_normal(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model

@@ -1,4 +1,4 @@
-!> Forensics: cycles by hashing, flips of stick and slip, nodes that leave or jump, and their story in words.
+!> History of the active set: cycle detection by hashing, stick-slip flips, lost masters, penetration jumps, and the status trace.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_active_set_history
   use amontons_kinds, only: DP
@@ -16,7 +16,7 @@ program test_active_set_history
 
 contains
 
-  !> Three nodes; the second goes stick, slip, stick, ..., the third also changes its facet every third iteration.
+  !> Three nodes: the second alternates between stick and slip, the third also changes its facet every third iteration.
   subroutine check_cycle()
     type(active_set_history_type) :: forensics
     type(slave_state_type) :: slaves(3)
@@ -47,7 +47,7 @@ contains
   end subroutine check_cycle
 
 
-  !> What does not change is no cycle, nor what never returns; the facet of an open node does not count.
+  !> Neither a constant active set nor one that never recurs is a cycle; the facet of an open node does not count.
   subroutine check_settled()
     type(active_set_history_type) :: forensics
     type(slave_state_type) :: slaves(2)
@@ -68,7 +68,7 @@ contains
   end subroutine check_settled
 
 
-  !> Nodes that leave their master and nodes that jump into it.
+  !> Nodes that leave their master and nodes with a penetration jump.
   subroutine check_nodes()
     type(active_set_history_type) :: forensics
     type(slave_state_type) :: before(3), after(3)

@@ -1,4 +1,4 @@
-!> Failures: each code has a family, words that begin with its name, and a remedy; decisions are by code, never by words.
+!> Failures: each code has a family, a text that begins with its name, and a remedy; decisions use the code, never the text.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_failure_words
   use amontons_kinds, only: DP
@@ -21,7 +21,7 @@ program test_failure_words
 
 contains
 
-  !> A failure with something in each component.
+  !> A failure with all components set.
   function sample(code) result(failure)
     integer, intent(in) :: code
     type(failure_type) :: failure
@@ -33,7 +33,7 @@ contains
   end function sample
 
 
-  !> Every code has a family; its words are one sentence or more, different from those of all others, and begin with its name.
+  !> Every code has a family; its text is one sentence or more, differs from all others, and begins with its name.
   subroutine check_all_codes()
     type(failure_type) :: failure, other
     character(:), allocatable :: words, name
@@ -56,7 +56,7 @@ contains
   end subroutine check_all_codes
 
 
-  !> Whole sentences, word for word: programs look for them.
+  !> Whole sentences, word for word: programs search for them.
   subroutine check_sentences()
     type(failure_type) :: failure
     integer :: i
@@ -68,18 +68,18 @@ contains
       'STICK-SLIP FLIP of length 3 at nodes 1, 2, 3, 4, 5, 6, 7, 8 and 2 more.')
     failure%labels = [5]
     failure%code = FAILURE_DEEP
-    call suite%that('one node', failure_words(failure) == 'PENETRATION JUMP: node 5 went deep into the master at once.')
+    call suite%that('one node', failure_words(failure) == 'PENETRATION JUMP: node 5 penetrated deeply into the master in one ' // &
+      'iteration.')
     failure%code = FAILURE_CONTACT_LIMIT
     failure%n_slipping = 4
-    call suite%that('limit of contact', failure_words(failure) == 'LIMIT POINT: contact finds no balance near by: it lets go ' // &
-      'faster than the bodies follow, first at node 5. All 4 closed slave nodes slip: if nothing else holds a body, friction ' // &
-      'does not.')
+    call suite%that('limit of contact', failure_words(failure) == 'LIMIT POINT: no equilibrium nearby: contact is lost ' // &
+      'unstably, first at node 5. All 4 closed slave nodes slip: if nothing else holds a body, friction does not.')
     failure%labels = [integer ::]
     failure%n_slipping = 0
-    call suite%that('the same without nodes', failure_words(failure) == 'LIMIT POINT: contact finds no balance near by: it ' // &
-      'lets go faster than the bodies follow.')
+    call suite%that('the same without nodes', failure_words(failure) == 'LIMIT POINT: no equilibrium nearby: contact is lost ' // &
+      'unstably.')
     failure = sample(FAILURE_USER_ROUTINE)
-    call suite%that('user routine', failure_words(failure) == 'A user routine asks for a smaller increment: PNEWDT is 0.5.')
+    call suite%that('user routine', failure_words(failure) == 'A user routine requests a smaller increment: PNEWDT is 0.5.')
     failure = sample(FAILURE_SIGNAL)
     call suite%that('signal', failure_words(failure) == 'The job was stopped by a signal.')
     failure = sample(FAILURE_CONSTRAINTS)
@@ -87,7 +87,7 @@ contains
   end subroutine check_sentences
 
 
-  !> The same name: the family, and of cycles also length and nodes.
+  !> Equal names: the family, and for cycles also length and nodes.
   subroutine check_sameness()
     type(failure_type) :: a, b
     a = sample(FAILURE_FREE_FLYING)
@@ -127,7 +127,7 @@ contains
   end subroutine check_attempts
 
 
-  !> Four attempts running that find a free body are enough, whatever words the others have.
+  !> Four consecutive attempts that fail by a free body are enough, whatever the others failed by.
   subroutine check_giving_up()
     integer, parameter :: CODES(4) = [FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION]
     type(increment_record_type) :: records(4)

@@ -1,4 +1,4 @@
-!> Steps, increments and cut-backs, and the verdict on iterates.
+!> Increment control (steps, increments, cut-backs) and the verdict on iterates.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_increment_control
   use amontons_kinds, only: DP
@@ -84,7 +84,7 @@ contains
   end subroutine check_growth_and_cuts
 
 
-  !> What happened counts beside the iterations: cycles, and contact that was not as foreseen once an attempt has failed.
+  !> Besides the iterations, active-set cycles count, and after a failed attempt also mispredicted contact.
   subroutine check_course()
     type(stepper_type) :: stepper
     type(step_type) :: step

@@ -22,9 +22,9 @@ program test_stick_after_search
 
 contains
 
-  !> Nodes slid with their body since the increment began, so that friction is not used up; the direction takes them back, and three
-  !! times as far beyond. NODAL cuts each at zero slip (a fourth of the step, its least length) and sets it to stick there, although
-  !! its body pulls more than friction holds: the next evaluation lets it slip.
+  !> Nodes slid with their body since the start of the increment, so friction is below its limit. The direction moves them back and
+  !! three times as far beyond. NODAL cuts each at zero slip (a fourth of the step, its least length) and sets it to stick, although
+  !! the force of its body exceeds the friction limit: the next evaluation sets it to slip.
   subroutine check_back_slip(name, is_nlgeom)
     character(*), intent(in) :: name
     logical, intent(in) :: is_nlgeom
@@ -41,7 +41,7 @@ contains
     integer :: trouble, s
     call two_blocks(model, 0.0_DP, 0.2_DP, is_nlgeom, .not. is_nlgeom)
     step = model%steps(1)
-    model%materials(1)%poissons_ratio = 0.0_DP     ! pressed, it does not shear
+    model%materials(1)%poissons_ratio = 0.0_DP     ! pressure causes no lateral strain
     call slide(model, step, system, state)
     allocate (at_u, source=system%contact%slip_data)
     allocate (du, mold=state%new%u)

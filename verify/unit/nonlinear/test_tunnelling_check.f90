@@ -1,4 +1,4 @@
-!> Tests of travel: a node is found to have passed where its straight way goes through the master, and nowhere else.
+!> Tunnelling check: reports a node exactly where its straight path crosses the master.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_tunnelling_check
   use amontons_kinds, only: DP
@@ -27,7 +27,7 @@ contains
 
   include 'sample_surfaces.inc'
 
-  !> A flat grid over [0, 9] x [0, 7] and slave nodes out of its sight, as contact knows them.
+  !> A flat grid over [0, 9] x [0, 7] and slave nodes without projection, as contact stores them.
   subroutine make_pair(kind, mesh, contact)
     integer, intent(in) :: kind
     type(mesh_type), intent(out) :: mesh
@@ -44,14 +44,14 @@ contains
   end subroutine make_pair
 
 
-  !> Ways of all lengths and directions, with a master that moves too: through its plane within its border, and from the front. One
-  !! that runs along it, by less than a quarter of its length towards it, and ends beyond the border, led over the border.
+  !> Paths of all lengths and directions, with a moving master: crossing its plane within its border, from the front. A path with
+  !! a normal part of less than a quarter of its length that ends beyond the border slid over the border.
   subroutine check_ways(suite, kind, motion)
     type(suite_type), intent(inout) :: suite
     integer, intent(in) :: kind
     real(DP), intent(in) :: motion(3)              !< of the master [length]
     real(DP), parameter :: EXTENT(2) = [9.0_DP, 7.0_DP]   ! of the master [length]
-    real(DP), parameter :: SIZE_OF(3) = [12.0_DP, 10.0_DP, 8.0_DP]   ! of where ways are [length]
+    real(DP), parameter :: SIZE_OF(3) = [12.0_DP, 10.0_DP, 8.0_DP]   ! of the region of the paths [length]
     real(DP), parameter :: CORNER(3) = [1.5_DP, 1.5_DP, 4.0_DP]
     type(mesh_type) :: mesh
     type(contact_type) :: contact
@@ -70,7 +70,7 @@ contains
     do i = 1, 2000
       from = SIZE_OF * modulo([0.819173_DP, 0.671044_DP, 0.549700_DP] * real(i, DP), 1.0_DP) - CORNER
       to = SIZE_OF * modulo([0.754878_DP, 0.569840_DP, 0.347810_DP] * real(i, DP), 1.0_DP) - CORNER
-      if (min(abs(from(3)), abs(to(3))) < 0.01_DP) cycle   ! nearer than that a node did not stand before a facet
+      if (min(abs(from(3)), abs(to(3))) < 0.01_DP) cycle   ! below MIN_FRONT_DISTANCE
       part = from(3) / (from(3) - to(3))
       place = from(:2) + part * (to(:2) - from(:2))
       is_through = from(3) > 0.0_DP .and. to(3) < 0.0_DP .and. all(place > 0.0_DP .and. place < EXTENT)
@@ -85,7 +85,7 @@ contains
   end subroutine check_ways
 
 
-  !> Down through a wavy and folded surface of triangles each way leads, wherever it begins; one that stays above does not.
+  !> Every downward path crosses a wavy and folded surface of triangles; a path that stays above does not.
   subroutine check_waves(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -116,7 +116,7 @@ contains
   end subroutine check_waves
 
 
-  !> Of several nodes the first that went through is named; one in a pair that is out, or that gives way to another, does not count.
+  !> The first of several nodes that tunnelled is reported; nodes of a removed pair, or inactive in a shared pair, do not count.
   subroutine check_first(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh

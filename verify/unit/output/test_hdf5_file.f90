@@ -1,4 +1,4 @@
-!> Tests of store: what is written is read back with HDF5 itself; failures are errors with path and place, never text.
+!> HDF5 files: written data are read back with HDF5 itself; failures are errors with path and action, never printed text.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_hdf5_file
   use, intrinsic :: iso_fortran_env, only: int64
@@ -82,7 +82,7 @@ contains
   end subroutine test_data
 
 
-  !> Tables grow row by row and block by block, over chunk borders too.
+  !> Tables grow row by row and block by block, also across chunk borders.
   subroutine test_tables(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: N = 500, BLOCKS = 5
@@ -142,9 +142,8 @@ contains
   end subroutine test_tables
 
 
-  !> Blocks that are packed here (pack_shim.c) and unpacked by HDF5: in the eight planes of the bytes noise, one value, two,
-  !! sixteen alike,
-  !! and bytes each twice as frequent as the one before, of which Huffman's codes would be longer than deflate allows.
+  !> Blocks compressed by pack_shim.c and decompressed by HDF5. The eight byte planes contain noise, one value, two, runs of
+  !! sixteen, and bytes each twice as frequent as the previous one, whose Huffman codes would be longer than deflate allows.
   subroutine test_packing(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: LENGTHS(3) = [1000, 46367, 200000]
@@ -199,7 +198,7 @@ contains
   end function mixed_words
 
 
-  !> After a flush another reader finds the rows although the store is open: no lock, and a whole file.
+  !> After a flush another reader finds the rows although the file is open: no lock, and a consistent file.
   subroutine test_readable_while_open(suite)
     type(suite_type), intent(inout) :: suite
     type(hdf5_file_type) :: store
@@ -218,7 +217,7 @@ contains
   end subroutine test_readable_while_open
 
 
-  !> Whatever fails is an error with EXIT_IO, the path and what was tried.
+  !> Each failure is an error with EXIT_IO, the path and the action.
   subroutine test_errors(suite)
     type(suite_type), intent(inout) :: suite
     type(hdf5_file_type) :: store, other
@@ -259,7 +258,7 @@ contains
   end subroutine test_errors
 
 
-  !> A disk without space (the device that says so): the error comes at the flush at the latest, and closing ends.
+  !> A full disk (the device that reports one): the error comes at the flush at the latest, and closing returns.
   subroutine test_full_disk(suite)
     type(suite_type), intent(inout) :: suite
     type(hdf5_file_type) :: store

@@ -1,4 +1,4 @@
-!> Tests of derived: averages of elements at shared nodes, linear fields kept, volumes.
+!> Postprocessing: averages of elements at shared nodes, exact linear fields, volumes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_postprocess
   use amontons_kinds, only: DP
@@ -18,8 +18,8 @@ program test_postprocess
 
 contains
 
-  !> Two bricks that share a face, each with its own constant: the mean on the face, the constant elsewhere; a node of
-  !! no element gets 0.
+  !> Two bricks that share a face, each with its own constant: the mean on the face, the constant elsewhere; a node without
+  !! elements gets 0.
   subroutine test_averages(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -43,7 +43,7 @@ contains
   end subroutine test_averages
 
 
-  !> A field linear in space comes to the nodes exactly, where the points of the kind can carry one.
+  !> A linear field is exact at the nodes, if the points of the kind can represent it.
   subroutine test_linear_field(suite)
     type(suite_type), intent(inout) :: suite
     integer, parameter :: KINDS(5) = [KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R]

@@ -1,4 +1,4 @@
-!> Tests of results: writes job.vtkhdf and others into the working folder, where test_vtkhdf_file.py reads them; error exits.
+!> Result file: writes job.vtkhdf and others into the working folder, where test_vtkhdf_file.py reads them; error exits.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_results
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -83,7 +83,7 @@ contains
   end subroutine test_two_at_once
 
 
-  !> A NaN in any field is an error that names field and place, and the frames before it stay.
+  !> A NaN in any field is an error with field and position, and the previous frames remain.
   subroutine test_not_finite(suite)
     type(suite_type), intent(inout) :: suite
     real(DP) :: nan
@@ -109,7 +109,7 @@ contains
   end subroutine test_not_finite
 
 
-  !> Frame 0 is written, these fields are refused, and what comes after the error is refused too.
+  !> Frame 0 is written, these fields are rejected, and so are all writes after the error.
   subroutine expect_refusal(suite, model, fields, message)
     type(suite_type), intent(inout) :: suite
     type(model_type), intent(in) :: model
@@ -128,7 +128,7 @@ contains
   end subroutine expect_refusal
 
 
-  !> A folder that does not exist is told with its path.
+  !> A missing folder is reported with its path.
   subroutine test_no_folder(suite)
     type(suite_type), intent(inout) :: suite
     type(results_type) :: results

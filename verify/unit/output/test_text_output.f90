@@ -1,4 +1,4 @@
-!> Tests of printed: .sta, .cvg and .dat line by line in CalculiX's columns.
+!> Text output: .sta, .cvg and .dat line by line in CalculiX's columns.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_text_output
   use amontons_kinds, only: DP
@@ -80,7 +80,7 @@ contains
   end subroutine test_cvg
 
 
-  !> U and RF with totals; RF means reactions under abaqus, all forces from outside under calculix.
+  !> U and RF with totals; RF means reactions under abaqus, all external forces under calculix.
   subroutine test_node_blocks(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -143,7 +143,7 @@ contains
   end subroutine test_element_blocks
 
 
-  !> Closed slave nodes only; our block of scenarios; the statistics of a pair.
+  !> Closed slave nodes only; the block of scenarios; the statistics of a pair.
   subroutine test_contact_blocks(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -156,7 +156,7 @@ contains
     call expect_line(suite, 'contact.dat', 11, '        20  0.000000E+00  0.000000E+00  0.000000E+00')
     call expect_line(suite, 'contact.dat', 13, ' contact stress (slave node,press,tang1,tang2) ' // &
       'for all contact elements and time 0.5000000E+00')
-    ! Pressure 10/2; the slave slips along +x, so that the stress that goes with it is +3/2.
+    ! Pressure 10/2; the slave slips along +x, so the corresponding shear stress is +3/2.
     call expect_line(suite, 'contact.dat', 15, '        10  5.000000E+00  1.500000E+00')
     call expect_line(suite, 'contact.dat', 18, &
       ' slip scenario (slave node,status,scenario) for all contact elements and time 0.5000000E+00')
@@ -230,7 +230,7 @@ contains
   end subroutine test_no_dat
 
 
-  !> A folder that does not exist is told with its path.
+  !> A missing folder is reported with its path.
   subroutine test_no_folder(suite)
     type(suite_type), intent(inout) :: suite
     type(text_output_type) :: printed
