@@ -92,7 +92,7 @@ contains
     end do
     if (contact%shared_slaves%has_reaction_chains) call list_reachable_nodes(contact, model, fields%slaves, nodes_in_reach)
     call order_slave_levels(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%shared_slaves)
-    where (contact%is_pretension_duplicate) fields%slaves%overrides%edge = NODE_OVERRIDE_GIVES_WAY
+    where (contact%is_pretension_duplicate) fields%slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do s = 1, size(fields%slaves)
       if (.not. gives_way(fields%slaves(s)%overrides)) cycle
       call detach_slave(fields%slaves(s))

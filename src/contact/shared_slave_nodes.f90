@@ -101,7 +101,7 @@ contains
     logical :: is_changed
     shared%level = 1
     shared%n_levels = 1
-    slaves%overrides%edge = NODE_OVERRIDE_NONE
+    slaves%overrides%side = NODE_OVERRIDE_NONE
     if (.not. shared%has_reaction_chains) return
     is_kept = .not. shared%is_hard_pair
     allocate (mark(size(slaves)), source=0)
@@ -111,7 +111,7 @@ contains
       is_kept(s) = .true.
       is_kept(s) = .not. is_reaction_circular(s)
     end do
-    where (.not. is_kept) slaves%overrides%edge = NODE_OVERRIDE_GIVES_WAY
+    where (.not. is_kept) slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do pass = 1, size(slaves)
       is_changed = .false.
       do s = 1, size(slaves)

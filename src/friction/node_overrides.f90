@@ -91,7 +91,7 @@ contains
   !> Whether a node is open in this increment because another slave enforces its contact.
   elemental logical function gives_way(overrides)
     type(node_overrides_type), intent(in) :: overrides
-    gives_way = overrides%edge == NODE_OVERRIDE_GIVES_WAY
+    gives_way = overrides%side == NODE_OVERRIDE_GIVES_WAY
   end function gives_way
 
 end module amontons_node_overrides

@@ -44,7 +44,7 @@ contains
       NODE_OVERRIDE_FROZEN]
     nodes%edge = [NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED]
     nodes(5)%friction = NODE_OVERRIDE_FRICTIONLESS
-    nodes(5)%edge = NODE_OVERRIDE_GIVES_WAY
+    nodes(5)%side = NODE_OVERRIDE_GIVES_WAY
     call suite%that('status: frozen, or stick once', all(is_status_imposed(nodes) .eqv. [.false., .true., .false., .true., .true.]))
     call suite%near('edge: half a facet where it is extended', norm2(edge_extension(nodes) - [0.0_DP, 0.5_DP, 0.0_DP, 0.0_DP, &
       0.5_DP]), 0.0_DP, 0.0_DP)
