@@ -27,7 +27,7 @@ contains
   !> The first direction of an increment, at the start of it.
   subroutine first_direction(model, system, state, du)
     type(model_type), intent(in) :: model
-    type(equilibrium_type), intent(out) :: system
+    type(equilibrium_type), allocatable, intent(out) :: system
     type(state_type), intent(out) :: state
     real(DP), allocatable, intent(out) :: du(:, :) !< [length]
     type(error_type), allocatable :: error
@@ -45,7 +45,7 @@ contains
     character(*), intent(in) :: name
     real(DP), intent(in) :: friction, gap, push(3)
     type(model_type) :: model
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     type(slave_state_type), allocatable :: slaves(:)
     type(error_type), allocatable :: error
@@ -77,7 +77,7 @@ contains
   subroutine check_left_alone(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     type(slave_state_type), allocatable :: slaves(:)
     type(error_type), allocatable :: error
@@ -103,7 +103,7 @@ contains
   subroutine check_corrections(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     type(slave_state_type), allocatable :: slaves(:)
     type(error_type), allocatable :: error

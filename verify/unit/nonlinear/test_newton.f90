@@ -27,7 +27,7 @@ contains
   subroutine run(model, newton, system, state, verdict)
     type(model_type), intent(in) :: model
     type(newton_type), intent(out) :: newton
-    type(equilibrium_type), intent(out) :: system
+    type(equilibrium_type), allocatable, intent(out) :: system
     type(state_type), intent(out) :: state
     integer, intent(out) :: verdict
     type(error_type), allocatable :: error
@@ -47,7 +47,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     type(newton_type) :: newton
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     integer :: verdict
     real(DP) :: top, bottom
@@ -73,7 +73,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     type(newton_type) :: newton
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     integer :: verdict
     call two_blocks(model, 0.2_DP, 0.0_DP, [0.1_DP, 0.0_DP, -0.02_DP])
@@ -94,7 +94,7 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     type(newton_type) :: newton
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     integer :: verdict
     real(DP) :: force
@@ -119,12 +119,13 @@ contains
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     type(newton_type) :: newton
-    type(equilibrium_type) :: system
+    type(equilibrium_type), allocatable :: system
     type(state_type) :: state
     type(error_type), allocatable :: error
     integer :: verdict
     call two_blocks(model, 0.2_DP, 0.0_DP, [0.1_DP, 0.0_DP, -0.02_DP])
     model%steps(1)%controls%i_c = 1
+    model%steps(1)%is_nlgeom = .true.
     call run(model, newton, system, state, verdict)
     call suite%that('limit: too slow after one iteration', verdict == VERDICT_TOO_SLOW .and. newton%measures%iteration == 1)
     newton%outcome = OUTCOME_UNSUPPORTED
