@@ -7,6 +7,7 @@ program test_globalization
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, LINE_SEARCH_NONE
+  use amontons_loads, only: concentrated_type
   use amontons_state, only: state_type
   use amontons_convergence, only: convergence_measures_type
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
@@ -36,13 +37,15 @@ contains
     type(error_type), allocatable :: error
     real(DP), allocatable :: du(:, :)
     integer :: outcome
-    call two_blocks(model, 0.2_DP, 0.5_DP, [0.0_DP, 0.0_DP, -0.1_DP])
+    call two_blocks(model, 0.2_DP, 0.5_DP, [0.0_DP, 0.0_DP, 0.0_DP])
+    model%steps(1)%concentrated = [concentrated_type(start=0.1_DP, end=0.1_DP, node=19, dof=1)]
     call start_blocks(model, system, state)
     call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
     call suite%that('held: Newton', outcome == OUTCOME_OK .and. strategy%step_kind == STEP_KIND_NEWTON .and. &
       strategy%n_proximal == 0 .and. strategy%n_snap_through == 0)
     call suite%that('held: the slaves at its end', allocated(trial%predicted_slaves))
     allocate (du, mold=trial%du)
+    call evaluate_equilibrium(system, model, model%steps(1), state, outcome, is_frozen=.true.)
     call solve_newton_step(system, model, model%steps(1), state, du, outcome, error)
     call suite%near('held: its direction', norm2(trial%du - du), 0.0_DP, 1.0e-12_DP * norm2(du))
     call suite%that('held: nothing is unsolved', .not. is_repeatedly_unsolved(strategy))
