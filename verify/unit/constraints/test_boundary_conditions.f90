@@ -1,4 +1,4 @@
-!> Tests of boundary conditions: offsets to prescribed displacements in time, equations, mid-side nodes, what nothing holds, conflicts.
+!> Tests of boundary conditions: what is missing in time, equations, mid-side nodes, nodes without elements, conflicts.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_boundary_conditions
   use amontons_kinds, only: DP
@@ -139,6 +139,7 @@ contains
     call suite%that('conflict: an error', allocated(error))
     if (allocated(error)) call suite%that('conflict: its line', index(error%message, 'line 77') > 0)
   end subroutine check_conflict
+
 
   include 'sample_blocks.inc'
 

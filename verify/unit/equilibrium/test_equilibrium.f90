@@ -1,4 +1,4 @@
-!> Tests of equilibrium: the evaluation of two blocks against forces known by hand, its linear forecast, norms, and what is restored.
+!> Tests of equilibrium: two blocks against forces known by hand, the linear forecast, norms, and what is restored.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_equilibrium
   use amontons_kinds, only: DP
@@ -166,6 +166,7 @@ contains
     call discard_bulk_factor(system)
     call suite%that('interface: the factor is gone', .not. (system%schur_interface%is_ready .or. allocated(system%bulk_factor_u)))
   end subroutine check_interface
+
 
   include 'sample_blocks.inc'
 

@@ -167,6 +167,7 @@ contains
     call suite%that('correction: none without the interface', outcome /= OUTCOME_OK .and. .not. allocated(error))
   end subroutine check_correction
 
+
   include 'sample_blocks.inc'
 
 end program test_newton_step

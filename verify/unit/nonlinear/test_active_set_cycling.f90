@@ -169,6 +169,7 @@ contains
     call suite%that('release: well inside it comes back', is_released .and. slaves(6)%overrides%edge == NODE_OVERRIDE_NONE)
   end subroutine check_release
 
+
   include 'sample_blocks.inc'
 
 end program test_active_set_cycling

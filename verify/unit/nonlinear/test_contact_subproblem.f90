@@ -121,6 +121,7 @@ contains
     call suite%near('corrections: the same end', norm2(du - corrected), 0.0_DP, 1.0e-3_DP * norm2(du))
   end subroutine check_corrections
 
+
   include 'sample_blocks.inc'
 
 end program test_contact_subproblem

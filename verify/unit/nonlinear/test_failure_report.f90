@@ -170,6 +170,7 @@ contains
     call suite%that('edges: the label of that', index(lines(1), '121') > 0 .and. index(lines(1), 'ran off') > 0)
   end subroutine check_edges
 
+
   include 'sample_blocks.inc'
 
 end program test_failure_report

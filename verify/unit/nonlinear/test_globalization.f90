@@ -148,6 +148,7 @@ contains
     end do
   end subroutine check_drift
 
+
   include 'sample_blocks.inc'
 
 end program test_globalization

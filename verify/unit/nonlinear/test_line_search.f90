@@ -179,6 +179,7 @@ contains
       all(state%new%slaves%status == STATUS_OPEN))
   end subroutine check_counts
 
+
   include 'sample_blocks.inc'
 
 end program test_line_search

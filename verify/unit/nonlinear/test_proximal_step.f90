@@ -117,6 +117,7 @@ contains
     call suite%near('snap: the supports arrive all the same', maxval(abs(du(3, 35:) + 0.02_DP)), 0.0_DP, 1.0e-12_DP)
   end subroutine check_snap_through
 
+
   include 'sample_blocks.inc'
 
 end program test_proximal_step
