@@ -131,168 +131,174 @@ contains
 
 
   !> Analysed and factorised, with the first node fixed.
-  subroutine make_bulk(stiffness, interface, base, status)
+  subroutine make_bulk(stiffness, condensed, base, status)
     type(sparse_type), intent(in) :: stiffness
-    type(schur_interface_type), intent(out) :: interface
-      type(constraints_type), intent(inout) :: base
-      integer, intent(out) :: status
-      type(error_type), allocatable :: error
-      call make_constraints(.false., base)
-      call analyse_bulk(interface, stiffness, base, contact_unknowns(), error)
-      if (allocated(error) .or. .not. interface%is_analysed) error stop 'the analysis'
-      call factorise_bulk(interface, stiffness, base, status, error)
-      if (allocated(error)) error stop 'the factor'
-      end subroutine make_bulk
+    type(schur_interface_type), intent(out) :: condensed
+    type(constraints_type), intent(inout) :: base
+    integer, intent(out) :: status
+    type(error_type), allocatable :: error
+    call make_constraints(.false., base)
+    call analyse_bulk(condensed, stiffness, base, contact_unknowns(), error)
+    if (allocated(error) .or. .not. condensed%is_analysed) error stop 'the analysis'
+    call factorise_bulk(condensed, stiffness, base, status, error)
+    if (allocated(error)) error stop 'the factor'
+  end subroutine make_bulk
 
-      !> x = inv(J) r against the dense solution, with and without a contact row; the factor of the bulk serves both.
-      subroutine check_inverse(suite, has_row)
-        type(suite_type), intent(inout) :: suite
-        logical, intent(in) :: has_row
-        type(sparse_type) :: stiffness, d_r, d_u
-        type(schur_interface_type) :: interface
-          type(constraints_type) :: base, constraints
-          type(error_type), allocatable :: error
-          real(DP), allocatable :: r(:), x(:), exact(:)
-          integer :: status, i
-          logical :: is_complete
-          call make_stiffness(0.1_DP, stiffness)
-          call make_bulk(stiffness, interface, base, status)
-          call suite%that('the bulk is factorised', status == FACTOR_OK .and. interface%is_ready .and. interface%n_contact == 15)
-          call suite%that('the analysis holds', is_analysis_valid(interface, base))
-          call make_constraints(has_row, constraints)
-          call suite%that('but not for other constraints of the base', is_analysis_valid(interface, constraints) .neqv. has_row)
-          do i = 1, 3
-            call make_tangents(0.05_DP * real(i - 1, DP), 0.1_DP * real(i - 1, DP), d_r, d_u)
-            call factorise_interface(interface, base, constraints, d_r, d_u, is_complete, error)
-            call suite%that('complete and regular', is_complete .and. .not. interface%is_singular .and. .not. allocated(error))
-            r = [(cos(real(3 * status + i + status, DP)), status=1, constraints%n_free)]
-            allocate (x, exact, mold=r)
-            call apply_schur_interface(interface, r, x)
-            call solve_small(dense_tangent(stiffness, d_r, d_u, constraints), r, exact, status)
-            call suite%that('the dense one is regular', status == DENSE_OK)
-            call suite%near('the same solution', maxval(abs(x - exact)), 0.0_DP, 1.0e-11_DP * maxval(abs(exact)))
-            deallocate (x, exact)
-          end do
-          end subroutine check_inverse
 
-          !> A right-hand side on the interface alone: the forward solution is left out where the bulk is in balance to what is allowed; one
-  !! on the bulk alone, so large that it counts, is not.
-          subroutine check_interface_alone(suite)
-            type(suite_type), intent(inout) :: suite
-            type(sparse_type) :: stiffness, d_r, d_u
-            type(schur_interface_type) :: interface
-              type(constraints_type) :: base
-              type(error_type), allocatable :: error
-              real(DP) :: r(N - 3), x(N - 3), exact(N - 3)
-              integer :: status, i
-              logical :: is_complete
-              call make_stiffness(0.1_DP, stiffness)
-              call make_bulk(stiffness, interface, base, status)
-              call make_tangents(0.05_DP, 0.1_DP, d_r, d_u)
-              call factorise_interface(interface, base, base, d_r, d_u, is_complete, error)
-              interface%allowed_residual = 1.0e-6_DP
-              do i = 1, 2
-                r = 0.0_DP
-                if (i == 1) r(16) = 1.0_DP                   ! unknown 19: interface
-                if (i == 2) r(2) = 1.0_DP                    ! unknown 5: bulk
-                call apply_schur_interface(interface, r, x)
-                call solve_small(dense_tangent(stiffness, d_r, d_u, base), r, exact, status)
-                call suite%near('one unit force', maxval(abs(x - exact)), 0.0_DP, 1.0e-12_DP)
-              end do
-              end subroutine check_interface_alone
+  !> x = inv(J) r against the dense solution, with and without a contact row; the factor of the bulk serves both.
+  subroutine check_inverse(suite, has_row)
+    type(suite_type), intent(inout) :: suite
+    logical, intent(in) :: has_row
+    type(sparse_type) :: stiffness, d_r, d_u
+    type(schur_interface_type) :: condensed
+    type(constraints_type) :: base, constraints
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: r(:), x(:), exact(:)
+    integer :: status, i
+    logical :: is_complete
+    call make_stiffness(0.1_DP, stiffness)
+    call make_bulk(stiffness, condensed, base, status)
+    call suite%that('the bulk is factorised', status == FACTOR_OK .and. condensed%is_ready .and. condensed%n_contact == 15)
+    call suite%that('the analysis holds', is_analysis_valid(condensed, base))
+    call make_constraints(has_row, constraints)
+    call suite%that('but not for other constraints of the base', is_analysis_valid(condensed, constraints) .neqv. has_row)
+    do i = 1, 3
+      call make_tangents(0.05_DP * real(i - 1, DP), 0.1_DP * real(i - 1, DP), d_r, d_u)
+      call factorise_interface(condensed, base, constraints, d_r, d_u, is_complete, error)
+      call suite%that('complete and regular', is_complete .and. .not. condensed%is_singular .and. .not. allocated(error))
+      r = [(cos(real(3 * status + i + status, DP)), status=1, constraints%n_free)]
+      allocate (x, exact, mold=r)
+      call apply_schur_interface(condensed, r, x)
+      call solve_small(dense_tangent(stiffness, d_r, d_u, constraints), r, exact, status)
+      call suite%that('the dense one is regular', status == DENSE_OK)
+      call suite%near('the same solution', maxval(abs(x - exact)), 0.0_DP, 1.0e-11_DP * maxval(abs(exact)))
+      deallocate (x, exact)
+    end do
+  end subroutine check_inverse
 
-              !> A row that reaches beyond the interface: nothing is made of it.
-              subroutine check_incomplete(suite)
-                type(suite_type), intent(inout) :: suite
-                type(sparse_type) :: stiffness, d_r, d_u
-                type(schur_interface_type) :: interface
-                  type(constraints_type) :: base, constraints
-                  type(constraint_row_type) :: row
-                  type(error_type), allocatable :: error
-                  integer :: status, k
-                  logical :: is_complete
-                  call make_stiffness(0.1_DP, stiffness)
-                  call make_bulk(stiffness, interface, base, status)
-                  call make_tangents(0.0_DP, 0.0_DP, d_r, d_u)
-                  do k = 1, 2
-                    call reset_constraints(constraints, N)
-                    call prescribe_unknown(constraints, 1, 0.0_DP)
-                    call prescribe_unknown(constraints, 2, 0.0_DP)
-                    call prescribe_unknown(constraints, 3, 0.0_DP)
-                    row = constraint_row_type()
-                    row%unknown = merge([16, 10], [10, 16], k == 1)   ! unknown 10 is not on the interface
-                    row%coefficient = [1.0_DP, -1.0_DP]
-                    call add_constraint_row(constraints, row, 1, 1.0e-9_DP, status)
-                    call eliminate_constraints(constraints)
-                    call factorise_interface(interface, base, constraints, d_r, d_u, is_complete, error)
-                    call suite%that('a row beyond the interface', .not. is_complete .and. .not. allocated(error))
-                  end do
-                  end subroutine check_incomplete
 
-                  !> A contact tangent that takes the stiffness of an unknown away: the interface has no inverse.
-                  subroutine check_singular(suite)
-                    type(suite_type), intent(inout) :: suite
-                    type(sparse_type) :: stiffness, d_r, d_u
-                    type(schur_interface_type) :: interface
-                      type(constraints_type) :: base
-                      type(error_type), allocatable :: error
-                      integer :: status, i
-                      logical :: is_complete
-                      call make_stiffness(0.1_DP, stiffness)
-                      call make_bulk(stiffness, interface, base, status)
-                      call sparse_from_triplets(N, N, [(i, i=13, 27)], [(i, i=13, 27)], [(-1.0_DP, i=13, 27)], d_r, error)
-                      call sparse_from_triplets(N, N, [integer ::], [integer ::], [real(DP) ::], d_u, error)
-                      call factorise_interface(interface, base, base, d_r, d_u, is_complete, error)
-                      call suite%that('nothing holds the interface', is_complete .and. interface%is_singular)
-                      call make_tangents(0.0_DP, 0.0_DP, d_r, d_u)
-                      call factorise_interface(interface, base, base, d_r, d_u, is_complete, error)
-                      call suite%that('without contact the bulk does', .not. interface%is_singular)
-                      end subroutine check_singular
+  !> A force on the interface alone: the forward solution is left out. A force on the bulk alone counts: it is more than what is
+  !! allowed.
+  subroutine check_interface_alone(suite)
+    type(suite_type), intent(inout) :: suite
+    type(sparse_type) :: stiffness, d_r, d_u
+    type(schur_interface_type) :: condensed
+    type(constraints_type) :: base
+    type(error_type), allocatable :: error
+    real(DP) :: r(N - 3), x(N - 3), exact(N - 3)
+    integer :: status, i
+    logical :: is_complete
+    call make_stiffness(0.1_DP, stiffness)
+    call make_bulk(stiffness, condensed, base, status)
+    call make_tangents(0.05_DP, 0.1_DP, d_r, d_u)
+    call factorise_interface(condensed, base, base, d_r, d_u, is_complete, error)
+    condensed%allowed_residual = 1.0e-6_DP
+    do i = 1, 2
+      r = 0.0_DP
+      if (i == 1) r(16) = 1.0_DP                   ! unknown 19: interface
+      if (i == 2) r(2) = 1.0_DP                    ! unknown 5: bulk
+      call apply_schur_interface(condensed, r, x)
+      call solve_small(dense_tangent(stiffness, d_r, d_u, base), r, exact, status)
+      call suite%near('one unit force', maxval(abs(x - exact)), 0.0_DP, 1.0e-12_DP)
+    end do
+  end subroutine check_interface_alone
 
-                      !> Springs by their products: the same solution as with their matrix in D_u.
-                      subroutine check_springs(suite)
-                        type(suite_type), intent(inout) :: suite
-                        type(sparse_type) :: stiffness, none, d_u
-                        type(schur_interface_type) :: interface
-                          type(constraints_type) :: base
-                          type(contact_springs_type) :: springs
-                          type(error_type), allocatable :: error
-                          real(DP) :: r(N - 3), x(N - 3), exact(N - 3)
-                          integer :: status, i
-                          logical :: is_complete, is_fit
-                          call make_stiffness(0.1_DP, stiffness)
-                          call make_bulk(stiffness, interface, base, status)
-                          call sparse_from_triplets(N, 3, [16, 22, 17, 18], [1, 1, 2, 3], [1.0_DP, -1.0_DP, 1.0_DP, 1.0_DP], &
-                            springs%force_distribution, error)
-                          call sparse_from_triplets(3, N, [1, 1, 2, 3], [16, 22, 17, 18], [-3.0_DP, 3.0_DP, -1.0_DP, -2.0_DP], &
-                            springs%spring_tangent, error)
-                          call sparse_from_triplets(N, 2, [16], [1], [0.2_DP], springs%distribution_change, error)
-                          call sparse_from_triplets(2, N, [1], [19], [0.5_DP], springs%projection_gradient, error)
-                          call sparse_from_triplets(N, N, [16, 16, 22, 22, 17, 18, 16], [16, 22, 16, 22, 17, 18, 19], &
-                            [-3.0_DP, 3.0_DP, 3.0_DP, -3.0_DP, -1.0_DP, -2.0_DP, 0.1_DP], d_u, error)
-                          call sparse_from_triplets(N, N, [integer ::], [integer ::], [real(DP) ::], none, error)
-                          call factorise_woodbury(interface, base, base, springs, is_complete, is_fit, error)
-                call suite%that('springs: fit', is_complete .and. is_fit .and. interface%is_invertible .and. .not. allocated(error))
-                          interface%allowed_residual = 1.0e-9_DP
-                          r = [(cos(real(i * i, DP)), i=1, N - 3)]
-                          call apply_schur_interface(interface, r, x)
-                          call solve_small(dense_tangent(stiffness, none, d_u, base), r, exact, status)
-                       call suite%near('springs: the same solution', maxval(abs(x - exact)), 0.0_DP, 1.0e-9_DP * maxval(abs(exact)))
-                          call factorise_interface(interface, base, base, none, d_u, is_complete, error)
-                          call apply_schur_interface(interface, r, x)
-                        call suite%near('springs: and as a matrix', maxval(abs(x - exact)), 0.0_DP, 1.0e-11_DP * maxval(abs(exact)))
-                          end subroutine check_springs
 
-                          !> A bulk that is not stable away from the interface has no factor.
-                          subroutine check_indefinite(suite)
-                            type(suite_type), intent(inout) :: suite
-                            type(sparse_type) :: stiffness
-                            type(schur_interface_type) :: interface
-                              type(constraints_type) :: base
-                              integer :: status
-                              call make_stiffness(-20.0_DP, stiffness)
-                              call make_bulk(stiffness, interface, base, status)
-                              call suite%that('not stable', status /= FACTOR_OK .and. .not. interface%is_ready)
-                              end subroutine check_indefinite
+  !> A row that reaches beyond the interface: nothing is made of it.
+  subroutine check_incomplete(suite)
+    type(suite_type), intent(inout) :: suite
+    type(sparse_type) :: stiffness, d_r, d_u
+    type(schur_interface_type) :: condensed
+    type(constraints_type) :: base, constraints
+    type(constraint_row_type) :: row
+    type(error_type), allocatable :: error
+    integer :: status, k
+    logical :: is_complete
+    call make_stiffness(0.1_DP, stiffness)
+    call make_bulk(stiffness, condensed, base, status)
+    call make_tangents(0.0_DP, 0.0_DP, d_r, d_u)
+    do k = 1, 2
+      call reset_constraints(constraints, N)
+      call prescribe_unknown(constraints, 1, 0.0_DP)
+      call prescribe_unknown(constraints, 2, 0.0_DP)
+      call prescribe_unknown(constraints, 3, 0.0_DP)
+      row = constraint_row_type()
+      row%unknown = merge([16, 10], [10, 16], k == 1)   ! unknown 10 is not on the interface
+      row%coefficient = [1.0_DP, -1.0_DP]
+      call add_constraint_row(constraints, row, 1, 1.0e-9_DP, status)
+      call eliminate_constraints(constraints)
+      call factorise_interface(condensed, base, constraints, d_r, d_u, is_complete, error)
+      call suite%that('a row beyond the interface', .not. is_complete .and. .not. allocated(error))
+    end do
+  end subroutine check_incomplete
 
-                              end program test_schur_interface
+
+  !> A contact tangent that takes the stiffness of an unknown away: the interface has no inverse.
+  subroutine check_singular(suite)
+    type(suite_type), intent(inout) :: suite
+    type(sparse_type) :: stiffness, d_r, d_u
+    type(schur_interface_type) :: condensed
+    type(constraints_type) :: base
+    type(error_type), allocatable :: error
+    integer :: status, i
+    logical :: is_complete
+    call make_stiffness(0.1_DP, stiffness)
+    call make_bulk(stiffness, condensed, base, status)
+    call sparse_from_triplets(N, N, [(i, i=13, 27)], [(i, i=13, 27)], [(-1.0_DP, i=13, 27)], d_r, error)
+    call sparse_from_triplets(N, N, [integer ::], [integer ::], [real(DP) ::], d_u, error)
+    call factorise_interface(condensed, base, base, d_r, d_u, is_complete, error)
+    call suite%that('nothing holds the interface', is_complete .and. condensed%is_singular)
+    call make_tangents(0.0_DP, 0.0_DP, d_r, d_u)
+    call factorise_interface(condensed, base, base, d_r, d_u, is_complete, error)
+    call suite%that('without contact the bulk does', .not. condensed%is_singular)
+  end subroutine check_singular
+
+
+  !> Springs by their products: the same solution as with their matrix in D_u.
+  subroutine check_springs(suite)
+    type(suite_type), intent(inout) :: suite
+    type(sparse_type) :: stiffness, none, d_u
+    type(schur_interface_type) :: condensed
+    type(constraints_type) :: base
+    type(contact_springs_type) :: springs
+    type(error_type), allocatable :: error
+    real(DP) :: r(N - 3), x(N - 3), exact(N - 3)
+    integer :: status, i
+    logical :: is_complete, is_fit
+    call make_stiffness(0.1_DP, stiffness)
+    call make_bulk(stiffness, condensed, base, status)
+    call sparse_from_triplets(N, 3, [16, 22, 17, 18], [1, 1, 2, 3], [1.0_DP, -1.0_DP, 1.0_DP, 1.0_DP], &
+      springs%force_distribution, error)
+    call sparse_from_triplets(3, N, [1, 1, 2, 3], [16, 22, 17, 18], [-3.0_DP, 3.0_DP, -1.0_DP, -2.0_DP], &
+      springs%spring_tangent, error)
+    call sparse_from_triplets(N, 2, [16], [1], [0.2_DP], springs%distribution_change, error)
+    call sparse_from_triplets(2, N, [1], [19], [0.5_DP], springs%projection_gradient, error)
+    call sparse_from_triplets(N, N, [16, 16, 22, 22, 17, 18, 16], [16, 22, 16, 22, 17, 18, 19], &
+      [-3.0_DP, 3.0_DP, 3.0_DP, -3.0_DP, -1.0_DP, -2.0_DP, 0.1_DP], d_u, error)
+    call sparse_from_triplets(N, N, [integer ::], [integer ::], [real(DP) ::], none, error)
+    call factorise_woodbury(condensed, base, base, springs, is_complete, is_fit, error)
+    call suite%that('springs: fit', is_complete .and. is_fit .and. condensed%is_invertible .and. .not. allocated(error))
+    condensed%allowed_residual = 1.0e-9_DP
+    r = [(cos(real(i * i, DP)), i=1, N - 3)]
+    call apply_schur_interface(condensed, r, x)
+    call solve_small(dense_tangent(stiffness, none, d_u, base), r, exact, status)
+    call suite%near('springs: the same solution', maxval(abs(x - exact)), 0.0_DP, 1.0e-9_DP * maxval(abs(exact)))
+    call factorise_interface(condensed, base, base, none, d_u, is_complete, error)
+    call apply_schur_interface(condensed, r, x)
+    call suite%near('springs: and as a matrix', maxval(abs(x - exact)), 0.0_DP, 1.0e-11_DP * maxval(abs(exact)))
+  end subroutine check_springs
+
+
+  !> A bulk that is not stable away from the interface has no factor.
+  subroutine check_indefinite(suite)
+    type(suite_type), intent(inout) :: suite
+    type(sparse_type) :: stiffness
+    type(schur_interface_type) :: condensed
+    type(constraints_type) :: base
+    integer :: status
+    call make_stiffness(-20.0_DP, stiffness)
+    call make_bulk(stiffness, condensed, base, status)
+    call suite%that('not stable', status /= FACTOR_OK .and. .not. condensed%is_ready)
+  end subroutine check_indefinite
+
+end program test_schur_interface
