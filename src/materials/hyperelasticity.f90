@@ -71,7 +71,7 @@ contains
         response%tau = response%tau - 2 * mu / alpha * power
         response%slope = response%slope + 2 * mu * beta * (1 + power)
         if (abs(beta) > 0) then
-          response%energy = response%energy + 2 * mu / alpha**2 * (power / beta + alpha * log_volume_ratio)
+          response%energy = response%energy + 2 * mu / alpha**2 * exp_minus_linear(-alpha * beta * log_volume_ratio) / beta
         end if
       end associate
     end do

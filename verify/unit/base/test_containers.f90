@@ -1,0 +1,93 @@
+!> Unit test of amontons_containers: names, labels, lists, sorting and the distance of words.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_containers
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_integers, edit_distance
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  call check_names()
+  call check_labels()
+  call check_list()
+  call check_sort()
+  call check_distance()
+  call suite%finish()
+
+contains
+
+  !> A thousand names are found again; what is not there is not.
+  subroutine check_names()
+    type(name_table_type) :: table
+    character(12) :: name
+    integer :: i, position
+    logical :: is_new
+    call suite%that('empty', table%find('A') == 0)
+    do i = 1, 1000
+      write (name, '(a,i0)') 'SET-', i
+      call table%add(trim(name), position, is_new)
+      call suite%that('new', is_new .and. position == i)
+    end do
+    call table%add('SET-500', position, is_new)
+    call suite%that('known', .not. is_new .and. position == 500 .and. table%n == 1000)
+    call suite%that('found', table%find('SET-1') == 1 .and. table%find('SET-1000') == 1000)
+    call suite%that('not there', table%find('SET-1001') == 0)
+    table = name_table_type()
+    call table%add('BOTTOM', position, is_new)
+    call table%add('TOP', position, is_new)
+    call suite%that('one letter wrong', table%nearest('BOTOM') == 1)
+    call suite%that('nothing near', table%nearest('XYZQWERTY') == 0)
+    call suite%that('a suggestion', index(table%suggest('BOTOM'), 'BOTTOM') > 0)
+  end subroutine check_names
+
+
+  !> Dense labels, labels far apart, labels that come twice.
+  subroutine check_labels()
+    type(label_table_type) :: table
+    integer :: i
+    call table%build([(10 + i, i=1, 50)])
+    call suite%that('dense', all([(table%find(10 + i), i=1, 50)] == [(i, i=1, 50)]))
+    call suite%that('outside', table%find(10) == 0 .and. table%find(61) == 0 .and. table%find(-5) == 0)
+    call table%build([1000000000, 3, 70000, 5, 3])
+    call suite%that('far apart', table%find(1000000000) == 1 .and. table%find(70000) == 3 .and. table%find(5) == 4)
+    call suite%that('twice: the first', table%find(3) == 2)
+    call suite%that('between', table%find(4) == 0 .and. table%find(999999999) == 0)
+  end subroutine check_labels
+
+
+  subroutine check_list()
+    type(integer_list_type) :: list
+    integer :: i
+    call suite%that('empty', size(list%trimmed()) == 0)
+    do i = 1, 300
+      call list%add(i * i)
+    end do
+    call suite%that('all', all(list%trimmed() == [(i * i, i=1, 300)]))
+  end subroutine check_list
+
+
+  !> Sorted, and stable: of equal keys the companion keeps its order.
+  subroutine check_sort()
+    integer :: keys(997), companion(997), i, n
+    logical :: is_sorted, is_stable
+    do n = 0, 997, 1 + 83
+      keys(:n) = [(modulo(7919 * i * i, 101) - 50, i=1, n)]
+      companion(:n) = [(i, i=1, n)]
+      call sort_integers(keys(:n), companion(:n))
+      is_sorted = all(keys(2:n) >= keys(:n - 1))
+      is_stable = all(keys(2:n) > keys(:n - 1) .or. companion(2:n) > companion(:n - 1))
+      call suite%that('sorted', is_sorted)
+      call suite%that('stable', is_stable)
+      call suite%that('keys and companions', all([(keys(i) == modulo(7919 * companion(i)**2, 101) - 50, i=1, n)]))
+    end do
+  end subroutine check_sort
+
+
+  subroutine check_distance()
+    call suite%that('the same', edit_distance('NODE', 'NODE') == 0)
+    call suite%that('changed', edit_distance('NODE', 'NOSE') == 1)
+    call suite%that('put in, left out', edit_distance('NODE', 'NODES') == 1 .and. edit_distance('NODES', 'NODE') == 1)
+    call suite%that('exchanged', edit_distance('NODE', 'NDOE') == 1)
+    call suite%that('of nothing', edit_distance('', 'ABC') == 3)
+    call suite%that('several', edit_distance('KITTEN', 'SITTING') == 3)
+  end subroutine check_distance
+
+end program test_containers

@@ -1,0 +1,145 @@
+!> Unit test of amontons_hourglass: no force on linear fields, energy against force and stiffness, bending of a brick.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_hourglass
+  use amontons_elasticity, only: isotropic_tangent
+  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  use amontons_kinds, only: DP
+  use amontons_tensor, only: IDENTITY
+  use amontons_topology, only: MAX_ELEMENT_NODES
+  use check, only: suite_type
+  implicit none
+  type(suite_type) :: suite
+  integer, parameter :: N_DOF = 3 * MAX_ELEMENT_NODES
+  real(DP), parameter :: SIGNS(3, 8) = reshape([real(DP) :: &
+    -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
+  real(DP), parameter :: A(3, 3) = reshape([1.3_DP, 0.2_DP, -0.1_DP, 0.1_DP, 0.8_DP, 0.3_DP, -0.2_DP, 0.1_DP, 1.1_DP], [3, 3])
+  integer :: i, n_seed, d
+  logical :: is_artificial
+  call random_seed(size=n_seed)
+  call random_seed(put=[(122949823 + 31 * i, i=1, n_seed)])
+  do d = 2, 3
+    is_artificial = .false.
+    do i = 1, 2
+      call check_linear_fields(d, is_artificial)
+      call check_derivatives(d, is_artificial, .false.)
+      call check_derivatives(d, is_artificial, .true.)
+      is_artificial = .true.
+    end do
+  end do
+  call check_bending()
+  call suite%finish()
+
+contains
+
+  !> A parallelepiped or a parallelogram: its mean gradients are those of its middle.
+  subroutine make(d, is_artificial, X, hourglass)
+    integer, intent(in) :: d
+    logical, intent(in) :: is_artificial
+    real(DP), intent(out) :: X(3, 8)
+    type(hourglass_type), intent(out) :: hourglass
+    real(DP) :: inverse(3, 3), gradient(8, 3), volume, across(8)
+    integer :: n
+    n = 2**d
+    X = 0
+    X(:d, :n) = matmul(A(:d, :d), SIGNS(:d, :n))
+    inverse = IDENTITY
+    volume = A(1, 1) * A(2, 2) - A(1, 2) * A(2, 1)
+    inverse(:2, :2) = reshape([A(2, 2), -A(2, 1), -A(1, 2), A(1, 1)], [2, 2]) / volume
+    if (d == 3) call invert_matrix(inverse, volume)
+    gradient(:n, :d) = matmul(transpose(SIGNS(:d, :n)), inverse(:d, :d)) / real(n, DP)
+    volume = volume * real(n, DP)
+    call set_physical_hourglass(d, X, gradient(:n, :d), volume, isotropic_tangent(3.0_DP, 2.0_DP), hourglass)
+    across = 0.25_DP
+    if (is_artificial) call set_artificial_hourglass(hourglass, volume, isotropic_tangent(3.0_DP, 2.0_DP), across(:n), 1.0_DP)
+  end subroutine make
+
+
+  !> The inverse of A and its determinant.
+  subroutine invert_matrix(inverse, det)
+    real(DP), intent(out) :: inverse(3, 3), det
+    integer :: r, c
+    do r = 1, 3
+      do c = 1, 3
+        inverse(c, r) = A(modulo(r, 3) + 1, modulo(c, 3) + 1) * A(modulo(r + 1, 3) + 1, modulo(c + 1, 3) + 1) &
+          - A(modulo(r, 3) + 1, modulo(c + 1, 3) + 1) * A(modulo(r + 1, 3) + 1, modulo(c, 3) + 1)
+      end do
+    end do
+    det = dot_product(A(1, :), inverse(:, 1))
+    inverse = inverse / det
+  end subroutine invert_matrix
+
+
+  !> No energy and no force where the displacements are linear, also in large rotations.
+  subroutine check_linear_fields(d, is_artificial)
+    integer, intent(in) :: d
+    logical, intent(in) :: is_artificial
+    type(hourglass_type) :: hourglass
+    real(DP) :: X(3, 8), u(3, 8), force(3, MAX_ELEMENT_NODES), energy, H(3, 3)
+    call make(d, is_artificial, X, hourglass)
+    call random_number(H)
+    u = matmul(H, X)
+    u(1, :) = u(1, :) + 7
+    u(d + 1:, :) = 0
+    force = 0
+    call add_hourglass_forces(hourglass, u, .true., energy, force)
+    call suite%near('a linear field: energy', energy, 0.0_DP, 1.0e-25_DP)
+    call suite%near('a linear field: force', norm2(force), 0.0_DP, 1.0e-12_DP)
+    u(1, 1) = u(1, 1) + 1
+    call add_hourglass_forces(hourglass, u, .true., energy, force)
+    call suite%that('one corner moved: energy', energy > 1.0e-4_DP)
+  end subroutine check_linear_fields
+
+
+  !> The force is the derivative of the energy, the stiffness that of the force, and what was there stays.
+  subroutine check_derivatives(d, is_artificial, is_nlgeom)
+    integer, intent(in) :: d
+    logical, intent(in) :: is_artificial, is_nlgeom
+    type(hourglass_type) :: hourglass
+    real(DP) :: X(3, 8), u(3, 8), v(3, 8), force(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), plus, minus, energy, row(24)
+    real(DP) :: other(3, MAX_ELEMENT_NODES), before(3, MAX_ELEMENT_NODES)
+    real(DP), parameter :: STEP = 1.0e-5_DP
+    integer :: n, i, k_node, j
+    n = 2**d
+    call make(d, is_artificial, X, hourglass)
+    call random_number(u)
+    u(d + 1:, :) = 0
+    force = 1
+    K = 0
+    call add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, K)
+    do k_node = 1, n
+      do i = 1, d
+        v = u
+        v(i, k_node) = u(i, k_node) + STEP
+        other = 0
+        call add_hourglass_forces(hourglass, v, is_nlgeom, plus, other)
+        v(i, k_node) = u(i, k_node) - STEP
+        before = 0
+        call add_hourglass_forces(hourglass, v, is_nlgeom, minus, before)
+        call suite%near('force', force(i, k_node) - 1, (plus - minus) / (2 * STEP), 1.0e-8_DP)
+        other = (other - before) / (2 * STEP)
+        j = d * (k_node - 1) + i
+        row(:d * n) = reshape(other(:d, :n), [d * n])
+        if (d == 2) j = 3 * (k_node - 1) + i
+        if (d == 2) call suite%near('stiffness', norm2(reshape(K(j, :3 * n), [3, n]) - other(:, :n)), 0.0_DP, 1.0e-7_DP)
+        if (d == 3) call suite%near('stiffness', norm2(K(j, :d * n) - row(:d * n)), 0.0_DP, 1.0e-7_DP)
+      end do
+    end do
+    call suite%that('symmetric', all(K == transpose(K)) .and. norm2(K) > 1.0e-4_DP)
+  end subroutine check_derivatives
+
+
+  !> Bending of a cube, u_x = xi eta: the strain xx = eta has the energy E/2 times the integral of eta^2.
+  subroutine check_bending()
+    type(hourglass_type) :: hourglass
+    real(DP) :: u(3, 8), force(3, MAX_ELEMENT_NODES), energy
+    real(DP), parameter :: LAMBDA = 0, G = 2
+    call set_physical_hourglass(3, SIGNS, transpose(SIGNS) / 8, 8.0_DP, isotropic_tangent(LAMBDA, G), hourglass)
+    u = 0
+    u(1, :) = SIGNS(1, :) * SIGNS(2, :)
+    force = 0
+    call add_hourglass_forces(hourglass, u, .false., energy, force)
+    call suite%near('bending of a cube', energy, 0.5_DP * 2 * G * 8 / 3, 1.0e-13_DP)
+    call suite%near('its force does that work', sum(force(:, :8) * u), 2 * energy, 1.0e-13_DP)
+  end subroutine check_bending
+
+end program test_hourglass
