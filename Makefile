@@ -130,7 +130,7 @@ $(B)/%.o: %.c
 $(B)/suitesparse_shim.o $(B)/supernodes_shim.o: supernodes_shim.h
 $(B)/supernodes_shim.o: supernodes_solve.h
 
-$(addprefix $(B)/,$(addsuffix .o,$(filter dense sprung woodbury_interface,$(MODULES)))): dense.inc
+$(addprefix $(B)/,$(addsuffix .o,dense woodbury_interface)): dense.inc
 
 unit: $(UNITS) ## Build the unit test programs
 	@:

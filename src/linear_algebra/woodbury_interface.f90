@@ -119,7 +119,7 @@ contains
     if (allocated(error)) return
     spread_t = sparse_transpose(springs%force_distribution)
     call compute_coupling(self, spread_t)
-    if (.not. maxval(abs(self%lu)) < MAX_COUPLING_ENTRY) return
+    if (.not. all(abs(self%lu) < MAX_COUPLING_ENTRY)) return
     call factorise_dense(self%lu, self%pivots, status)
     is_accurate = status == DENSE_OK
   end subroutine factorise_spring_coupling

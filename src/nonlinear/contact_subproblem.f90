@@ -1,7 +1,7 @@
 !> Settle: contact is solved to the end while the bulk stays linear, so that a Newton step starts and ends with settled statuses.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Contact settles ahead". A Newton direction du is right for the statuses that its rows
+!! Theory: doc/theory/newton.md, "Contact subproblem". A Newton direction du is right for the statuses that its rows
 !! were made of. With the bulk linearised at u, its imbalance at u + du is known without the elements,
 !!
 !!     Rhat(u + du) = Rhat(u) - E K du,

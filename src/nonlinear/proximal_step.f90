@@ -47,8 +47,8 @@ contains
     is_motion_unrestrained = outcome == OUTCOME_LINEAR_SOLVER .and. size(system%contact%slip_data) > 0
     if (outcome /= OUTCOME_OK .or. size(system%contact%slip_data) == 0) return
     missing_displacement = max_components(system, reshape(system%base%offset, shape(du)), 1)
-    is_motion_unrestrained = .not. maxval(nodal_norms(system, du, 1)) <= mesh_extent(model%mesh) + 2.0_DP &
-      * maxval(missing_displacement)
+    is_motion_unrestrained = .not. all(nodal_norms(system, du, 1) <= mesh_extent(model%mesh) + 2.0_DP &
+      * maxval(missing_displacement))   ! maxval would skip a NaN
     is_motion_unrestrained = is_motion_unrestrained .or. system%is_interface_singular
   end function is_motion_unrestrained
 
