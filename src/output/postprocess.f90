@@ -25,7 +25,7 @@ module amontons_postprocess
     MAX_FACET_POINTS
   use amontons_element, only: evaluate_point_volumes, set_temperature_weights
   use amontons_material_point, only: evaluate_thermal_strain
-  use amontons_model, only: model_type, absent_elements, material_in_step, DIALECT_CALCULIX
+  use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
   use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR, BEHAVIOR_USER
