@@ -12,7 +12,7 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, reduction_type
-  public :: sparse_from_triplets, entry_position, sparse_transpose, full_from_upper, sparse_product, sparse_sum
+  public :: sparse_from_triplets, sparse_transpose, full_from_upper, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 
