@@ -18,6 +18,7 @@ module amontons_mortar_segmentation
   public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
     build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, &
     find_depth, integrate_segments, choose_quadrature_order, find_natural_coordinates
+  public :: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
 
   real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
                                                      !! [-]

@@ -25,7 +25,7 @@ module amontons_line_search
     nodal_norms, OUTCOME_OK
   implicit none
   private
-  public :: line_search_report_type, perform_line_search
+  public :: line_search_report_type, perform_line_search, MERIT_DECREASE_RATIO
 
   integer, parameter :: MAX_LENGTH_HALVINGS = 4
   real(DP), parameter :: TOL_PRESCRIBED = 1.0e-13_DP      !< of the largest displacement: a prescribed one that misses less is
