@@ -44,7 +44,7 @@ uses_card_table = card_schema card_materials
 uses_deck_labels = kinds text containers topology cards
 uses_deck_reader = kinds text containers mesh model cards card_schema
 uses_deck_mesh = kinds text containers materials topology mesh model cards card_schema deck_labels deck_reader
-uses_deck_initial_conditions = kinds text containers loads materials mesh model cards card_schema deck_reader
+uses_deck_initial_conditions = kinds text containers loads materials model cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers topology mesh deck_reader
@@ -55,13 +55,13 @@ uses_deck_couplings = kinds text tensor topology mesh mpc_data model cards card_
 uses_deck_parts = kinds text tensor topology cards
 uses_deck_generate = kinds text tensor cards deck_labels
 uses_deck_restart = kinds text errors restart_file model cards card_schema
-uses_explain = kinds text loads materials topology surfaces steps model cards card_schema deck_reader
+uses_explain = text loads materials topology surfaces model cards card_schema deck_reader
 uses_deck_springs = kinds text materials topology mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
 uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_mesh
 uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads topology model cards card_schema deck_reader deck_surfaces load_propagation
-uses_deck_steps = kinds text materials topology mesh mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
+uses_deck_steps = kinds text materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
 uses_deck = text errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_mpc deck_couplings deck_parts deck_generate deck_restart explain deck_springs deck_sets deck_output deck_steps
 
 # materials
@@ -72,20 +72,20 @@ uses_plasticity = kinds materials
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
 uses_material_point = kinds tensor materials logarithmic_strain elasticity hyperelasticity plasticity user_material
 uses_integration_points = kinds tensor materials topology user_material material_point
-uses_zero_stress_condition = kinds tensor materials elasticity material_point integration_points
+uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point integration_points
 
 # elements
 uses_shape_functions = kinds topology
 uses_truss_spring_mass = kinds materials topology elasticity material_point integration_points zero_stress_condition shape_functions
 uses_hourglass = kinds tensor topology
-uses_plane_elements = kinds tensor materials topology elasticity material_point integration_points zero_stress_condition shape_functions hourglass
+uses_plane_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass
 uses_incompatible_modes = kinds tensor topology
 uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes
 uses_element = kinds tensor materials topology integration_points shape_functions truss_spring_mass plane_elements solid_elements
 uses_hex8_simd = kinds materials topology elasticity shape_functions
 
 # contact_geometry
-uses_facets = kinds errors tensor analytic_profiles topology mesh shape_functions
+uses_facets = kinds containers errors tensor analytic_profiles topology mesh shape_functions
 uses_analytic_master = kinds tensor analytic_profiles topology facets
 uses_contact_constraint_rows = kinds topology shape_functions facets analytic_master
 uses_facet_search = kinds facets
@@ -102,8 +102,8 @@ uses_node_overrides = kinds
 # mortar
 uses_dual_shape_functions = kinds dense topology
 uses_polygon_clipping = kinds topology shape_functions facets
-uses_face_integration_points = kinds tensor topology shape_functions facets facet_search polygon_clipping
 uses_mortar_segmentation = kinds tensor topology facets facet_search dual_shape_functions polygon_clipping
+uses_face_integration_points = kinds tensor topology shape_functions facets facet_search polygon_clipping mortar_segmentation
 uses_mortar = kinds errors topology mesh facets contact_constraint_rows facet_search surface_projection tributary_areas dual_shape_functions polygon_clipping mortar_segmentation
 uses_segment_derivatives = kinds tensor dense topology shape_functions facets dual_shape_functions polygon_clipping mortar_segmentation
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
@@ -115,7 +115,7 @@ uses_user_state = kinds errors loads user_routines materials topology mesh model
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
-uses_assembly = kinds errors sparse partition materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
+uses_assembly = kinds containers errors sparse partition materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
 uses_external_loads = kinds tensor loads materials topology mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
 uses_stabilization = kinds sparse mesh steps state
 
@@ -148,7 +148,7 @@ uses_newton_step = kinds errors iteration_records sparse factorization krylov wo
 
 # model_check
 uses_model_check_bodies = kinds text errors topology model element
-uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state contact_pairs model_check_bodies
+uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
@@ -156,14 +156,14 @@ uses_model_check = kinds text containers errors loads topology steps model eleme
 # nonlinear
 uses_active_set_history = kinds state
 uses_active_set_cycling = kinds surfaces surface_projection node_overrides state contact_pairs active_set_history
-uses_contact_subproblem = kinds errors steps model state equilibrium newton_step active_set_history active_set_cycling
+uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
+uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
+uses_contact_subproblem = kinds errors steps model state equilibrium newton_step active_set_history active_set_cycling line_search
 uses_convergence = kinds steps
 uses_failure_words = text failure
 uses_proximal_step = kinds errors mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors steps model state equilibrium newton_step contact_subproblem convergence proximal_step
-uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
-uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
-uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence globalization tunnelling_check line_search
+uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling tunnelling_check line_search convergence globalization
 uses_failure_report = kinds failure iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
 uses_increment_control = kinds steps convergence
 

@@ -7,6 +7,7 @@
 !! is bitwise the same for any number of threads.
 module amontons_assembly
   use amontons_kinds, only: DP
+  use amontons_containers, only: sort_ascending
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes
@@ -231,23 +232,6 @@ contains
       end do
     end do
   end subroutine invert_connectivity
-
-
-  !> Insertion sort: the lists are short.
-  pure subroutine sort_ascending(list)
-    integer, intent(inout) :: list(:)
-    integer :: i, k, item
-    do i = 2, size(list)
-      item = list(i)
-      k = i
-      do while (k > 1)
-        if (list(k - 1) <= item) exit
-        list(k) = list(k - 1)
-        k = k - 1
-      end do
-      list(k) = item
-    end do
-  end subroutine sort_ascending
 
 
   !> Three rows for each node; the row of component r of node i starts with its own unknown.

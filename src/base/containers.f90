@@ -5,7 +5,7 @@ module amontons_containers
   use amontons_text, only: name_key
   implicit none
   private
-  public :: name_table_type, label_table_type, integer_list_type, sort_integers, edit_distance
+  public :: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, edit_distance
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
 
@@ -264,6 +264,23 @@ contains
       items = self%items(:self%n)
     end if
   end function trimmed_integers
+
+
+  !> Sorts a short list in place by insertion.
+  pure subroutine sort_ascending(list)
+    integer, intent(inout) :: list(:)                  !< (n)
+    integer :: i, k, item
+    do i = 2, size(list)
+      item = list(i)
+      k = i
+      do while (k > 1)
+        if (list(k - 1) <= item) exit
+        list(k) = list(k - 1)
+        k = k - 1
+      end do
+      list(k) = item
+    end do
+  end subroutine sort_ascending
 
 
   !> Stable ascending merge sort, bottom-up; a second array is permuted with the keys. Cost: n log n.

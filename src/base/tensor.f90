@@ -7,7 +7,7 @@ module amontons_tensor
   implicit none
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
-  public :: cross_product, outer_product, determinant, determinant_minus_one, invert, trace
+  public :: cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
   public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -26,6 +26,14 @@ contains
     c(2) = a(3) * b(1) - a(1) * b(3)
     c(3) = a(1) * b(2) - a(2) * b(1)
   end function cross_product
+
+
+  !> [a]x, the matrix with [a]x b = a x b.
+  pure function skew_matrix(a) result(matrix)
+    real(DP), intent(in) :: a(3)
+    real(DP) :: matrix(3, 3)
+    matrix = reshape([0.0_DP, a(3), -a(2), -a(3), 0.0_DP, a(1), a(2), -a(1), 0.0_DP], [3, 3])
+  end function skew_matrix
 
 
   !> The trace of a 3x3 matrix.

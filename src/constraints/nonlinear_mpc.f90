@@ -18,7 +18,7 @@
 module amontons_nonlinear_mpc
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_tensor, only: cross_product
+  use amontons_tensor, only: cross_product, skew_matrix
   use amontons_mesh, only: mesh_extent
   use amontons_loads, only: equation_type
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
@@ -494,14 +494,6 @@ contains
         + c * (matmul(E, S_matrix) + matmul(S_matrix, E))
     end do
   end subroutine rotation_matrix
-
-
-  !> [w] with [w] x = w x x.
-  pure function skew_matrix(w) result(S)
-    real(DP), intent(in) :: w(3)
-    real(DP) :: S(3, 3)
-    S = reshape([0.0_DP, w(3), -w(2), -w(3), 0.0_DP, w(1), w(2), -w(1), 0.0_DP], [3, 3])
-  end function skew_matrix
 
 
   !> The three unknowns of a node.

@@ -13,7 +13,7 @@ module amontons_contact_evaluation
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_row_imbalance, distribute_row_force
   use amontons_sparse, only: multiply
-  use amontons_shared_slave_nodes, only: free_projector, support_free_projector, is_friction_in_other_pair
+  use amontons_shared_slave_nodes, only: free_projector, support_free_projector, is_friction_in_other_pair, MIN_FREE_PART
   use amontons_facets, only: is_line_facet
   use amontons_slip_scenarios, only: trial_traction_type, evaluate_trial_traction, slip_state_type, friction_limit, &
     NO_FRICTION_LIMIT
@@ -24,7 +24,7 @@ module amontons_contact_evaluation
     current_row, origin_row, contact_slip_vector
   implicit none
   private
-  public :: evaluate_contact, elastic_trial_slip, has_other_constraints
+  public :: evaluate_contact, has_other_constraints
 
   real(DP), parameter :: TOL_CLOSING = 1.0e-10_DP  !< an open node closes at a penetration larger than this times the facet's edge
                                                    !! [-]
@@ -32,7 +32,6 @@ module amontons_contact_evaluation
                                                    !! [-]
   real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is at rounding level [-]
   real(DP), parameter :: SLIP_ZERO = 1.0e-12_DP    !< for the slip scenarios a slip up to this times the edge is zero [-]
-  real(DP), parameter :: MIN_FREE_NORMAL = 1.0e-6_DP    !< a normal with a smaller free part than this is fixed by supports [-]
   real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP  !< a larger displacement imposed by supports, over the edge, is sliding
                                                           !! [-]
 
@@ -161,7 +160,7 @@ contains
       Rhat = matmul(free, contact%Rhat(:, s))
       free_normal = matmul(free, slave%normal)
       free_share = norm2(free_normal)
-      if (slave%facet == 0 .or. free_share < MIN_FREE_NORMAL) then
+      if (slave%facet == 0 .or. free_share < MIN_FREE_PART) then
         call release_slave(contact, old, status_before, s, slave)
         return
       end if

@@ -21,7 +21,7 @@ module amontons_contact_initialization
   implicit none
   private
   public :: initialize_contact
-  public :: find_adjustment
+  public :: find_adjustment, TOL_INITIAL_CONTACT
 
   real(DP), parameter :: TOL_INITIAL_CONTACT = 1.0e-6_DP  !< at the start a node nearer than this times the facet's edge is closed
                                                           !! [-]

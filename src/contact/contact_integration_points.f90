@@ -8,9 +8,9 @@ module amontons_contact_integration_points
   use amontons_kinds, only: DP
   use amontons_topology, only: MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes
-  use amontons_facets, only: facets_type, facet_nodes, is_line_facet
+  use amontons_facets, only: facets_type, facet_nodes
   use amontons_model, only: model_type
-  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
+  use amontons_state, only: state_type, slave_state_type
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_facet_weights
   use amontons_facet_search, only: build_facet_search
   use amontons_mortar, only: mortar_type, mortar_node_type, find_search_margin

@@ -12,6 +12,7 @@ module amontons_shared_slave_nodes
   use amontons_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
   implicit none
   private
+  public :: MIN_FREE_PART
   public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, order_slave_levels, &
     free_projector, support_free_projector, global_axes, &
     is_friction_in_other_pair, MIN_PARALLEL_COSINE
@@ -19,8 +20,8 @@ module amontons_shared_slave_nodes
   real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
   real(DP), parameter :: MIN_FORCE_RATIO = 1.001_DP  !< a pair presses more than an earlier one if its force is larger by this
                                                      !! factor [-]
-  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP  !< a normal whose free part is smaller than this constrains no further direction
-                                                    !! [-]
+  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP  !< a normal with a smaller free part than this is fixed by supports or
+                                                    !! constrains no further direction [-]
 
   !> The slaves at each node, and their evaluation order.
   type :: shared_slaves_type

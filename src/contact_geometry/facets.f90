@@ -12,6 +12,7 @@
 !! else is as in space.
 module amontons_facets
   use amontons_kinds, only: DP, PI
+  use amontons_containers, only: sort_ascending
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FACET_LINE2, FACET_LINE3, &
     MAX_FACE_NODES
@@ -489,23 +490,6 @@ contains
       list(n) = node
     end do
   end subroutine add_nodes
-
-
-  !> Sorts a short list by insertion.
-  pure subroutine sort_ascending(list)
-    integer, intent(inout) :: list(:)
-    integer :: i, j, value
-    do i = 2, size(list)
-      value = list(i)
-      j = i - 1
-      do while (j >= 1)
-        if (list(j) <= value) exit
-        list(j + 1) = list(j)
-        j = j - 1
-      end do
-      list(j + 1) = value
-    end do
-  end subroutine sort_ascending
 
 
   !> Unit normal of a facet at the middle of an edge, or at the centre if it vanishes there.

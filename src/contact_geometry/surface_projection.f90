@@ -11,7 +11,7 @@
 !! of all mesh nodes, (3, n_nodes).
 module amontons_surface_projection
   use amontons_kinds, only: DP
-  use amontons_tensor, only: cross_product, invert
+  use amontons_tensor, only: cross_product, skew_matrix, invert
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, &
@@ -686,14 +686,6 @@ contains
       P(i, i) = P(i, i) + 1
     end do
   end function projector
-
-
-  !> [a]x, the matrix with [a]x b = a x b.
-  pure function skew_matrix(a) result(matrix)
-    real(DP), intent(in) :: a(3)
-    real(DP) :: matrix(3, 3)
-    matrix = reshape([0.0_DP, a(3), -a(2), -a(3), 0.0_DP, a(1), a(2), -a(1), 0.0_DP], [3, 3])
-  end function skew_matrix
 
 
   !> Reference size for areas of a facet; a line has depth one [length^2].

@@ -11,7 +11,7 @@ module amontons_driven_loads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_text, only: to_text
-  use amontons_loads, only: amplitude_type, amplitude_value, load_type, prescribed_type, concentrated_type, &
+  use amontons_loads, only: amplitude_type, amplitude_value, load_type, concentrated_type, &
     distributed_type, temperature_type, DISTRIBUTED_PRESSURE
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, load_now

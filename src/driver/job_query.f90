@@ -12,7 +12,7 @@ module amontons_job_query
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_state, only: history_variable
   use amontons_constraints, only: condense_forces
-  use amontons_result_schema, only: result_column_type, field_rows, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_result_schema, only: field_rows, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
   use amontons_postprocess, only: nodal_slaves
   use amontons_results, only: point_fields
   use amontons_analysis, only: analysis_type, is_at_end

@@ -15,7 +15,7 @@ module amontons_element
   use amontons_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, &
     ELEMENT_DEGENERATE
   use amontons_shape_functions, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_tensor, only: cross_product
+  use amontons_tensor, only: cross_product, skew_matrix
   use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
     KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, N_SOLID_KINDS
@@ -187,7 +187,7 @@ contains
       if (present(profile)) N = profile(p) * N
       do b = 1, facet%n_nodes
         force(:, b) = force(:, b) + N(b) * cross_product(along(:, 1), along(:, 2))
-        turn_matrix = cross_matrix(dN(1, b) * along(:, 2) - dN(2, b) * along(:, 1))
+        turn_matrix = transpose(skew_matrix(dN(1, b) * along(:, 2) - dN(2, b) * along(:, 1)))
         do a = 1, facet%n_nodes
           associate (block => stiffness(3 * a - 2:3 * a, 3 * b - 2:3 * b))
             block = block + N(a) * turn_matrix
@@ -196,15 +196,5 @@ contains
       end do
     end do
   end subroutine integrate_facet_pressure
-
-
-  !> The matrix with entries e_ijk y_k: its product with z is z x y.
-  pure function cross_matrix(y) result(matrix)
-    real(DP), intent(in) :: y(3)
-    real(DP) :: matrix(3, 3)
-    matrix(:, 1) = [0.0_DP, -y(3), y(2)]
-    matrix(:, 2) = [y(3), 0.0_DP, -y(1)]
-    matrix(:, 3) = [-y(2), y(1), 0.0_DP]
-  end function cross_matrix
 
 end module amontons_element

@@ -21,17 +21,18 @@ module amontons_plane_elements
     ELEMENT_OK, ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT, log1p
+  use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
+  use amontons_logarithmic_strain, only: log1p
   use amontons_tensor, only: IDENTITY, determinant_minus_one
   use amontons_topology, only: element_kind, element_kind_type, KIND_CPE4_FULL, KIND_CAX4R, KIND_CPS4R, KIND_CPE4R, &
-    FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
+    FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, &
+    N_CIRCLE_SECTORS
   implicit none
   private
   public :: evaluate_plane_element, evaluate_plane_volumes, integrate_plane_body_force, set_plane_temperature_weights, &
     integrate_edge_pressure
 
   integer, parameter :: MAX_PLANE_NODES = 8                    !< most nodes
-  real(DP), parameter :: N_CIRCLE_SECTORS = 180                !< of CalculiX's expansion in the circle
   integer, parameter :: MAX_PLANE_POINTS = 9                    !< most points
   integer, parameter :: PLANE_COMPONENTS(4) = [1, 2, 3, 4]       !< xx yy zz xy among the six
 
@@ -451,7 +452,7 @@ contains
       call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 4, points, c)
       if (entry%family == FAMILY_AXISYMMETRIC) then
         call set_artificial_hourglass(hourglass, geometry%reference(1), c, N_CIRCLE_SECTORS / (2 * PI) * geometry%reference_hoop, &
-          N_CIRCLE_SECTORS)
+          real(N_CIRCLE_SECTORS, DP))
       else
         call set_artificial_hourglass(hourglass, geometry%reference(1), c, geometry%N_a(:4, 1) / points%section_value, 1.0_DP)
       end if

@@ -15,7 +15,7 @@ module amontons_shape_functions
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
   public :: choose_face_rule
-  public :: facet_shapes, facet_quadrature, facet_node_coordinates, facet_shape_kind
+  public :: facet_shapes, facet_quadrature, facet_node_coordinates
   public :: MAX_FACET_POINTS
 
   integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the facet kinds

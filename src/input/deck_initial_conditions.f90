@@ -10,7 +10,6 @@ module amontons_deck_initial_conditions
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
     HISTORY_INELASTIC, HISTORY_BACK
-  use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
   use amontons_text, only: to_text, name_key, NUMBER_OK, NUMBER_EMPTY
   implicit none

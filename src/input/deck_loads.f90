@@ -14,7 +14,7 @@ module amontons_deck_loads
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
-    LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
+    LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_text, only: name_key, to_text, plural, is_one_of, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none

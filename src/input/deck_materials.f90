@@ -4,7 +4,7 @@ module amontons_deck_materials
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, check_no_data, &
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
     read_user_constants, is_card, check_name
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
@@ -12,7 +12,7 @@ module amontons_deck_materials
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
-  use amontons_text, only: to_text, parse_integer, parse_real, plural, NUMBER_OK
+  use amontons_text, only: to_text, parse_integer, parse_real, NUMBER_OK
   implicit none
   private
   public :: read_materials, finalize_materials, read_plastic

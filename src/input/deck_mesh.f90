@@ -9,7 +9,7 @@ module amontons_deck_mesh
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_labels, only: to_cartesian
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, &
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, &
     check_n_fields, check_no_data, is_card
   use amontons_containers, only: integer_list_type, label_table_type
   use amontons_materials, only: material_type

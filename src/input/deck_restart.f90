@@ -5,14 +5,14 @@
 !! before its steps (sets, amplitudes), the old steps up to the restart and the new steps, in this order: the result
 !! is that of one deck with all steps.
 module amontons_deck_restart
-  use amontons_restart_file, only: state_key_type, read_restart_deck, find_restart_state
+  use amontons_restart_file, only: read_restart_deck, find_restart_state
   use amontons_cards, only: cards_type, deck_messages_type, parameter_type, read_parameters, start_deck_text, append_line, &
     find_cards, &
     line_text
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_kinds, only: I64
-  use amontons_model, only: job_options_type, restart_origin_type, job_path
+  use amontons_model, only: job_options_type, restart_origin_type
   use amontons_text, only: parse_integer, is_one_of, NUMBER_OK, NEWLINE
   implicit none
   private

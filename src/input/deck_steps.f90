@@ -4,7 +4,7 @@
 !! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE: what a step changes of the model.
 module amontons_deck_steps
   use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, data_row_type, next_row, line_text, field_text
+  use amontons_cards, only: parameter_type, data_row_type, next_row, line_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
   use amontons_deck_initial_conditions, only: active_temperatures_type, init_temperatures, propagate_temperatures, &
     read_temperature, &
@@ -23,7 +23,6 @@ module amontons_deck_steps
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
   use amontons_materials, only: material_type
-  use amontons_mesh, only: mesh_type
   use amontons_topology, only: KIND_SPRINGA
   implicit none
   private

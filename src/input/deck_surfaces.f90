@@ -3,9 +3,9 @@
 module amontons_deck_surfaces
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, line_text
-  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
-    check_no_data, read_user_constants, nodes_of_field, elements_of_field, is_card, check_name
+    read_user_constants, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_deck_analytic_surfaces, only: read_profile, is_analytic_type
   use amontons_deck_faces, only: node_elements_type, find_free_faces, find_omitted_faces, count_shared_faces
   use amontons_loads, only: amplitude_type, equation_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, &
@@ -13,7 +13,7 @@ module amontons_deck_surfaces
     AMPLITUDE_DECAY
   use amontons_containers, only: integer_list_type, sort_integers
   use amontons_mesh, only: mesh_type
-  use amontons_model, only: model_type, dof_direction, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: to_text, name_key, parse_real, plural, NUMBER_OK, NEWLINE

@@ -4,8 +4,7 @@
 !! The report quotes the sentences of the card table, the messages of the reader and the numbers of the model. So it cannot
 !! differ from what the program does.
 module amontons_explain
-  use amontons_kinds, only: DP
-  use amontons_card_schema, only: card_entry_type, parameter_schema_type, match_parameters, ENTRY_SUPPORTED, ENTRY_IGNORED, &
+  use amontons_card_schema, only: card_entry_type, match_parameters, ENTRY_SUPPORTED, ENTRY_IGNORED, &
     ENTRY_REJECTED
   use amontons_cards, only: parameter_type, read_parameters, line_text, data_row_type, start_rows, next_row
   use amontons_deck_reader, only: reader_type
@@ -13,7 +12,6 @@ module amontons_explain
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
     ELASTIC_FOAM, LAW_SAINT_VENANT
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_steps, only: step_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
   use amontons_text, only: name_key, to_text, plural, is_one_of, NEWLINE

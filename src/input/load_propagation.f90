@@ -16,7 +16,7 @@ module amontons_load_propagation
   use amontons_model, only: model_type
   implicit none
   private
-  public :: active_loads_type, load_list_type, active_prescribed_type, load_region_type, init_active_loads, propagate_loads, &
+  public :: active_loads_type, load_region_type, init_active_loads, propagate_loads, &
     truncate_loads, release_prescribed, prescribe_dof, &
     ramp_down_loads, add_load, is_same_region, get_step_loads
   public :: LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME

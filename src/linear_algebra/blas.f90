@@ -9,7 +9,7 @@ module amontons_blas
   private
   public :: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dpotrf, dpotri, dgemv
   public :: sgetrf, slaswp, strsm, sgemm, sgetrs, spotrf, spotri, sgemv
-  public :: dgesv, dsymv, dgecon, dsyev, dgesdd, dgelsd
+  public :: dgesv, dsymv, dgecon, dsyev, dgelsd
 
   interface
     subroutine dgetrf(m, n, a, lda, ipiv, info)
@@ -168,15 +168,6 @@ module amontons_blas
       real(DP), intent(out) :: w(*), work(*)
       integer, intent(out) :: info
     end subroutine dsyev
-
-    subroutine dgesdd(jobz, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, iwork, info)
-      import :: DP
-      character(1), intent(in) :: jobz
-      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
-      real(DP), intent(inout) :: a(lda, *)
-      real(DP), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
-      integer, intent(out) :: iwork(*), info
-    end subroutine dgesdd
 
     subroutine dgelsd(m, n, nrhs, a, lda, b, ldb, s, rcond, rank, work, lwork, iwork, info)
       import :: DP

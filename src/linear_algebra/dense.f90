@@ -1,4 +1,4 @@
-!> Dense linear algebra: LU, Cholesky inverse, eigenvalues, singular values, least squares.
+!> Dense linear algebra: LU, Cholesky inverse, eigenvalues, least squares.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Arguments are copied, never overwritten. LAPACK deliberately produces NaN when it probes the machine: floating-point traps
@@ -8,10 +8,10 @@ module amontons_dense
     ieee_set_status, ieee_status_type
   use amontons_kinds, only: DP, WP => DP
   use amontons_blas, only: getrf => dgetrf, laswp => dlaswp, trsm => dtrsm, gemm => dgemm, getrs => dgetrs, &
-    potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgesdd, dgelsd
+    potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgelsd
   implicit none
   private
-  public :: solve_small, solve_symmetric_eigen, singular_values, numerical_rank, least_squares
+  public :: solve_small, solve_symmetric_eigen, least_squares
   public :: factorise_dense, solve_dense, find_matrix_scales, is_rank_deficient, multiply_triangular, triangular_product, invert_spd
   public :: multiply_dense_symmetric, multiply_dense_transpose
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, MIN_THREADED_SIZE, BLOCK_COLUMNS
@@ -95,45 +95,6 @@ contains
     call ieee_set_status(environment)
     if (info == 0) status = DENSE_OK
   end subroutine solve_symmetric_eigen
-
-
-  !> Singular values in descending order.
-  subroutine singular_values(a, values, status)
-    real(DP), intent(in) :: a(:, :)            !< (m, n)
-    real(DP), intent(out) :: values(:)         !< (min(m, n)) descending
-    integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
-    real(DP) :: copy(size(a, 1), size(a, 2)), left(1, 1), right(1, 1), best(1)
-    real(DP), allocatable :: work(:)
-    integer :: iwork(8 * size(values)), m, n, info
-    type(ieee_status_type) :: environment
-    m = size(a, 1)
-    n = size(a, 2)
-    copy = a
-    values = 0
-    status = DENSE_OK
-    if (size(a) == 0) return
-    status = DENSE_FAILED
-    if (.not. all_finite(a)) return
-    call suspend_fp_traps(environment)
-    call dgesdd('N', m, n, copy, m, values, left, 1, right, 1, best, -1, iwork, info)
-    allocate (work(nint(best(1))))
-    call dgesdd('N', m, n, copy, m, values, left, 1, right, 1, work, size(work), iwork, info)
-    call ieee_set_status(environment)
-    if (info == 0) status = DENSE_OK
-  end subroutine singular_values
-
-
-  !> Number of singular values above a fraction of the largest (numerical rank).
-  subroutine numerical_rank(a, tolerance, rank, status)
-    real(DP), intent(in) :: a(:, :)            !< (m, n)
-    real(DP), intent(in) :: tolerance          !< singular values below this fraction of the largest count as 0 [-]
-    integer, intent(out) :: rank
-    integer, intent(out) :: status             !< DENSE_OK or DENSE_FAILED
-    real(DP) :: values(min(size(a, 1), size(a, 2)))
-    rank = 0
-    call singular_values(a, values, status)
-    if (size(values) > 0) rank = count(values > tolerance * values(1))
-  end subroutine numerical_rank
 
 
   !> Least-squares solution of A x = b of minimum norm, by the singular value decomposition.

@@ -10,7 +10,7 @@ module amontons_partition
   use amontons_sparse, only: sparse_type
   implicit none
   private
-  public :: partition_mesh, order_nodes, order_unknowns, nodes_by_first_use, order_unknowns_by_node, separator_size
+  public :: partition_mesh, order_unknowns, nodes_by_first_use, order_unknowns_by_node, separator_size
 
   integer, parameter :: METIS_OK = 1             !< of metis.h
   integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h

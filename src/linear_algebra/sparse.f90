@@ -6,13 +6,13 @@
 !! Every sum has a fixed order: results repeat bitwise (for a given number of threads where threads are used).
 !! Working arrays and linear-time algorithms after Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, ch. 2.
 module amontons_sparse
-  use amontons_kinds, only: DP, I64
+  use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
 !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
   public :: sparse_type, reduction_type
-  public :: sparse_from_triplets, entry_position, sparse_transpose, full_from_upper, sparse_product, sparse_sum
+  public :: sparse_from_triplets, sparse_transpose, full_from_upper, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 

@@ -10,11 +10,10 @@ module amontons_elasticity
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     pack_voigt, unpack_voigt
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
-    tensor_from_principal, coth_divided_difference, &
-    log1p, NEXT_AXIS
+    tensor_from_principal, coth_divided_difference, NEXT_AXIS
   implicit none
   private
-  public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, log1p, check_gradient
+  public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, check_gradient
   public :: hooke_stress, isotropic_tangent, green_strain
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, MAX_DISPLACEMENT_GRADIENT
 

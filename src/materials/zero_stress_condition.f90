@@ -14,6 +14,7 @@ module amontons_zero_stress_condition
   use amontons_integration_points, only: integration_points_type, set_point_input
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: pack_voigt
+  use amontons_logarithmic_strain, only: expm1
   implicit none
   private
   public :: solve_zero_stress, evaluate_initial_tangent
@@ -186,12 +187,5 @@ contains
       call small_strain_stress(material, point%strain, point%stress, point%tangent, point%energy)
     end if
   end subroutine evaluate_law
-
-
-  !> exp(x) - 1 without cancellation: 2 sinh(x/2) exp(x/2).
-  pure elemental real(DP) function expm1(x)
-    real(DP), intent(in) :: x                      !< [-]
-    expm1 = 2 * sinh(0.5_DP * x) * exp(0.5_DP * x)
-  end function expm1
 
 end module amontons_zero_stress_condition

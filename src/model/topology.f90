@@ -16,7 +16,7 @@ module amontons_topology
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
     FAMILY_MASS
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
-  public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
+  public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
   integer, parameter :: KIND_C3D4 = 1         !< linear tetrahedron, 1 point
   integer, parameter :: KIND_C3D6 = 2         !< linear wedge, 2 points
@@ -57,6 +57,7 @@ module amontons_topology
   integer, parameter :: KIND_GAPUNI = 36      !< gap between two nodes, in one direction
   integer, parameter :: KIND_MASS = 37        !< point mass
   integer, parameter :: N_KINDS = 37
+  integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &

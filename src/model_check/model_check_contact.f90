@@ -11,19 +11,18 @@ module amontons_model_check_contact
   use amontons_surfaces, only: is_compliant
   use amontons_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
-  use amontons_contact_pairs, only: contact_type
+  use amontons_shared_slave_nodes, only: MIN_FREE_PART
+  use amontons_contact_pairs, only: contact_type, SEARCH_RADIUS_RATIO
+  use amontons_contact_initialization, only: TOL_INITIAL_CONTACT
   use amontons_model_check_bodies, only: report_error, report_warning, label_list, counted_noun
   implicit none
   private
   public :: pair_statistics_type, check_contact, collect_pair_statistics, is_closed, can_close_later
 
-  real(DP), parameter :: MAX_CLOSED_GAP = 1.0e-6_DP         !< largest gap that counts as closed, over the master's edge [-]
   real(DP), parameter :: MAX_COMPARED_GAP = 1.0_DP             !< normals are compared up to this gap over the edge of the facet [-]
   real(DP), parameter :: MIN_SAME_DIRECTION_COSINE = 0.5_DP         !< least product of normals of the same direction [-]
   real(DP), parameter :: MAX_PENETRATION = 0.5_DP             !< a larger penetration over the edge is an error [-]
   real(DP), parameter :: MIN_REPORTED_PENETRATION = 1.0e-3_DP        !< a larger penetration over the edge is reported [-]
-  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP          !< with a smaller free part a normal counts as constrained [-]
-  real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP            !< search radius of contact, over the edge [-]
 
   !> Statistics of the slave nodes of one pair at the start.
   type :: pair_statistics_type
@@ -123,7 +122,7 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
     is_closed = slave%status /= STATUS_OPEN
-    if (slave%facet > 0) is_closed = is_closed .or. slave%gap <= MAX_CLOSED_GAP * contact%edge(slave%pair)
+    if (slave%facet > 0) is_closed = is_closed .or. slave%gap <= TOL_INITIAL_CONTACT * contact%edge(slave%pair)
   end function is_closed
 
 

@@ -12,24 +12,21 @@
 module amontons_face_integration_points
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, MAX_FACE_NODES
+  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, MAX_FACE_NODES, N_CIRCLE_SECTORS
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet
   use amontons_facet_search, only: facet_search_type, find_near_facets
+  use amontons_mortar_segmentation, only: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, MAX_POLYGON_CORNERS
   implicit none
   private
   public :: facing_point_type, find_facing_points, evaluate_face_normal
 
-  real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
-                                                     !! [-]
-  real(DP), parameter :: MIN_CUT_AREA = 1.0e-10_DP       !< smaller intersections, over the area of the face, are ignored [-]
-  real(DP), parameter :: MAX_CUT_OVERLAP = 1.0e-6_DP  !< intersections with a larger overlap, over the area of the face, lie one
-                                                      !! behind the other [-]
   integer, parameter :: MAX_PROJECTION_ITERATIONS = 30       !< of Newton's method for the natural coordinates of a point
   real(DP), parameter :: MIN_TRIANGLE_AREA = 1.0e-4_DP  !< triangles with less area in natural coordinates are omitted, as in
                                                         !! CalculiX [-]
-  real(DP), parameter :: HALF_WEDGE_ANGLE = PI / 180     !< of the solid into which CalculiX expands an axisymmetric element [rad]
+  real(DP), parameter :: HALF_WEDGE_ANGLE = PI / N_CIRCLE_SECTORS   !< of the solid into which CalculiX expands an axisymmetric
+                                                                    !! element [rad]
   integer, parameter :: N_TRIANGLE_POINTS = 7                 !< points in a triangle
 
   !> One integration point of a slave face and its master point.
@@ -263,7 +260,8 @@ contains
       if (any(maxval(own(:, :geometry%n), dim=2) < minval(window(:, :m), dim=2))) cycle
       call clip_polygon(own(:, :geometry%n), window(:, :m), cut%corners, cut%n)
       if (cut%n < 3) cycle
-      if (abs(signed_polygon_area(cut%corners(:, :cut%n))) <= MIN_CUT_AREA * abs(signed_polygon_area(own(:, :geometry%n)))) cycle
+      if (abs(signed_polygon_area(cut%corners(:, :cut%n))) <= MIN_SEGMENT_AREA * &
+        abs(signed_polygon_area(own(:, :geometry%n)))) cycle
       cut%corners(2, :) = -cut%corners(2, :)
       cut%distance = find_face_distance(geometry, master_geometry, sum(cut%corners(:, :cut%n), dim=2) / real(cut%n, DP))
       if (abs(cut%distance) > search_distance) cycle
@@ -307,7 +305,7 @@ contains
     do i = 1, n_cuts
       covered = covered + signed_polygon_area(cuts(i)%corners(:, :cuts(i)%n))
     end do
-    if (covered <= (1 + MAX_CUT_OVERLAP) * area) return
+    if (covered <= (1 + MAX_SEGMENT_OVERLAP) * area) return
     is_done = .false.
     is_kept = .false.
     do k = 1, n_cuts
@@ -317,7 +315,7 @@ contains
       do j = 1, n_cuts
         if (.not. is_kept(j) .or. j == i) cycle
         call clip_polygon(cuts(i)%corners(:, :cuts(i)%n), cuts(j)%corners(:, :cuts(j)%n), common, n)
-        if (n >= 3) is_kept(i) = is_kept(i) .and. signed_polygon_area(common(:, :n)) <= MAX_CUT_OVERLAP * area
+        if (n >= 3) is_kept(i) = is_kept(i) .and. signed_polygon_area(common(:, :n)) <= MAX_SEGMENT_OVERLAP * area
       end do
     end do
     where (.not. is_kept) cuts(:n_cuts)%n = 0

@@ -6,7 +6,7 @@
 module amontons_mortar_segmentation
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
+  use amontons_topology, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet
   use amontons_facet_search, only: facet_search_type, find_near_facets
@@ -18,6 +18,7 @@ module amontons_mortar_segmentation
   public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
     build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, &
     find_depth, integrate_segments, choose_quadrature_order, find_natural_coordinates
+  public :: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
 
   real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
                                                      !! [-]

@@ -19,6 +19,7 @@ module amontons_contact_subproblem
   use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_linearized, &
     restore_configuration, OUTCOME_OK
   use amontons_newton_step, only: solve_correction, skin_goal
+  use amontons_line_search, only: MERIT_DECREASE_RATIO
   implicit none
   private
   public :: solve_contact_subproblem
@@ -33,9 +34,6 @@ module amontons_contact_subproblem
                                                    !! exact [-]
   real(DP), parameter :: TOL_MERIT_ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u
                                                              !! had none [-]
-
-  real(DP), parameter :: MERIT_DECREASE_RATIO = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for
-                                                                     !! rounding [-]
 
   integer, parameter :: MAX_ITERATIONS_PER_SUBSTEP = 12       !< corrections of one portion of the way
   integer, parameter :: FAST_SUBSTEP_ITERATIONS = 6         !< so many at most, and the next portion is twice as long

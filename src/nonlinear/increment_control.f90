@@ -9,13 +9,12 @@ module amontons_increment_control
   implicit none
   private
   public :: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, reject_increment, can_cut_back
-  public :: OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_NO_INCREMENTS_LEFT, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
+  public :: OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
 
   integer, parameter :: OUTCOME_CONTINUE = 0           !< after an accepted increment: the step continues
   integer, parameter :: OUTCOME_STEP_DONE = 1              !< the end of the step is reached
-  integer, parameter :: OUTCOME_NO_INCREMENTS_LEFT = 2 !< INC increments are used up
-  integer, parameter :: OUTCOME_CUT_BACK = 3               !< after a failed attempt: try again with the smaller increment
-  integer, parameter :: OUTCOME_GIVE_UP = 4                !< no smaller increment is allowed
+  integer, parameter :: OUTCOME_CUT_BACK = 2               !< after a failed attempt: try again with the smaller increment
+  integer, parameter :: OUTCOME_GIVE_UP = 3                !< no smaller increment is allowed
 
   integer, parameter :: MAX_QUICK_ITERATIONS = 4                    !< iterations that count as few although statuses changed
   real(DP), parameter :: TOL_STOP_TIME = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there
@@ -74,7 +73,7 @@ contains
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
     type(attempt_effort_type), intent(in) :: effort
-    integer, intent(out) :: outcome                !< STEP_...
+    integer, intent(out) :: outcome                !< OUTCOME_STEP_DONE or OUTCOME_CONTINUE
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
     if (abs(step%period - stepper%step_time) <= TOL_STOP_TIME * step%period) stepper%step_time = step%period
@@ -83,7 +82,7 @@ contains
     outcome = OUTCOME_STEP_DONE
     if (stepper%step_time >= step%period) return
     stepper%increment = stepper%increment + 1
-    outcome = merge(OUTCOME_NO_INCREMENTS_LEFT, OUTCOME_CONTINUE, stepper%increment > step%max_increments)
+    outcome = OUTCOME_CONTINUE
   end subroutine accept_increment
 
 

@@ -11,7 +11,7 @@
 module amontons_line_search
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
+  use amontons_steps, only: step_type, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_surfaces, only: is_compliant
   use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
@@ -25,7 +25,7 @@ module amontons_line_search
     nodal_norms, OUTCOME_OK
   implicit none
   private
-  public :: line_search_report_type, perform_line_search
+  public :: line_search_report_type, perform_line_search, MERIT_DECREASE_RATIO
 
   integer, parameter :: MAX_LENGTH_HALVINGS = 4
   real(DP), parameter :: TOL_PRESCRIBED = 1.0e-13_DP      !< of the largest displacement: a prescribed one that misses less is

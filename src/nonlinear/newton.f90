@@ -9,7 +9,7 @@ module amontons_newton
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_iteration_records, only: iteration_record_type
-  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
+  use amontons_state, only: state_type, STATUS_OPEN
   use amontons_tunnelling_check, only: largest_sliding, find_tunnelled_slave
   use amontons_active_set_history, only: active_set_history_type, record_active_set
   use amontons_active_set_cycling, only: break_cycle, release_frozen_nodes

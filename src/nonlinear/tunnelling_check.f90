@@ -7,7 +7,7 @@ module amontons_tunnelling_check
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
   use amontons_analytic_master, only: evaluate_profile_bending
-  use amontons_contact_pairs, only: contact_type, current_row
+  use amontons_contact_pairs, only: contact_type, current_row, SEARCH_RADIUS_RATIO
   use amontons_tensor, only: cross_product
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -15,9 +15,6 @@ module amontons_tunnelling_check
   implicit none
   private
   public :: largest_sliding, find_tunnelled_slave
-
-  real(DP), parameter :: MAX_SEARCH_DEPTH = 3.0_DP    !< depth of the facet search behind the master, over its longest edge
-                                                      !! [-]
 
   real(DP), parameter :: MIN_CROSSING_STEEPNESS = 0.25_DP           !< normal part of a path over its length; a flatter path that
                                                                     !! ends beyond the border slid over the border [-]
@@ -88,7 +85,7 @@ contains
       if (old(s)%facet > 0 .and. new(s)%facet == 0) then
         call fill_facet_row(contact%facets(old(s)%pair), old(s)%facet, old(s)%xi, old(s)%node, row)
         if (dot_product(old(s)%normal, evaluate_relative_position(row, &
-          x_new)) < -MAX_SEARCH_DEPTH * contact%edge(old(s)%pair)) return
+          x_new)) < -SEARCH_RADIUS_RATIO * contact%edge(old(s)%pair)) return
       end if
       if (contact%has_fixed_geometry(new(s)%pair) .or. .not. may_have_crossed(old(s), new(s))) cycle
       associate (facets => contact%facets(new(s)%pair), near => search(new(s)%pair))

@@ -8,7 +8,7 @@
 !! The checkpoint, job.restart, is one block of 64-bit words in the machine's own order: magic, version, length, checksum,
 !! then the words of `exchange_all`. It is written under a temporary name, synced and renamed, so the one there is whole.
 module amontons_checkpoint
-  use amontons_kinds, only: DP, I8, I64
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: checksum_of_text, checksum_of_words, write_whole_file
   use amontons_model, only: model_type

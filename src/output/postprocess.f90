@@ -18,14 +18,14 @@ module amontons_postprocess
     FAMILY_SPRING, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
     KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &
-    MAX_ELEMENT_POINTS, N_KINDS
+    MAX_ELEMENT_POINTS, N_KINDS, N_CIRCLE_SECTORS
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_shape_functions, only: extrapolation_matrix, quadrature, shape_functions, choose_face_rule, facet_shapes, &
     facet_quadrature, &
     MAX_FACET_POINTS
   use amontons_element, only: evaluate_point_volumes, set_temperature_weights
   use amontons_material_point, only: evaluate_thermal_strain
-  use amontons_model, only: model_type, absent_elements, material_in_step, DIALECT_CALCULIX
+  use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
   use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR, BEHAVIOR_USER
@@ -55,8 +55,6 @@ module amontons_postprocess
     real(DP) :: normal(3) = 0                      !< mean over the area, outward: shorter than 1 if curved
     real(DP) :: area = 0                           !< [length^2]
   end type section_type
-
-  real(DP), parameter :: N_SECTORS = 180             !< of two degrees in the circle
 
   !> Sums over the closed slaves of a pair. Columns of matrices: pressure, friction (place: also both).
   type :: pair_sums_type
@@ -397,7 +395,7 @@ contains
     share = 1
     if (model%dialect /= DIALECT_CALCULIX) return
     do e = 1, model%mesh%n_elements
-      if (is_axisymmetric(model%mesh, e)) share = 1 / N_SECTORS
+      if (is_axisymmetric(model%mesh, e)) share = 1.0_DP / N_CIRCLE_SECTORS
       if (share < 1) return
     end do
   end function sector_share
@@ -470,7 +468,7 @@ contains
         force(1, nodes(a)) = force(1, nodes(a)) - hoop(a)
       end do
     end do
-    if (has_circle) force = force / N_SECTORS
+    if (has_circle) force = force / N_CIRCLE_SECTORS
   end subroutine convert_to_sector
 
 

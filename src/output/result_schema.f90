@@ -14,7 +14,7 @@ module amontons_result_schema
   implicit none
   private
   public :: result_column_type, create_columns, open_columns, append_columns, write_columns, check_finite
-  public :: POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS, N_INTEGRATION_REALS
+  public :: POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS
   public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, PAIR_COLUMNS, N_PAIR_INTEGERS, N_PAIR_REALS
   public :: HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
   public :: field_rows, ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS, STEP_COLUMNS, CONTROL_COLUMNS
@@ -58,7 +58,6 @@ module amontons_result_schema
       'Strain xx yy zz xy yz xz, tensor shear components; NLGEOM: logarithmic (abaqus), Green''s (calculix).'), &
     result_column_type('energy', 1, '[energy/volume]', 'Strain energy per reference volume.'), &
     result_column_type('PEEQ', 1, '[-]', 'Equivalent plastic strain.')]
-  integer, parameter :: N_INTEGRATION_REALS = sum(INTEGRATION_COLUMNS%width)
 
   type(result_column_type), parameter :: CONTACT_COLUMNS(11) = [ &
     result_column_type('facet', 1, '[-]', &

@@ -1,7 +1,7 @@
 !> Unit test of amontons_containers: names, labels, lists, sorting and the distance of words.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_containers
-  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_integers, edit_distance
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, edit_distance
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -66,7 +66,7 @@ contains
 
   !> Sorted, and stable: of equal keys the companion keeps its order.
   subroutine check_sort()
-    integer :: keys(997), companion(997), i, n
+    integer :: keys(997), companion(997), short(13), i, n
     logical :: is_sorted, is_stable
     do n = 0, 997, 1 + 83
       keys(:n) = [(modulo(7919 * i * i, 101) - 50, i=1, n)]
@@ -77,6 +77,13 @@ contains
       call suite%that('sorted', is_sorted)
       call suite%that('stable', is_stable)
       call suite%that('keys and companions', all([(keys(i) == modulo(7919 * companion(i)**2, 101) - 50, i=1, n)]))
+    end do
+    do n = 0, 13
+      short(:n) = [(modulo(7919 * i * i, 7) - 3, i=1, n)]
+      keys(:n) = short(:n)
+      call sort_integers(keys(:n))
+      call sort_ascending(short(:n))
+      call suite%that('short list sorted', all(short(:n) == keys(:n)))
     end do
   end subroutine check_sort
 

@@ -3,7 +3,7 @@
 program test_tensor
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX, cross_product, &
-    determinant, determinant_minus_one, invert, trace, pack_voigt, unpack_voigt, double_dot, von_mises, &
+    determinant, determinant_minus_one, invert, skew_matrix, pack_voigt, unpack_voigt, double_dot, von_mises, &
     symmetric_eigen
   use check, only: suite_type
   implicit none
@@ -50,7 +50,8 @@ contains
     call invert(A, inverse, det)
     call suite%near('singular: determinant', det, 0.0_DP, 0.0_DP)
     call suite%near('singular: inverse of zeros', maxval(abs(inverse)), 0.0_DP, 0.0_DP)
-    call suite%near('trace', trace(reshape([real(DP) :: 1, 9, 9, 9, 2, 9, 9, 9, 4], [3, 3])), 7.0_DP, 0.0_DP)
+    call suite%near('skew matrix: its product is the vector product', norm2(matmul(skew_matrix([1.0_DP, -2.0_DP, 5.0_DP]), &
+      [3.0_DP, 7.0_DP, -4.0_DP]) - cross_product([1.0_DP, -2.0_DP, 5.0_DP], [3.0_DP, 7.0_DP, -4.0_DP])), 0.0_DP, 0.0_DP)
   end subroutine check_matrices
 
 

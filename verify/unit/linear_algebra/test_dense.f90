@@ -3,7 +3,7 @@
 program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_dense, only: solve_small, solve_symmetric_eigen, singular_values, numerical_rank, least_squares, invert_spd, &
+  use amontons_dense, only: solve_small, solve_symmetric_eigen, least_squares, invert_spd, &
     multiply_dense_symmetric, multiply_dense_transpose, multiply_triangular, factorise_dense, solve_dense, find_matrix_scales, &
     is_rank_deficient, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
@@ -16,14 +16,11 @@ program test_dense
   do k = 1, size(SIZES)
     call test_solve(SIZES(k))
     call test_eigen(SIZES(k))
-    call test_singular_values(SIZES(k) + 3, SIZES(k))
-    call test_singular_values(SIZES(k), SIZES(k) + 3)
   end do
   call test_known()
   call test_singular()
   call test_rank_lost()
   call test_not_finite()
-  call test_rank()
   call test_least_squares()
   call test_positive()
   call test_threads()
@@ -86,43 +83,13 @@ contains
   end subroutine test_eigen
 
 
-  !> The squares of the singular values are the eigenvalues of the smaller of A'A and A A'.
-  subroutine test_singular_values(m, n)
-    integer, intent(in) :: m, n
-    real(DP) :: a(m, n), s(min(m, n)), square(min(m, n), min(m, n)), v(min(m, n), min(m, n)), w(min(m, n))
-    integer :: status
-    call random_number(a)
-    if (m > n) then
-      square = matmul(transpose(a), a)
-    else
-      square = matmul(a, transpose(a))
-    end if
-    call solve_symmetric_eigen(square, w, v, status)
-    call singular_values(a, s, status)
-    call suite%that('singular values: status', status == DENSE_OK)
-    call suite%that('singular values: descending', all(s(2:) <= s(:size(s) - 1)))
-    call suite%near('singular values: squares', maxval(abs(s**2 - w(size(w):1:-1))) / w(size(w)), 0.0_DP, 1.0e-13_DP)
-  end subroutine test_singular_values
-
-
   !> Matrices with a known answer.
   subroutine test_known()
-    real(DP) :: w(2), v(2, 2), s(2), x(2)
-    integer :: status, rank
+    real(DP) :: w(2), v(2, 2), x(2)
+    integer :: status
     call solve_symmetric_eigen(reshape([2.0_DP, 1.0_DP, 1.0_DP, 2.0_DP], [2, 2]), w, v, status)
     call suite%near('eigenvalue 1 of [2 1; 1 2]', w(1), 1.0_DP, 1.0e-14_DP)
     call suite%near('eigenvalue 2 of [2 1; 1 2]', w(2), 3.0_DP, 1.0e-14_DP)
-    call singular_values(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), s, status)
-    call suite%near('singular value 1 of [3 0; 4 0]', s(1), 5.0_DP, 1.0e-14_DP)
-    call suite%near('singular value 2 of [3 0; 4 0]', s(2), 0.0_DP, 1.0e-14_DP)
-    call numerical_rank(reshape([3.0_DP, 4.0_DP, 0.0_DP, 0.0_DP], [2, 2]), 1.0e-10_DP, rank, status)
-    call suite%that('rank of [3 0; 4 0]', rank == 1)
-    call numerical_rank(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-10_DP, rank, status)
-    call suite%that('rank by the tolerance: 2', rank == 2)
-    call numerical_rank(reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0e-8_DP], [2, 2]), 1.0e-6_DP, rank, status)
-    call suite%that('rank by the tolerance: 1', rank == 1)
-    call numerical_rank(reshape([0.0_DP, 0.0_DP], [1, 2]), 1.0e-6_DP, rank, status)
-    call suite%that('rank of nothing', rank == 0)
     call solve_small(reshape([1.0e-200_DP, 0.0_DP, 0.0_DP, 2.0e-200_DP], [2, 2]), [1.0e-200_DP, 1.0e-200_DP], x, status)
     call suite%near('small numbers are not singular', x(2), 0.5_DP, 1.0e-15_DP)
   end subroutine test_known
@@ -190,24 +157,9 @@ contains
     call suite%that('NaN: solve', status == DENSE_FAILED .and. all(abs(x) <= 0))
     call solve_symmetric_eigen(a, x, v, status)
     call suite%that('NaN: eigen', status == DENSE_FAILED)
-    call singular_values(a, x, status)
-    call suite%that('NaN: singular values', status == DENSE_FAILED)
-    call numerical_rank(a, 1.0e-10_DP, rank, status)
-    call suite%that('NaN: rank', status == DENSE_FAILED)
     call least_squares(a, [1.0_DP, 1.0_DP], 1.0e-10_DP, x, rank, status)
     call suite%that('NaN: least squares', status == DENSE_FAILED)
   end subroutine test_not_finite
-
-
-  !> A product of random matrices of inner size 4 has rank 4.
-  subroutine test_rank()
-    real(DP) :: left(9, 4), right(4, 7)
-    integer :: status, rank
-    call random_number(left)
-    call random_number(right)
-    call numerical_rank(matmul(left, right), 1.0e-10_DP, rank, status)
-    call suite%that('rank of a product', status == DENSE_OK .and. rank == 4)
-  end subroutine test_rank
 
 
   !> The residual is orthogonal to the columns; without full rank the solution is orthogonal to the null space.

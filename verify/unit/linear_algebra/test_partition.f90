@@ -4,7 +4,7 @@ program test_partition
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type, sparse_from_triplets
-  use amontons_partition, only: partition_mesh, order_nodes, order_unknowns, separator_size
+  use amontons_partition, only: partition_mesh, order_unknowns, separator_size
   use amontons_factorization, only: cholesky_type, analyse
   use check, only: suite_type
   implicit none
@@ -163,20 +163,20 @@ contains
     real(DP) :: natural
     integer :: k
     call couple(1, graph)
-    call order_nodes(graph, order, error=error)
+    call order_unknowns(graph, [(k, k=1, N_NODES)], N_NODES, order, error)
     call suite%that('order: no error', .not. allocated(error))
     call suite%that('order: a permutation', is_permutation(order, N_NODES))
-    call order_nodes(graph, again, error=error)
+    call order_unknowns(graph, [(k, k=1, N_NODES)], N_NODES, again, error)
     call suite%that('order: the same again', all(order == again))
     call analyse(factor, graph, [(k, k=1, N_NODES)], error)
     natural = factor%n_operations
     call analyse(factor, graph, order, error)
     call suite%that('order: less than half the work of the natural order', factor%n_operations < 0.5_DP * natural)
     call sparse_from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], graph, error)
-    call order_nodes(graph, order, error=error)
+    call order_unknowns(graph, [1, 2, 3], 3, order, error)
     call suite%that('order: no edges', is_permutation(order, 3))
     call sparse_from_triplets(0, 0, [integer ::], [integer ::], [real(DP) ::], graph, error)
-    call order_nodes(graph, order, error=error)
+    call order_unknowns(graph, [integer ::], 0, order, error)
     call suite%that('order: nothing', size(order) == 0)
   end subroutine test_order
 

@@ -3,7 +3,7 @@
 program test_sparse
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, reduction_type, sparse_from_triplets, entry_position, &
+  use amontons_sparse, only: sparse_type, reduction_type, sparse_from_triplets, &
     sparse_transpose, full_from_upper, sparse_product, sparse_sum, multiply, multiply_transpose, multiply_symmetric, &
     analyse_reduction, reduce_matrix
   use check, only: suite_type
@@ -120,23 +120,9 @@ contains
     integer, intent(in) :: n, m
     type(sparse_type) :: a, again
     real(DP), allocatable :: dense(:, :)
-    integer :: i, j, p
-    logical :: is_found
     call random_matrix(n, m, a, dense)
     call suite%that('triplets: sorted, no place twice', is_sorted(a))
     call suite%near('triplets: summed', maxval(abs(dense_of(a) - dense)), 0.0_DP, 0.0_DP)
-    is_found = .true.
-    do i = 1, n
-      do j = 1, m
-        p = entry_position(a, i, j)
-        if (p == 0) then
-          is_found = is_found .and. .not. any(a%column(a%first(i):a%first(i + 1) - 1) == j)
-        else
-          is_found = is_found .and. a%column(p) == j .and. p >= a%first(i) .and. p < a%first(i + 1)
-        end if
-      end do
-    end do
-    call suite%that('entry_position: every place, present or not', is_found)
     again = sparse_transpose(a)
     call suite%that('transpose: sorted', is_sorted(again))
     call suite%near('transpose', maxval(abs(dense_of(again) - transpose(dense))), 0.0_DP, 0.0_DP)
