@@ -31,7 +31,7 @@ class UsageError(AmontonsError):
 
 
 class DeckError(AmontonsError):
-    """The deck has errors; the message tells all of them with their lines."""
+    """The deck has errors; the message lists all of them with their lines."""
 
     status = 3
 
@@ -144,10 +144,10 @@ class Job:
             threads: number of threads of this job.
             files: write job.vtkhdf, job.sta, job.cvg, job.dat.
             checkpoint: and job.restart at each commit.
-            resume: go on after that checkpoint.
+            resume: continue after that checkpoint.
             check: read and audit the deck, no more.
             user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
-            old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ goes on from.
+            old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ continues from.
             log: is given the lines that the program would print.
 
         Raises:
@@ -190,7 +190,7 @@ class Job:
             self.close()
 
     def close(self) -> None:
-        """Ends the job and gives its memory back; it cannot be asked for anything after that."""
+        """Ends the job and gives its memory back; no call is allowed after that."""
         self._library.amontons_close(self._job)
         self._job = ctypes.c_void_p()
 
@@ -242,7 +242,7 @@ class Job:
         self._judge(self._library.amontons_rollback(self._job))
 
     def finish(self) -> None:
-        """Closes the files; the job can still be asked for its values."""
+        """Closes the files; the job still returns its values."""
         self._judge(self._library.amontons_finish(self._job))
 
     def get(self, quantity: str, where: str | int = "") -> NDArray[np.float64]:

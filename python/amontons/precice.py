@@ -17,9 +17,9 @@ The configuration file is that of the CalculiX adapter:
           read-data: [Pressure]
     precice-config-file: precice-config.xml
 
-A patch is a node set or a surface of the deck; where there is none of that name, NWET and SWET are taken, as CalculiX's
+A patch is a node set or a surface of the deck; without one of that name, NWET and SWET are taken, as CalculiX's
 pre-processors name them. A nodes-mesh has its nodes, a faces-mesh (or mesh) the middles of a surface's faces.
-Data are told by how their names begin:
+The prefix of a name selects the data:
 
 | data | mesh | read: set in the job | written: taken from the job |
 |---|---|---|---|
@@ -31,7 +31,7 @@ Data are told by how their names begin:
 | Temperature | nodes | temperature | temperature |
 
 Implicit coupling needs no more than the job can do anyway: a window is tried, and rolled back, bitwise, or committed. Where a
-step of the deck ends within a window, the window is solved in two pieces, and preCICE is told of both.
+step of the deck ends within a window, the window is solved in two pieces, and preCICE gets both.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -180,7 +180,7 @@ class Adapter:
         """
         left = self.job.number("TIME LEFT")
         if left == 0.0:
-            raise UsageError(f"The steps of the deck end at time {self.job.time:g}; the coupling goes on. Make the deck's steps longer.")
+            raise UsageError(f"The steps of the deck end at time {self.job.time:g}; the coupling continues. Make the deck's steps longer.")
         dt = longest if left > longest * (1 - SAME) else left
         self._read(dt)
         self.job.try_step(dt)

@@ -1,7 +1,7 @@
 """What a verification case is made of: a job, checks that say all about themselves, and a page of the manual.
 
 A case is a test. It says its model in words, runs one or more jobs, compares with theory by `near`, `within` and `order`,
-and ends with `done`, which writes its page (if `make verify` asked for pages) and fails if a check failed:
+and ends with `done`, which writes its page (if `make verify` requests pages) and fails if a check failed:
 
     case = proof("name", title=..., model=..., formula=..., source=..., proves=...)
     job = case.run(deck, "coarse")
@@ -45,7 +45,7 @@ CHAPTERS = {
     "Default settings": ("test_default_settings",),
 }  # fmt: skip
 TRUE = "true"  #: what is expected of something that is so or not
-EFFORT = "Newton iterations per increment"  #: quantity of the checks that tell no result
+EFFORT = "Newton iterations per increment"  #: quantity of the checks without a result
 MOST_ITERATIONS = 8.0  #: mean of the Newton iterations per increment, failed attempts included, that a case may take
 
 
@@ -65,7 +65,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether the check passes; a number that is none fails."""
+        """Whether the check passes; a NaN or an infinite number fails."""
         return bool(self.error <= self.tolerance)
 
     def cells(self) -> list[str]:
@@ -175,10 +175,10 @@ class Case:
     checks: list[Check] = field(default_factory=list)
     jobs: list[Job] = field(default_factory=list)
     figures: list[tuple[str, str]] = field(default_factory=list)
-    wanted: dict[str, int] = field(default_factory=dict)  #: increments that the decks asked for, by job; 0: not said
+    wanted: dict[str, int] = field(default_factory=dict)  #: increments that the decks request, by job; 0: unknown
 
     def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
-        """Runs a deck that has to finish within the iterations allowed. asked: increments that the deck asks for."""
+        """Runs a deck that has to finish within the iterations allowed. asked: increments that the deck requests."""
         folder = self.work / name
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "job.inp").write_text(deck)
@@ -236,7 +236,7 @@ class Case:
         )
 
     def figure(self, draw: Callable[[], object], caption: str) -> None:
-        """A matplotlib figure, drawn only if pages are asked for."""
+        """A matplotlib figure, drawn only if pages are requested."""
         if self.pages is None:
             return
         file = f"{self.name}-{len(self.figures) + 1}.png"
@@ -276,7 +276,7 @@ class Case:
         parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in self.figures]
         if self.jobs:
             parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + f". More than {MOST_ITERATIONS:g} iterations "
-                      "for each increment that the deck asks for, failed attempts included, would fail the case."]  # fmt: skip
+                      "for each increment that the deck requests, failed attempts included, would fail the case."]  # fmt: skip
         parts += ["## What it proves", self.proves]
         if self.test:
             parts += [f"`make verify` writes this page; `.venv/bin/python -m pytest '{self.test}'` runs this case alone."]
@@ -300,8 +300,8 @@ def observed_order(errors: Sequence[float], ratio: float = 2.0) -> float:
 
 
 def effort_table(cases: Sequence[dict]) -> list[str]:
-    """A row per case: increments asked for, iterations, failed attempts; and the mean over all cases."""
-    lines = ["| case | increments asked for | Newton iterations | failed attempts | iterations per increment |", "|---|---|---|---|---|"]
+    """A row per case: requested increments, iterations, failed attempts; and the mean over all cases."""
+    lines = ["| case | requested increments | Newton iterations | failed attempts | iterations per increment |", "|---|---|---|---|---|"]
     rows = []
     for case in cases:
         if not case["effort"]:
@@ -314,7 +314,7 @@ def effort_table(cases: Sequence[dict]) -> list[str]:
 
 
 def mean_effort(cases: Sequence[dict]) -> float:
-    """Newton iterations per increment asked for, failed attempts included, over all cases."""
+    """Newton iterations per requested increment, failed attempts included, over all cases."""
     asked, iterations = sum(sum(case["asked"]) for case in cases), sum(e[1] for case in cases for e in case["effort"])
     return iterations / max(asked, 1)
 

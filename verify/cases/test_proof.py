@@ -15,7 +15,7 @@ from verify.cases.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
 
 
 def test_mean_effort(tmp_path: Path) -> None:
-    """The mean is over increments asked for, with the iterations of failed attempts, over all cases together."""
+    """The mean is over requested increments, with the iterations of failed attempts, over all cases together."""
     for name, asked, iterations in (("a", 10, 20), ("b", 2, 64)):
         facts = {"name": name, "title": name, "checks": [], "effort": [(asked, iterations, 1)], "asked": [asked]}
         (tmp_path / f"{name}.json").write_text(json.dumps(facts))
@@ -26,7 +26,7 @@ def test_mean_effort(tmp_path: Path) -> None:
     assert "| all | 12 | 84 | 2 | 7.0 |" in (tmp_path / "index.md").read_text()
 
 
-def test_index_tells_the_worst(tmp_path: Path) -> None:
+def test_index_lists_the_worst(tmp_path: Path) -> None:
     """One row for each quantity, under the chapter of its file; a check that fails is marked, whatever its place."""
     first = Check("stress", "A", "the end", "1", 1.01, 0.01, 0.02, "mesh", "2.0")
     second = Check("stress", "B", "the end", "1", 1.05, 0.05, 0.02, "mesh")
@@ -39,7 +39,7 @@ def test_index_tells_the_worst(tmp_path: Path) -> None:
     assert "stress, A" not in text
 
 
-def test_bands_and_truths_are_told_as_such(tmp_path: Path) -> None:
+def test_bands_and_truths_are_marked(tmp_path: Path) -> None:
     """No error of 0 where none is allowed: a number is inside its band or outside by so much, and what is so is true."""
     case = Case("x", "X", "", "", "", "", runner=None, work=tmp_path, pages=None, test="verify/test_x.py::test_x")
     words = {"place": "A", "time": "the end", "why": "published"}

@@ -27,7 +27,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What is asked for; each is relative to what its comment says."""
+    """Tolerances; each is relative to what its comment says."""
 
     friction: float = 1e-5  #: |t| - mu p, of the largest p
     penetration: float = 1e-8  #: of the mean edge of the master's facets
@@ -227,7 +227,7 @@ class ContactCheck:
     ) -> None:
         """What the slaves get and what the masters get, as internal forces: resultant and moment vanish.
 
-        Held directions carry reactions that cannot be told from contact: they are left out of both sums.
+        Held directions carry reactions that cannot be separated from contact: they are left out of both sums.
         """
         both = np.concatenate([slaves, masters])
         open_directions = ~((~is_free[both]).any(axis=0))
@@ -240,7 +240,7 @@ class ContactCheck:
             verdict.moment_balance = float(np.linalg.norm(np.cross(arm, force).sum(axis=0)) / (scale * size))
 
     def _equilibrium(self, check: IncrementCheck, internal: Floats, contact: Floats, is_free: Flags, x: Floats) -> None:
-        """Free nodes carry no force but contact; reactions and contact balance on each body."""
+        """Free nodes have no force but contact; reactions and contact balance on each body."""
         reaction = np.where(is_free, 0.0, internal - contact)
         imbalance = np.where(is_free, contact - internal, 0.0)
         largest = max(float(np.abs(internal).max()), self.floor)

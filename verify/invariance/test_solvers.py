@@ -75,7 +75,7 @@ def test_linear(run: Run, tmp_path: Path, kind: str, cells: tuple[int, int, int]
 
 
 def test_plastic(run: Run, tmp_path: Path) -> None:
-    """Large strains of a material that flows: Newton's iteration takes the same way."""
+    """Large strains of a material that flows: Newton's iteration takes the same path."""
     text = cantilever(
         "C3D8", (3, 3, 12), cards="*PLASTIC\n45., 0.\n150., 0.2\n", step="*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n"
     )
@@ -105,7 +105,7 @@ def test_equations(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_no_room_for_a_factor(program: Path, tmp_path: Path) -> None:
+def test_no_memory_for_a_factor(program: Path, tmp_path: Path) -> None:
     """A factor of 200 megabytes with less left: the job says so before it starts, iterates, and gives the same answer."""
     text = cantilever("C3D8", (16, 16, 44), step="*STEP\n*STATIC, DIRECT\n0.25, 1.\n*NODE PRINT, NSET=TIP, FREQUENCY=4\nU\n")
     (tmp_path / "job.inp").write_text(text)

@@ -3,7 +3,7 @@
 Two participants in two threads, coupled at the same points, in parallel: both solve a window, exchange, and repeat it with
 relaxed data until what they write stands; then the window is done. No mapping, no acceleration but constant relaxation. A
 participant may solve a window in pieces; what it reads for a time within the window lies on the straight line from the window's
-start, as with preCICE's waveforms of first degree. What preCICE refuses is refused: an advance before the checkpoint was asked
+start, as with preCICE's waveforms of first degree. What preCICE refuses is refused: an advance before the checkpoint was requested
 for, or past the end of the window, initial data that are missing, anything after the end.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -42,7 +42,7 @@ class Meeting:
         self.barrier = threading.Barrier(2, action=self.judge, timeout=120)
 
     def judge(self) -> None:
-        """By one of the two, while the other waits: have the data settled?"""
+        """Convergence of the data; called by one of the two, while the other waits."""
         change, scale = 0.0, 0.0
         for name, values in self.written.items():
             old = self.data.get(name, np.zeros_like(values))

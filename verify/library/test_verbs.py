@@ -49,7 +49,7 @@ def mixed(array: np.ndarray) -> str:
     return f"{whole:016X}"
 
 
-class Teller:
+class Transcript:
     """What verbs.c and verbs.f90 print."""
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ class Teller:
 @pytest.fixture(scope="module")
 def told(deck: Path) -> list[str]:
     """The words of the Python package."""
-    tell = Teller()
+    tell = Transcript()
     say = tell.lines.append
     handle = ctypes.c_void_p()
     say(f"another interface: {calls().amontons_open(ctypes.byref(Options(abi=ABI + 1)), ctypes.byref(handle))}")
@@ -195,7 +195,7 @@ def test_header_in_cpp(root: Path, tmp_path: Path) -> None:
     subprocess.run(["g++", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only", f"-I{root / 'src' / 'driver'}", "a.cpp"], cwd=tmp_path, check=True)
 
 
-def test_every_function_of_the_header_is_asked(root: Path) -> None:
+def test_every_function_of_the_header_is_called(root: Path) -> None:
     """The binding has each function of the header, and verbs.c calls each; the manual names each."""
     functions = set(re.findall(r"\b(amontons_[a-z_]+)\(", (root / "src" / "driver" / "amontons.h").read_text()))
     assert functions == set(SIGNATURES)
@@ -206,7 +206,7 @@ def test_every_function_of_the_header_is_asked(root: Path) -> None:
 
 
 def test_quantities_that_are_listed_are_there(deck: Path) -> None:
-    """get knows each name that names("QUANTITIES") tells, and the manual does; STATEV are there with a UMAT alone."""
+    """get knows each name that names("QUANTITIES") lists, and the manual does; STATEV are there with a UMAT alone."""
     page = (HERE.parent.parent / "doc" / "manual" / "library.md").read_text()
     with amontons.Job(deck) as job:
         job.advance()

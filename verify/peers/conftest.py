@@ -1,4 +1,4 @@
-"""The table of deviations of the peers' decks: shown at the end of a run, and a page of the manual if `make verify` asks.
+"""The table of deviations of the peers' decks: shown at the end of a run, and a page of the manual if `make verify` requests it.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

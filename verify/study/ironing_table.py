@@ -3,9 +3,9 @@
     python -m verify.study.ironing_table [--outdir DIR] [--line-search TYPE] [--program bin/amontons]
 
 A stiff indenter, its bottom curved or flat with sharp corners, is pressed 0.25 into a soft slab with facets of 0.3 and
-dragged 6 along it, in increments of a half, 1.3 and 2.5 facets. The increments are asked for as the first and the
-largest; the program may cut back. The table says: increments asked for, increments made, failed attempts, Newton iterations
-(failed attempts included), iterations per increment asked for.
+dragged 6 along it, in increments of a half, 1.3 and 2.5 facets. The increments are requested as the first and the
+largest; the program may cut back. The table says: requested increments, increments made, failed attempts, Newton iterations
+(failed attempts included), iterations per requested increment.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -42,8 +42,8 @@ class Outcome:
     is_done: bool
 
     @property
-    def per_asked(self) -> float:
-        """Newton iterations, failed attempts included, per increment asked for."""
+    def per_requested(self) -> float:
+        """Newton iterations, failed attempts included, per requested increment."""
         return self.iterations / self.asked
 
 
@@ -108,10 +108,10 @@ def main() -> int:
                     continue
                 asked = 5 + round(DRAG / slide)
                 o = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, options.line_search), asked)
-                is_good &= o.is_done and o.per_asked <= 12.0
+                is_good &= o.is_done and o.per_requested <= 12.0
                 print(
                     f"{shape:7s}{mu:4.1f}{slide:7.2f}{slide / FACET:8.1f}{o.asked:7d}{o.made:6d}{o.failed:8d}"
-                    f"{o.iterations:12d}{o.per_asked:11.1f}{'' if o.is_done else '   STOPPED'}",
+                    f"{o.iterations:12d}{o.per_requested:11.1f}{'' if o.is_done else '   STOPPED'}",
                     flush=True,
                 )
     return 0 if is_good else 1

@@ -125,7 +125,7 @@ def eased(law: Law, kind: str, shape: str, place: Place) -> tuple[str, str, Plac
 
 
 def random_deck(seed: int, has_law: bool = False) -> str:
-    """The deck of a seed; its first line tells what was drawn. With a law the surfaces give, and what is compared with CalculiX is printed."""
+    """The deck of a seed; its first line lists the drawn parameters. With a contact law the surfaces are compliant, and the quantities compared with CalculiX are printed."""
     draw = Random(seed)
     is_space = draw.random() < 0.5
     kinds = (SOLIDS + ["C3D8R"] * has_law) if is_space else PLANES
@@ -196,7 +196,7 @@ def run(seed: int, program: Path, folder: Path, limit: float = 600.0, has_law: b
 
 
 def run_peer(seed: int, peer: str, folder: Path, has_law: bool = False) -> Outcome:
-    """The same by CalculiX, which tells at its end whether it got there."""
+    """The same by CalculiX, which says at its end whether it finished."""
     return outcome_of(seed, random_deck(seed, has_law), [peer, "-i", "job"], folder, PEER_LIMIT, lambda done: int("Job finished" not in done.stdout))
 
 

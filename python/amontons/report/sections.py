@@ -149,7 +149,7 @@ def honesty(job: Job, cards: str) -> str:
         rows.append((f"*{card}", count, f'<b class="{"good" if status == "used" else "quiet"}">{status or "accepted"}</b>', sentence))
     text = table(("card", "times", "status", "what it does"), rows)
     if not known:
-        text += ('<p class="note">The program was not found, so the table tells no more than which cards there are: name it by '
+        text += ('<p class="note">The program was not found, so the table only lists the cards: name it by '
                  "<code>--program</code>. Cards that are not supported end a job before it starts.</p>")  # fmt: skip
     s = job.steps
     text += "<h3>Steps, as they were taken</h3>" + table(
@@ -192,7 +192,7 @@ def convergence(job: Job) -> str:
             ((int(h["step"][i]), int(h["increment"][i]), int(h["attempt"][i]), float(h["total_time"][i]), float(h["dt"][i]),
               int(h["n_iterations"][i]), str(h["reason"][i])) for i in bad[:60]))  # fmt: skip
     if len(bad) and not good[-1]:
-        text += '<p class="note">The terminal told the worst nodes and a remedy; the page "Messages" of the manual has a paragraph on each reason.</p>'
+        text += '<p class="note">The terminal shows the worst nodes and a remedy; the page "Messages" of the manual has a paragraph on each reason.</p>'
     return text
 
 
@@ -237,7 +237,7 @@ def ledger(job: Job) -> str:
     text += "<h3>Energy at the end of each step</h3>" + table(
         ("step", "time", "external work", "strain energy", "friction", "stored in contact", "damping", "the rest"),
         ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work),
-          told_zero(float(work[0][i] - sum(w[i] for w in work[1:])), max(abs(float(w[i])) for w in work))) for i in last))  # fmt: skip
+          printed_zero(float(work[0][i] - sum(w[i] for w in work[1:])), max(abs(float(w[i])) for w in work))) for i in last))  # fmt: skip
     text += ('<p class="note">The rest is what plasticity and creep took, and the error of the '
              "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
     n = int(job.times[0] == 0)   # nothing has happened at time 0
@@ -268,14 +268,14 @@ def set_reactions(job: Job) -> dict[str, Floats]:
 
 def by_set(job: Job) -> str:
     """Reactions of the node sets that are held, at the last frame."""
-    rows = [(name, len(job.node_sets[name]), *(told_zero(float(v), float(np.abs(f).max())) for v in f[-1])) for name, f in set_reactions(job).items()]
+    rows = [(name, len(job.node_sets[name]), *(printed_zero(float(v), float(np.abs(f).max())) for v in f[-1])) for name, f in set_reactions(job).items()]
     if not rows:
         return ""
     note = '<p class="note">Twelve sets with the largest.</p>' if len(rows) > 12 else ""
     return "<h3>Reactions of the node sets at the last frame</h3>" + table(("set", "nodes", "x", "y", "z"), rows[:12]) + note
 
 
-def told_zero(value: float, size: float) -> float:
+def printed_zero(value: float, size: float) -> float:
     """Rounding beside a size is 0."""
     return value if abs(value) > 1e-9 * size else 0.0
 
@@ -300,7 +300,7 @@ def maps(job: Job) -> str:
 
 
 def pair_sums(job: Job) -> str:
-    """What each pair carries: forces, area and centre at the last increment, and the sizes of the forces over time."""
+    """Forces of each pair: forces, area and centre at the last increment, and the sizes of the forces over time."""
     h = job.pair_history
     if not h or not len(h["pair"]):
         return ""
@@ -320,7 +320,7 @@ def pair_sums(job: Job) -> str:
             over_time = np.linalg.norm(h[key][mine], axis=1)
             if len(curves) < 6 and over_time.max() > 1e-9 * largest:
                 curves.append(Series(f"{name}, {what}", h["total_time"][mine], over_time))
-    text = "<h3>What each pair carries</h3>" + table(
+    text = "<h3>Forces of each pair</h3>" + table(
         ("pair", "open / stick / slip", "force of the pressure on the slave", "of the friction", "moment about the origin", "area in contact",
          "centre of the pressure"), rows)
     return text + (charts.lines(curves, "time", "size of the force") if curves else "")

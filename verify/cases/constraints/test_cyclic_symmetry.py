@@ -78,7 +78,7 @@ TIE = "*TIE, NAME=CS, CYCLIC SYMMETRY\nSA, SB\n*CYCLIC SYMMETRY MODEL, N={}, TIE
 def test_turning_ring(run_deck: Run, tmp_path: Path, n: int, along: float, is_turned: bool) -> None:
     """A thin ring turns: 8 E u / (rho w^2 r) = (3 + nu) ((1 - nu) (a^2 + b^2) + (1 + nu) a^2 b^2 / r^2) - (1 - nu^2) r^2.
 
-    Whichever side depends, and whichever way the axis points. Timoshenko and Goodier, Theory of Elasticity, sec. 32.
+    Whichever side depends, and whichever direction the axis points. Timoshenko and Goodier, Theory of Elasticity, sec. 32.
     """
     omega2 = 0.3
     text, x = sector(n, 0.3, (4, 2 if n > 3 else 6), is_turned)

@@ -232,7 +232,7 @@ def stone(angle: float) -> Plane:
 
 
 def test_block_slides_on_inclined_plane(proof: Proof) -> None:
-    """Above the critical angle a spring along the slope carries what friction does not."""
+    """Above the critical angle a spring along the slope takes the force beyond the friction limit."""
     beta, mu, stiffness = 0.5, 0.3, 50.0
     case = proof(
         "incline-analytic-slip",
@@ -268,7 +268,7 @@ def test_block_slides_on_inclined_plane(proof: Proof) -> None:
 
 
 def test_tilting_table(proof: Proof) -> None:
-    """A table that turns about a distant reference node carries a block that sticks through space."""
+    """A block sticks to a table that turns about a distant reference node."""
     angle, mu = 0.2, 0.3
     case = proof(
         "tilting-table",
@@ -321,7 +321,7 @@ def test_capstan(proof: Proof) -> None:
         "capstan-analytic",
         title="Capstan on an analytic drum",
         model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed analytic drum of radius 100, 100 CPE4 along it, small displacements, mu = 0.3. Its ends are "
-        "held along it while it settles (1 increment), then one is drawn by 1 (60 increments) while the other gives way by 0.9, so that all of it slides.",
+        "held along it while contact is established (1 increment), then one is drawn by 1 (60 increments) while the other yields by 0.9, so that all of it slides.",
         formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R))",
         source="Euler (1769), Eytelwein (1808)",
         proves="Friction along an analytic arc.",
@@ -433,7 +433,7 @@ def test_clamped_by_a_force(proof: Proof) -> None:
         f"An analytic holder (x >= 26.5) is pressed on it by a force of {force:g} in 5 increments, NLGEOM, mu = {mu:g}.",
         formula="The die bears what holder and punch press; under the holder the sheet gets thinner by p t (1 - nu^2)/E, p = F/33.5, where its ends are far.",
         source="Equilibrium; Hooke's law in plane strain",
-        proves="A rigid tool without any stiffness of its own is part of the interface, so contact settles ahead: without that the nodes between punch and die chatter and no increment converges.",
+        proves="A rigid tool without any stiffness of its own is part of the interface, so the contact subproblem is solved first: otherwise the nodes between punch and die chatter and no increment converges.",
     )
     sheet_between = flatten(sheet("SHEET", between(0, 60, 90), between(0, 1, 3)))
     die = rigid("SEGMENTS", "START, 26.5, -60.\nLINE, 26.5, 0.\nLINE, 100., 0.\n", "26., 0.", "DIE", ", FILLET RADIUS=5.")

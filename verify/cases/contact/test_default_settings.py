@@ -1,4 +1,4 @@
-"""Contact decks as an engineer writes them, with default settings: they finish, in at most 8 iterations per increment asked for.
+"""Contact decks as an engineer writes them, with default settings: they finish, in at most 8 iterations per requested increment.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -98,8 +98,8 @@ def test_defaults(proof: Proof, make: Callable[[], tuple[Parts, str, str, int, l
     case = proof(
         f"defaults-{name}",
         title=f"Default settings: {name.replace('-', ' ')}",
-        model=f"{make.__doc__} {kind}, NLGEOM, {asked} increments asked for.",
-        formula="The reactions of all supports are in balance; 8 iterations per increment asked for are enough.",
+        model=f"{make.__doc__} {kind}, NLGEOM, {asked} requested increments.",
+        formula="The reactions of all supports are in balance; 8 iterations per requested increment are enough.",
         source="statics",
         proves="Contact as an engineer writes it converges without a setting.",
     )

@@ -44,7 +44,7 @@ HELD = fix("LOWER_BOTTOM, 1, 3", "UPPER_TOP, 1, 3")
 
 @pytest.mark.parametrize("options", ["", ", TYPE=SURFACE TO SURFACE"])
 def test_end_is_that_of_one_increment(options: str, run_deck: Run, tmp_path: Path) -> None:
-    """Without friction the end does not depend on the way there: the overclosure let go in four increments, or pressed out at once."""
+    """Without friction the end does not depend on the path: the overclosure released in four increments, or pressed out at once."""
     ends = []
     for cards, n in ((SHRINK, 4), ("", 1)):
         job = solve(run_deck, tmp_path, deck(0.0, step(HELD + cards, n, is_nlgeom=True), options))

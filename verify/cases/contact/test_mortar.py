@@ -255,7 +255,7 @@ def over(overhang: float) -> tuple[str, Floats, int]:
 
 @pytest.mark.parametrize("overhang", [0.4, 0.02])
 def test_overhang(proof: Proof, overhang: float) -> None:
-    """Facets that are covered in part: 0.4 leaves large parts and small ones, 0.02 leaves slivers bare."""
+    """Facets that are covered in part: 0.4 gives large parts and small ones, 0.02 gives bare slivers."""
     case = proof(
         f"mortar-overhang-{overhang:g}".replace(".", ""),
         title=f"A stiff block overhangs a soft one by {overhang:g}, surface to surface",

@@ -13,7 +13,7 @@ from scipy.special import ellipk
 
 from verify.cases.proof import Case, Job
 from verify.decks.make_decks import Mesh, graded, join
-from verify.decks.sheets import Floats, both_ways, fix, pair, plane_deck, rows_of, sheet, step
+from verify.decks.sheets import Floats, both_directions, fix, pair, plane_deck, rows_of, sheet, step
 
 Proof = Callable[..., Case]
 
@@ -23,7 +23,7 @@ FAR = 1000.0  #: size of a half space, over the half width of the punch
 
 def cylinders(fine: float) -> tuple[Mesh, Mesh]:
     """Two equal arcs, one above the other, touching in the origin; grid lines of both meet."""
-    s, t = both_ways(graded(4.0, fine, round(0.8 / fine), 8)), graded(1.0, fine / 6, 5, 10)
+    s, t = both_directions(graded(4.0, fine, round(0.8 / fine), 8)), graded(1.0, fine / 6, 5, 10)
 
     def above(x: Floats, w: Floats) -> tuple[Floats, Floats]:
         return x, (RADIUS - np.sqrt(RADIUS**2 - x**2)) * (1 - w) + 6.0 * w
@@ -37,7 +37,7 @@ def cylinders(fine: float) -> tuple[Mesh, Mesh]:
 def mindlin(x: Floats, a: float, peak: float, turns: list[float]) -> Floats:
     """Shear over the peak of mu p after a history of f = Q/(mu P): the load turns at turns[:-1] and is now turns[-1].
 
-    Loading is Cattaneo's; each turn adds twice Cattaneo's solution of half the change, the other way (Mindlin and
+    Loading is Cattaneo's; each turn adds twice Cattaneo's solution of half the change, in the opposite direction (Mindlin and
     Deresiewicz 1953). Valid while each branch stays inside the one before.
     """
 

@@ -202,7 +202,7 @@ def test_capstan(proof: Proof) -> None:
         "capstan-plane",
         title="Capstan by CPE4",
         model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed drum of radius 100, 120 elements along it, CPE4, small "
-        "displacements, mu = 0.3. Its ends are held along it while it settles (1 increment), then one is drawn by 1 (60 increments) while the other gives "
+        "displacements, mu = 0.3. Its ends are held along it while contact is established (1 increment), then one is drawn by 1 (60 increments) while the other gives "
         "way by 0.9, so that all of it slides.",
         formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R)).",
         source="Euler (1769), Eytelwein (1808)",

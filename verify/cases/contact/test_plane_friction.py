@@ -50,7 +50,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
         "wall, in which it hangs with k = 50; and alone.",
         formula="Sticks if mu > tan 20. Else slip = W (sin 20 - mu cos 20)/k with the spring, and no equilibrium without it.",
         source="Coulomb (1785); Ansys VM29; code_aster SSNV503",
-        proves="The limit of friction in the plane, exactly; and that a body that goes is told, not computed.",
+        proves="The limit of friction in the plane, exactly; and that an unsupported sliding body is reported, not computed.",
     )
     weight = 2 * DENSITY * GRAVITY
     stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
@@ -87,7 +87,7 @@ def test_pull_out(proof: Proof) -> None:
         "shrink-fit-pull-out-axisymmetric",
         title="Shrink fit with pull-out, axisymmetric: Lame",
         model="Two rings, radii 1.25, 1.516 and 1.75 m, 0.5 m long, E = 206 GPa, nu = 0, mu = 0.1, CAX4, 4 along, 3 and 6 through each; the inner one is 2 mm "
-        "too large. Step 1 lets them settle (1 increment), step 2 pulls the inner face of the inner ring by 20 mm along the axis (10 increments), small "
+        "too large. Step 1 establishes contact (1 increment), step 2 pulls the inner face of the inner ring by 20 mm along the axis (10 increments), small "
         "displacements.",
         formula=f"Lame with the rings' own radii: p = {p:.5g} Pa; pull-out force mu p 2 pi R L = {mu * p * 2 * np.pi * rm * length:.5g} N.",
         source="Lame (1852)",
@@ -210,7 +210,7 @@ def test_rounded_punch(proof: Proof) -> None:
         model="A steel punch (diameter and height 100 mm, edge rounded by 10 mm, E = 210 GPa) on an aluminium foundation (diameter and height 200 mm, E = 70 "
         "GPa, bottom held), nu = 0.3, CAX4 of 0.5 mm at the edge; 100 MPa on the punch in 10 increments, small displacements; mu = 0.1 and 0.",
         formula="Displacements of the foundation's surface by Marc, read from the published curves: quadratic elements for mu = 0.1; those for mu = 0 "
-        "are of linear ones, as their uz tells. Pressure on the axis by code_aster: 88.7 and 91.1 MPa. (The published curves of pressure say 70 "
+        "are of linear ones, as their uz shows. Pressure on the axis by code_aster: 88.7 and 91.1 MPa. (The published curves of pressure say 70 "
         "there, and their peak at the edge depends on the mesh: not judged.)",
         source="NAFEMS R0094 (Konter 2006), benchmark 2",
         proves="Friction below a press: it drags the surface outwards, and the sign of the radial displacement near the axis turns with it.",

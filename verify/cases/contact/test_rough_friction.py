@@ -1,6 +1,6 @@
-"""Surfaces that never slip (*FRICTION, ROUGH) and that are pulled until they let go.
+"""Surfaces that never slip (*FRICTION, ROUGH) and that are pulled until they separate.
 
-A node that sticks can be drawn off its master by its own friction, and be pressed into it as soon as it is let go: no status of
+A node that sticks can be drawn off its master by its own friction, and be pressed into it as soon as it is released: no status of
 the two then is a balance. It has lost its grip, slides to where it is in balance without friction, and sticks there again.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -88,7 +88,7 @@ def step(along: float, increment: float) -> str:
     (0.1, 0.25, 0.0, 0.05),
     (0.3, 1.0, 0.3 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # it lost its grip: N = (K_zz - K_xz^2/K_xx) p
     (0.2, 0.5, 0.2 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # sticks at s = 0.1; in the second increment it loses it
-    (-0.3, 1.0, 0.0, 0.45),            # drawn the other way it is pressed the more
+    (-0.3, 1.0, 0.0, 0.45),            # drawn in the opposite direction it is pressed more
 ])  # fmt: skip
 def test_grip_is_lost(run_deck: Run, tmp_path: Path, drag: float, increment: float, place: float, force: float) -> None:
     """A node on springs that pull it up as they are drawn along: where N would be negative it slides to where T is 0."""

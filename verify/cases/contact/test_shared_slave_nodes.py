@@ -68,9 +68,9 @@ def test_chain(proof: Proof, kind: str, form: str) -> None:
     case = proof(
         f"chain-wall-{kind.lower()}" + ("-s2s" if form else ""),
         title=f"A block on a block that leans on a wall, {kind}" + TITLES[form],
-        model="An upper block 1 x 1 on a lower one, both 3 x 3 cells, E = 1000, nu = 0.3, the lower one on a roller floor between a roller and a fixed wall that it "
+        model="An upper block 1 x 1 on a lower one, both 3 x 3 cells, E = 1000, nu = 0.3, the lower one on a roller support between a roller and a fixed wall that it "
         "touches with its right side; a pressure of 10 on the top, frictionless, one increment. The top right node of the lower block is slave at the "
-        "wall and carries nodes of the upper block.",
+        "wall and is master of nodes of the upper block.",
         formula="Upper block: stress yy = -10 alone. Lower block: yy = -10, xx = -10 nu/(1 - nu), contact pressure at the wall the same.",
         source="plane strain; without friction the two blocks slide on each other",
         proves="The force on a slave is found from the balance of its node with what other pairs bring there.",
@@ -140,10 +140,10 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
 
 
 def test_corner_of_three_walls(proof: Proof) -> None:
-    """A cube in the corner of a room."""
+    """A cube in the corner of three walls."""
     case = proof(
         "corner-room",
-        title="A cube in the corner of a room",
+        title="A cube in the corner of three walls",
         model="A cube of 3 x 3 x 3 C3D8, E = 1000, nu = 0.3, touches three fixed walls; a pressure of 10 on its three other faces, frictionless, one "
         "increment. The nodes at its edges are slaves in two pairs, the node in the corner in three.",
         formula="Stress -10 in all directions, contact pressure 10 everywhere.",
@@ -198,7 +198,7 @@ def test_symmetric_pair(proof: Proof, mu: float, is_nlgeom: bool) -> None:
         f"increments, {'NLGEOM' if is_nlgeom else 'small displacements'}, mu = {mu:g}: the cylinder slave, the block slave, and both pairs together.",
         formula="The same displacement of the top and the same force whichever side is slave.",
         source="both one-sided results are those of one problem, up to the meshes",
-        proves="The rule by which one side gives way node by node: nothing is held twice, nothing is left out.",
+        proves="The rule that drops one side of the constraint node by node: no node is constrained twice, none is left out.",
     )
     cylinder = flatten(arc(50.0, 40.0, 50.0, 0.6, 16, 14))
     below = flatten(slab(100.0, 200.0, 1.0, 10, 14))
@@ -323,11 +323,11 @@ def pressed_cube(kind: str, walls: str, pairs: str, sides: dict[str, Callable[[s
 
 
 @pytest.mark.parametrize("kind", ["C3D4", "C3D10", "C3D20"])
-def test_room_by_surfaces(proof: Proof, kind: str) -> None:
-    """A cube of other elements in the corner of a room, by surface to surface."""
+def test_corner_by_surfaces(proof: Proof, kind: str) -> None:
+    """A cube of other elements in the corner of three walls, by surface to surface."""
     case = proof(
         f"corner-room-{kind.lower()}-s2s",
-        title=f"A cube of {kind} in the corner of a room, surface to surface",
+        title=f"A cube of {kind} in the corner of three walls, surface to surface",
         model=f"As corner-room: a cube of 3 x 3 x 3 cells of {kind}, the walls meshed otherwise, TYPE=SURFACE TO SURFACE.",
         formula="Stress -10 in all directions, contact pressure 10 everywhere.",
         source="equilibrium",
@@ -411,7 +411,7 @@ def test_symmetric_surfaces(proof: Proof) -> None:
 
 
 def test_mixed_types_share_no_mid_sides(run_deck: Callable[..., subprocess.CompletedProcess[str]]) -> None:
-    """Quadratic slave faces of one body in a pair of each type, with an edge in common: told, and what to do."""
+    """Quadratic slave faces of one body in a pair of each type, with a common edge: reported, with a remedy."""
     walls, pairs, n, sides = "", "", 5000, {}
     for axis, name, options in ((2, "FLOOR", ""), (0, "WALL", TYPES["s2s"])):
         spans = [np.array([-0.5, 0.0]) if k == axis else np.array([-0.5, 1.5]) for k in range(3)]

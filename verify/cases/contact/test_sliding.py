@@ -76,7 +76,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
         "between its back and a wall, in which it hangs with k = 50; and alone.",
         formula="Sticks if mu > tan 20. Else slip = W (sin 20 - mu cos 20)/k with the spring, and no equilibrium without it.",
         source="Coulomb (1785); Ansys VM29; code_aster SSNV503",
-        proves="The limit of friction, exactly; and that a body that goes is told, not computed.",
+        proves="The limit of friction, exactly; and that an unsupported sliding body is reported, not computed.",
     )
     weight = 2 * DENSITY * GRAVITY
     stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
@@ -178,10 +178,10 @@ def test_capstan(proof: Proof) -> None:
         title="Capstan",
         model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed drum of radius 100, 120 and 240 elements along "
         "it, plane strain, C3D8, small displacements, mu = 0.3. Its ends are held along it (not at the nodes that touch) while it settles (1 "
-        "increment), then one is drawn by 1 (60 increments) while the other gives way by 0.9, so that all of it slides.",
+        "increment), then one is drawn by 1 (60 increments) while the other yields by 0.9, so that all of it slides.",
         formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R)) because friction acts at the drum and tension in the middle of the strap.",
         source="Euler (1769), Eytelwein (1808)",
-        proves="Friction along a curved master, where each node's pressure is carried by the friction of all nodes before it.",
+        proves="Friction along a curved master, where the pressure at each node depends on the friction of all nodes before it.",
     )
     expected = np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200))
     errors = []
@@ -243,7 +243,7 @@ def test_shrink_fit(proof: Proof) -> None:
         "shrink-fit",
         title="Shrink fit with pull-out: Lame",
         model="Two whole rings, radii 1.25, 1.516 and 1.75 m, 0.5 m long, E = 206 GPa, nu = 0, mu = 0.1, C3D8, 64 around, 2 along, 4 through "
-        "each; the inner ring is 0.02 m too large. Step 1 lets them settle (1 increment), step 2 pulls the inner face of one end of the inner "
+        "each; the inner ring is 0.02 m too large. Step 1 establishes contact (1 increment), step 2 pulls the inner face of one end of the inner "
         "ring by 20 mm along the axis (10 increments), small displacements.",
         formula="Lame for each ring with its own radii: p = E d/[R (Ro^2 + R^2)/(Ro^2 - R^2) + R (Ru^2 + Ri^2)/(Ru^2 - Ri^2)], Ru = R + d, p "
         f"on the outer ring; {p:.5g} Pa. (Both with the radius R: {nominal:.5g} Pa, the number of VM292.) Pull-out force mu p 2 pi R L.",
@@ -427,7 +427,7 @@ def test_led_by_supports(proof: Proof) -> None:
         "0.3 (1 increment), then all its nodes are drawn up by 1 (4 increments), the touching ones too; mu = 0.3, NLGEOM.",
         formula="Nothing is left for friction: the force on the wall stays what it was, and every node that touches slides.",
         source="the balance of one block",
-        proves="A node is not held where it first touched if supports move it on: stick would ask for both.",
+        proves="A node is not held where it first touched if supports move it on: stick would require both.",
     )
     body = sheet("BODY", between(0, 1, 4), between(0, 1, 4))
     wall = sheet("WALL", between(-0.5, 0, 1), between(-0.5, 2.5, 10))
@@ -454,7 +454,7 @@ def test_slope_drawn_under_a_held_block(proof: Proof) -> None:
         model="A block (E = 2000, nu = 0, 2 x 1 x 2 C3D8 of 1 x 1 x 1) stands on a slope of tan = 0.4 in x, z, in facets of 0.3 and as wide in y; "
         "the nodes that touch are held in x. Forces of 1 press its upper nodes down (1 increment), then all nodes of the slope are drawn "
         "by -0.3 in x and 0.1 in y (2 increments); mu = 0.3, NLGEOM.",
-        formula="Nothing pulls in y: friction sticks, and the block goes along by 0.1. In x the slope goes on below it and lifts it by 0.3 tan.",
+        formula="Nothing pulls in y: friction sticks, and the block goes along by 0.1. In x the slope moves on below it and lifts it by 0.3 tan.",
         source="geometry",
         proves="A node that sticks while its master slides where a support holds it stays on its master's surface, not at the height where it first touched.",
     )
@@ -473,14 +473,14 @@ def test_slope_drawn_under_a_held_block(proof: Proof) -> None:
     moved = (job.last("U") - job.field("U")[job.frame(1.0)])[: len(body.nodes)]
     way = np.array([0.0, 0.1, 0.3 * slope])
     for i, name in enumerate("xyz"):
-        case.near(f"way in {name}", moved[:, i], way[i], 1e-8, why="a rigid body; gaps are closed to 1e-9 of an edge", place="block", time="2",
+        case.near(f"displacement in {name}", moved[:, i], way[i], 1e-8, why="a rigid body; gaps are closed to 1e-9 of an edge", place="block", time="2",
                   scale=0.1)  # fmt: skip
     sticks = job.last("CSTATUS")[body.node_sets["BODY_BOTTOM"]] == 1
     case.true("all that touch stick", bool(sticks.all()), why="nothing pulls in y", time="2", place="all slave nodes")
     case.done()
 
 
-# ------------------------------------------------------------------------------- the whole way in one increment
+# ------------------------------------------------------------------------------- the whole displacement in one increment
 
 
 @pytest.mark.parametrize(("what", "make", "mu", "steps"), [("block", drag, 0.3, 2), ("cylinder", cylinder, 1.0, 3)], ids=["block", "cylinder"])
@@ -490,16 +490,16 @@ def test_dragged_at_once(proof: Proof, what: str, make: Callable[[float, str, in
         f"{what}-dragged-at-once",
         title=f"A {what} dragged over many facets in one increment",
         model=f"The {what} of the study over all contact cases (verify/study/contact_table.py), plane strain, CPE4, NLGEOM, mu = {mu}: pressed on its base, "
-        + ("then dragged by 2, eight facets" if what == "block" else "drawn by 1 one way, then by 2 the other way")
+        + ("then dragged by 2, eight facets" if what == "block" else "drawn by 1 in one direction, then by 2 in the opposite direction")
         + ", each step in one increment.",
         formula="All that touches slides: the friction on the base is mu times the pressure on it, against the motion.",
         source="Coulomb's law",
-        proves="Where contact does not settle at the end of a direction, it does in portions of the way.",
+        proves="Where the contact subproblem of a full Newton step has no solution, portions of the step solve it.",
     )
     job = case.run(make(mu, "AUTO", 1), asked=steps)
     case.true("increments made", job.last("CSTATUS").size > 0 and len(job.field("U")) == steps + 1, why="no attempt failed", place="the job", time="the end")
     touches = job.last("CSTATUS") > 0
-    case.true("all that touch slide", bool((job.last("CSTATUS")[touches] == 2).all() and touches.any()), why="the way is many times that of sticking",
+    case.true("all that touch slide", bool((job.last("CSTATUS")[touches] == 2).all() and touches.any()), why="the displacement is many times the elastic stick displacement",
               place="all slave nodes", time="the end")  # fmt: skip
     pressing, shearing = (np.linalg.norm(job.last(name), axis=1).sum() for name in ("CNORMF", "CSHEARF"))
     case.near("friction over pressure", shearing / pressing, mu, 1e-6, why="Newton's tolerance", place="all slave nodes", time="the end")
@@ -554,7 +554,7 @@ def test_rollers_between_plates(proof: Proof, kind: str, n: int) -> None:
         title=f"Rollers between two plates, {kind.lower()}",
         model="Three discs of radius 2 (40 CPE4 round the rim, E = 210000, nu = 0.3), 6 apart, between two plates 23 x 2 of the same steel: pressed together by 0.02 in 10 increments, then the upper "
         f"plate goes by {way:g} in {n}, NLGEOM, mu = {mu:g}; the rims are slaves of both plates.",
-        formula="Each centre goes half the way of the upper plate: turned by half a turn about it, and seen from it, the motion is the same.",
+        formula="Each centre moves by half the displacement of the upper plate: turned by half a turn about it, and seen from it, the motion is the same.",
         source="Symmetry; rolling without slip at both plates",
         proves="Nodes that come into contact and leave it while bodies roll; bodies without any support.",
     )
@@ -568,7 +568,7 @@ def test_rollers_between_plates(proof: Proof, kind: str, n: int) -> None:
     job = case.run(flat_deck([(part, (210000.0, 0.3)) for part in parts], "CPE4", pairs + steps), asked=10 + n)
     for k, disc in enumerate(rollers):
         at = sum(len(other.nodes) for other in rollers[:k]) + int(np.argmin(np.linalg.norm(disc.nodes - [6.0 * k, 2.0], axis=1)))
-        case.near(f"way of the centre of roller {k + 1}", job.last("U")[at][0], 0.5 * way, 0.01, why="the plates end, and rims are polygons that dig in by 0.01", place="centre", time="the end")
+        case.near(f"displacement of the centre of roller {k + 1}", job.last("U")[at][0], 0.5 * way, 0.01, why="the plates end, and rims are polygons that dig in by 0.01", place="centre", time="the end")
     case.done()
 
 
@@ -583,7 +583,7 @@ def test_cubes_under_a_law(proof: Proof, slope: float, stick: float) -> None:
         title=f"Cubes sheared to and fro, slope {slope:.0e}",
         model="A cube of 1 (4 x 4 x 4 C3D8, E = 210000, nu = 0.3) on a larger block, meshes that do not match, pressed by 0.01, sheared by 0.05 and then by "
         f"-0.05, NLGEOM, 5 increments each; LINEAR with {slope:.0e} per unit of length, mu = 0.3 with the stick slope {stick:.0e}, node to surface.",
-        formula="All slide at the end of each way: the friction on the cube is mu times the pressure on it, and turns round with the motion.",
+        formula="All slide at the end of each stroke: the friction on the cube is mu times the pressure on it, and turns round with the motion.",
         source="Coulomb's law",
         proves="Compliant contact, soft and stiff, takes the iterations of exact contact.",
     )

@@ -115,13 +115,13 @@ def cube(offset: float, first: int) -> tuple[str, Floats]:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_families(proof: Proof, family: str) -> None:
-    """A bar, a sheet pulled both ways, and simple shear."""
+    """A bar, a sheet pulled in both directions, and simple shear."""
     card, energy = FAMILIES[family]
     name = family.lower().replace(" ", "-")
     case = proof(
         f"rubber-{name}",
         title=f"{'Foam' if family == 'foam' else 'Rubber: ' + family} under three motions",
-        model="Three cubes of one C3D8, NLGEOM, 10 increments: stretched to 1.6 with free sides; stretched to 1.3 both ways with a free side; "
+        model="Three cubes of one C3D8, NLGEOM, 10 increments: stretched to 1.6 with free sides; stretched to 1.3 in both directions with a free side; "
         "all faces moved as in simple shear by 0.8. Constants: " + card.strip().replace("\n", ": ") + ".",
         formula="sigma_i = l_i dW/dl_i / J with the derivatives of W by a complex step in the test; free stretches by a root; shear: principal "
         "axes of F F'.",

@@ -23,7 +23,7 @@ def displacement(folder: Path) -> list[float]:
 
 
 def deck_of(elements: str, held: str, load: str, more: str = "") -> str:
-    """Node 1 holds still, node 2 is loaded; the controls ask for more digits than are compared."""
+    """Node 1 is fixed, node 2 is loaded; the controls request more digits than are compared."""
     return f"""** dialect: calculix
 *NODE
 1, 0., 0., 0.
@@ -141,7 +141,7 @@ def test_gap(run_deck: Run, tmp_path: Path, data: str, axis: str, force: float, 
     ("*ELEMENT, TYPE=GAPUNI, ELSET=G\n2, 1, 2\n*SPRING, ELSET=E\n1.\n", "no *GAP names a set"),
 ])  # fmt: skip
 def test_refused(run_deck: Run, card: str, told: str) -> None:
-    """What is told of wrong cards."""
+    """Messages about wrong cards."""
     done = run_deck(deck_of(f"*ELEMENT, TYPE=SPRINGA, ELSET=E\n1, 1, 2\n{card}", "2, 2, 3", "2, 1, 1."))
     assert done.returncode == 3, done.stdout
     assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)

@@ -54,7 +54,7 @@ def test_patches(proof: Proof) -> None:
 
 
 def plane_slope(prefix: str, is_nlgeom: bool) -> Floats:
-    """An affine motion of a plane body in three dimensions, the third with what the kind of element asks for; axisymmetric: u_r = a r, u_z = b z."""
+    """An affine motion of a plane body in three dimensions, the third with what the kind of element requires; axisymmetric: u_r = a r, u_z = b z."""
     slope = np.zeros((3, 3))
     slope[:2, :2] = np.diag([1.0, -0.5]) if prefix == "CAX" else [[1.0, 0.5], [0.2, -0.4]]
     slope *= 0.1 if is_nlgeom else 1e-3
@@ -109,11 +109,11 @@ def test_plane_rotation(proof: Proof) -> None:
     case = proof(
         "rigid-rotation-plane",
         title="Rigid motion of every plane and axisymmetric element, distorted",
-        model="The square of the patch test; its rim is turned by 60 degrees about the origin along straight ways in 3 increments, NLGEOM; axisymmetric "
+        model="The square of the patch test; its rim is turned by 60 degrees about the origin along straight paths in 3 increments, NLGEOM; axisymmetric "
         "elements, which have no other rigid motion, are shifted by 0.7 along the axis.",
         formula="u = (R - 1) X inside as well, no strain, no stress.",
         source="closed form",
-        proves="Objectivity: strains on the way leave nothing behind.",
+        proves="Objectivity: strains along the path leave no residual stress.",
     )
     turn = np.array([[0.5, -np.sqrt(0.75)], [np.sqrt(0.75), 0.5]])
     for prefix in ("CPS", "CPE", "CAX"):
@@ -168,10 +168,10 @@ def test_rigid_rotation(proof: Proof) -> None:
     case = proof(
         "rigid-rotation",
         title="Rigid rotation of every solid element, distorted",
-        model="The cube of the patch test; its faces are turned by 60 degrees about the axis (1, 2, 2)/3 along straight ways in 3 increments, NLGEOM.",
+        model="The cube of the patch test; its faces are turned by 60 degrees about the axis (1, 2, 2)/3 along straight paths in 3 increments, NLGEOM.",
         formula="u = (R - 1) X inside as well, no strain, no stress.",
         source="closed form",
-        proves="Objectivity: strains on the way leave nothing behind.",
+        proves="Objectivity: strains along the path leave no residual stress.",
     )
     axis = np.array([1.0, 2.0, 2.0]) / 3
     cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
@@ -247,7 +247,7 @@ def test_bolt(proof: Proof) -> None:
         model="A bolt 1 x 1 x 4 (E = 2000, pre-tension section in its middle) between two struts 1 x 1 x 4 (E = 1000), nu = 0, C3D8; heads move together "
         "(EQUATION), the other ends are held. Step 1: the bolt is pulled by 10 at the section. Step 2: the section is fixed as it is. Step 3: 6 on the "
         "heads. One increment each.",
-        formula="Bolt k_b = 500, struts together k_s = 500: after step 1 the bolt carries 10; in step 3 it takes 6 k_b/(k_b + k_s) more.",
+        formula="Bolt k_b = 500, struts together k_s = 500: after step 1 the bolt force is 10; in step 3 it takes 6 k_b/(k_b + k_s) more.",
         source="closed form; VDI 2230 has it as the joint diagram",
         proves="PRE-TENSION SECTION by force, then by length (BOUNDARY, FIXED), in one job.",
     )

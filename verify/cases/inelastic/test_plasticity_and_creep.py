@@ -185,13 +185,13 @@ def follow_path(x: tuple[float, ...], y: tuple[float, ...], slope: float) -> lis
 
 
 def test_springback(proof: Proof) -> None:
-    """A strip bent beyond its yield moment and let go."""
+    """A strip bent beyond its yield moment and released."""
     height, length, e, limit = 2.0, 0.2, 1000.0, 1.0
     case = proof(
         "springback",
         title="Springback of a strip in pure bending",
         model="A slice of a strip of height 2 in plane stress, E = 1000, nu = 0, yield stress 1 without hardening, 20 and 40 CPS8R through the height; "
-        "its end section stays plane (EQUATION), is turned to 3 times the curvature of first yield in 6 increments, turned back a little, and let go.",
+        "its end section stays plane (EQUATION), is turned to 3 times the curvature of first yield in 6 increments, turned back a little, and released.",
         formula="M = M_y (3/2 - 1/2 (k_y/k)^2), k_y = 2 sigma_y/(E h); left over: k - M/(E I). Residual stress at the top: sigma_y - M h/(2 I).",
         source="beam theory, exact here; R. Hill (1950), section IV.4",
         proves="Plastic bending, elastic unloading, residual stress; a constraint that is driven and then free.",
@@ -374,7 +374,7 @@ def test_prandtl_punch(proof: Proof) -> None:
         deck = deck.replace("*SOLID SECTION, ELSET=BASE", "*PLASTIC\n100., 0.\n*SOLID SECTION, ELSET=BASE", 1)
         job = case.run(deck, f"{n} elements", asked=10)
         force = -job.field("RF")[:, punch.node_sets["PUNCH_TOP"], 1].sum(axis=1)
-        case.near("growth in the last tenth of the way", force[-1] / force[-2], 1.0, 5e-3, why="the limit is reached", place="punch", time="the end")
+        case.near("growth in the last tenth of the displacement", force[-1] / force[-2], 1.0, 5e-3, why="the limit is reached", place="punch", time="the end")
         pressures.append(force[-1] / limit)
     case.within("pressure over (2 + pi) k, 4 elements", pressures[0], (1.0, 1.1), why="displacement elements are too stiff", place="punch", time="the end")
     case.near("pressure over (2 + pi) k, extrapolated", 2 * pressures[1] - pressures[0], 1.0, 0.01, why="a tenth of what 4 elements are off", place="punch",

@@ -110,7 +110,7 @@ def bar(print_card: str = "*Node Print, nset=_PickedSet5\nU,\n") -> str:
     ("*Controls, reset\n*Controls, analysis=discontinuous\n*Solver Controls, reset\n*Node Print, nset=_PickedSet5\nU,\n", ""),
 ])  # fmt: skip
 def test_bar(run_deck: Run, tmp_path: Path, card: str, said: str) -> None:
-    """What asks for tables and aids the solver changes nothing: u = p L / E."""
+    """Requests for tables and solver aids change nothing: u = p L / E."""
     done = run_deck(bar(card))
     assert done.returncode == 0, done.stdout
     assert totals(tmp_path, "displacements", "_PICKEDSET5")[0] == pytest.approx(100.0 * 10.0 / 210000.0, rel=2e-6)

@@ -67,7 +67,7 @@ def rows_of(folder: Path, title: str = "displacements", name: str = "") -> dict[
 
 
 def refused(run_deck: Run, deck: str) -> str:
-    """What is told of a deck that has to be refused."""
+    """The message about a deck that has to be refused."""
     done = run_deck(deck)
     assert done.returncode == 3, f"exit {done.returncode}\n{done.stdout}"
     return re.sub(r"\s+", " ", done.stdout + done.stderr)
@@ -201,7 +201,7 @@ HELD = "*BOUNDARY\nLow, 1, 3\n"
 
 
 def test_long_names(run_deck: Run) -> None:
-    """Names may have 80 characters, of instances and sets together 161; one more is told."""
+    """Names may have 80 characters, of instances and sets together 161; one more is an error."""
     name = "N" * 80
     deck = f"{CUBE}*NSET, NSET={name}\n1\n{HELD}*STEP\n*STATIC\n*NODE PRINT, NSET={name}\nU\n*END STEP\n"
     assert run_deck(deck).returncode == 0
@@ -294,7 +294,7 @@ def test_faces_that_fit_no_solid(run_deck: Run) -> None:
 
 
 def test_surface_with_a_wrong_face(run_deck: Run) -> None:
-    """A label that is none."""
+    """An invalid label."""
     assert "nothing for all free faces" in refused(run_deck, f"{CUBE}*SURFACE, NAME=Up\nAll, top\n{HELD}{STEP}")
 
 
@@ -516,7 +516,7 @@ RF
 def test_deck_of_abaqus_cae(run_deck: Run, tmp_path: Path) -> None:
     """The words and the order of Abaqus/CAE: two blocks in contact, pressed by a reference point.
 
-    The sides are free and nu is 0: a bar of length 2 shortened by 0.001. The reference point carries 105 N less the 5 N of the pressure,
+    The sides are free and nu is 0: a bar of length 2 shortened by 0.001. The reference point takes 105 N less the 5 N of the pressure,
     and what braking takes: stabilize=0.0002 dissipates at most that part of the energy, so that the force is wrong by at most as much.
     """
     done = run_deck(CAE)

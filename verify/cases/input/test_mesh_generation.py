@@ -1,4 +1,4 @@
-"""Meshes that the deck makes of a few numbers: NGEN, NFILL, NCOPY, ELGEN, ELCOPY; their places, sets and what they carry.
+"""Meshes that the deck makes of a few numbers: NGEN, NFILL, NCOPY, ELGEN, ELCOPY; their coordinates, sets and loads.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -233,7 +233,7 @@ U
     ("*NGEN\n1, x\n", "must be an integer"),
 ])  # fmt: skip
 def test_refused(run_deck: Run, card: str, told: str) -> None:
-    """What is told, in the line of the card."""
+    """The message names the line of the card."""
     done = run_deck(f"*NODE\n1, 0., 0., 0.\n5, 4., 0., 0.\n{card}{STEP}")
     assert done.returncode == 3, done.stdout
     assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)

@@ -51,7 +51,7 @@ def run_bar(run_deck: Run, loads: str, step: str = "*STEP\n*STATIC\n", model: st
 
 
 def refused(run_deck: Run, deck: str) -> str:
-    """What is told of a deck that has to be refused."""
+    """The message about a deck that has to be refused."""
     done = run_deck(deck)
     assert done.returncode == 3, f"exit {done.returncode}\n{done.stdout}"
     return str(done.stdout + done.stderr)

@@ -135,7 +135,7 @@ def test_absent_from_the_first_step(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_resumed_job_knows_where_elements_were_born(run: Run, tmp_path: Path) -> None:
-    """A job that goes on after a checkpoint gives the same as one that ran through."""
+    """A job that resumes after a checkpoint gives the same as one that ran through."""
     deck = steps("*BOUNDARY\nLID, 3, 3, .02\n", OUT, BACK.format(""), "*BOUNDARY\nLID, 3, 3, .03\n", nlgeom=True)
     (tmp_path / "job.inp").write_text(deck)
     assert run(["job"], cwd=tmp_path).returncode == 0
@@ -183,7 +183,7 @@ def test_refused_changes(run_deck: Run, card: str, told: str) -> None:
     assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
-def test_needless_changes_are_told(run_deck: Run) -> None:
+def test_needless_changes_are_reported(run_deck: Run) -> None:
     """Elements that are there already."""
     done = run_deck(steps("*BOUNDARY\nLID, 3, 3, .02\n" + BACK.format("")))
     assert done.returncode == 0

@@ -66,7 +66,7 @@ def test_equation_removed(run_deck: Run, tmp_path: Path, removal: str) -> None:
 
 
 def test_equation_in_a_step(run_deck: Run) -> None:
-    """A new one is refused there; removing nothing is told."""
+    """A new one is refused there; removing nothing gives a message."""
     done = run_deck(SPRINGS + STEP.format("*EQUATION\n2\n2, 1, 1., 3, 1, -1.\n"))
     assert done.returncode == 3
     assert "must be before the first step" in re.sub(r"\s+", " ", done.stdout)
@@ -92,7 +92,7 @@ def test_distributing_coupling(run_deck: Run, tmp_path: Path) -> None:
     ("*ELEMENT, TYPE=DCOUP3D, ELSET=D\n9, 4\n*DISTRIBUTING COUPLING, ELSET=D\n", "data are missing"),
 ])  # fmt: skip
 def test_wrong_coupling(run_deck: Run, coupling: str, told: str) -> None:
-    """What is told."""
+    """The message."""
     done = run_deck(SPRINGS + coupling + STEP.format(""))
     assert done.returncode == 3
     assert told in re.sub(r"\s+", " ", done.stdout)
@@ -149,7 +149,7 @@ def test_change_plastic(run_deck: Run, tmp_path: Path, change: str, expected: fl
     ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC\n4., .1\n", "first point of a hardening curve must be 0"),
 ])  # fmt: skip
 def test_wrong_change(run_deck: Run, change: str, told: str) -> None:
-    """What is told."""
+    """The message."""
     done = run_deck(CUBE + STEP.format(change))
     assert done.returncode == 3
     assert told in re.sub(r"\s+", " ", done.stdout)

@@ -1,6 +1,6 @@
 """Every contact quantity of every formulation of contact, against a state that is known: a block pressed and dragged.
 
-A block (nu = 0, a layer of elements high) is pressed on a rigid plane and dragged along it by its top. Its sides carry the shear that
+A block (nu = 0, a layer of elements high) is pressed on a rigid plane and dragged along it by its top. Its sides transmit the shear that
 goes with friction, so that stress, pressure p and friction mu p are uniform whatever the elements, and all forces, moments, centres, slips and
 energies follow by hand.
 
@@ -31,7 +31,7 @@ Ints = NDArray[np.int64]
 
 YOUNG, MU, PRESSURE, HEIGHT, WAY = 1000.0, 0.3, 10.0, 0.5, 0.1
 SHEAR = MU * PRESSURE
-SLIP = WAY - SHEAR * HEIGHT / (YOUNG / 2)  #: of the foot: the way of the top less what the block shears
+SLIP = WAY - SHEAR * HEIGHT / (YOUNG / 2)  #: of the foot: the displacement of the top less the shear deformation of the block
 LOW = np.array([3.0, 2.0, 0.0])  #: the corner of the block; beside the origin, so that there are moments
 LENGTH, WIDTH = 2.0, 1.0  #: of its foot
 STIFFNESS, STICK = 1.0e7, 1.0e6

@@ -40,7 +40,7 @@ def crushed() -> str:
 
 
 def dragged_off() -> str:
-    """A block pressed on a table by forces and dragged off it in one increment: then nothing carries the forces."""
+    """A block pressed on a table by forces and dragged off it in one increment: then nothing supports the forces."""
     table = block(between(0, 2, 4), between(0, 1, 1), [-1.0, 0.0], "TABLE")
     body = block(between(1, 2, 2), between(0, 1, 1), [0.0, 1.0], "BODY")
     press = "*STEP, NLGEOM\n*STATIC\n1., 1.\n" + fix("TABLE_TOP, 1, 3", "TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2") + "*CLOAD\nBODY_TOP, 3, -1.\n"
@@ -49,7 +49,7 @@ def dragged_off() -> str:
 
 
 def ran_off() -> str:
-    """The same block, its top moved by supports, with one iteration allowed for the way off the table."""
+    """The same block, its top moved by supports, with one iteration allowed for the motion off the table."""
     deck = dragged_off().replace("*CLOAD\nBODY_TOP, 3, -1.\n", fix("BODY_TOP, 3, 3, -0.01"))
     few = "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n1, 1, 9, 1, 10, 4, , 5, ,\n"
     return few.join(deck.rsplit("*END STEP", 1)[0].rsplit("*BOUNDARY", 1)).replace(few, few + "*BOUNDARY") + "*END STEP\n"
@@ -92,7 +92,7 @@ def flipping() -> str:
 
 
 def thin_and_long() -> str:
-    """A long thin strip, tilted by a degree, laid on a thin table and dragged in one of five increments: nearly all unknowns touch, nothing settles ahead."""
+    """A long thin strip, tilted by a degree, laid on a thin table and dragged in one of five increments: nearly all unknowns touch, and no contact subproblem is solved ahead."""
     a = np.radians(1)
 
     def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -116,7 +116,7 @@ def tipping(direct: str) -> str:
 
 
 def pulled_too_hard() -> str:
-    """A block pressed on a table by 10 on its top, then pulled by 2.5 times what friction (0.1) can carry."""
+    """A block pressed on a table by 10 on its top, then pulled by 2.5 times the friction limit (0.1)."""
     body, table = block(between(0, 1, 4), between(0, 1, 3), between(0, 1, 3), "BODY"), block(between(-1, 2, 8), between(-0.5, 1.5, 4), between(-1, 0, 2), "TABLE")
     press = fix("TABLE_BOTTOM, 1, 3", "BODY_TOP, 2") + "*DLOAD\nBODY_E2, P2, 10.\n*END STEP\n"
     cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.1) + "*STEP, NLGEOM\n*STATIC\n0.2, 1.\n" + press
@@ -226,8 +226,8 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too.
 
-    A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts that carry bodies or hold them, and one
-    where the equations have to be solved as a whole; twice as many where the stiffness is not positive, so that shifts are tried. Too little friction is told
+    A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts with proximal shifts or supports, and one
+    where the equations have to be solved as a whole; twice as many where the stiffness is not positive, so that shifts are tried. Too little friction is reported
     with 250 in all.
     """
     (tmp_path / "job.inp").write_text(deck)
@@ -263,7 +263,7 @@ def test_auto_finishes(run: Run, tmp_path: Path) -> None:
     assert "attempts that failed                   0" in done.stdout, done.stdout
 
 
-def test_free_body_is_told_soon(run: Run, tmp_path: Path) -> None:
+def test_unsupported_body_is_reported_early(run: Run, tmp_path: Path) -> None:
     """Four attempts, each shorter, find a body that nothing holds: no shorter one is tried, though the deck allows nine."""
     (tmp_path / "job.inp").write_text(tipping(""))
     done = run(["job"], cwd=tmp_path)
@@ -283,7 +283,7 @@ def slid_over_the_end(n: int) -> str:
     return solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.1), press + drag)
 
 
-def test_nodes_that_leave_their_master_are_told(run: Run, tmp_path: Path) -> None:
+def test_nodes_that_leave_their_master_are_reported(run: Run, tmp_path: Path) -> None:
     """The nodes at the front leave in the first increment of 0.07, those 0.5 behind them in the eighth: a facet reaches a tenth beyond itself."""
     (tmp_path / "job.inp").write_text(slid_over_the_end(10))
     done = run(["job"], cwd=tmp_path)

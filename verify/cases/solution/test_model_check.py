@@ -88,7 +88,7 @@ def accept(run_deck: Run, deck: Deck | str, *options: str) -> str:
 
 
 def stack(friction: float, gap: float = 0.0) -> Deck:
-    """A small cube on (or above) a large one whose floor is held."""
+    """A small cube on (or above) a large one whose bottom is fixed."""
     deck = Deck()
     deck.cube((0.0, 0.0, 0.0))
     deck.cube((0.1, 0.1, 1.0 + gap), 0.8)
@@ -113,7 +113,7 @@ def test_free_body(run_deck: Run, tmp_path: Path) -> None:
     ],
 )
 def test_partly_held(run_deck: Run, tmp_path: Path, supports: str, motion: str) -> None:
-    """What is left of the six motions is told in words."""
+    """The message describes the remaining rigid body motions in words."""
     deck = Deck(steps=[["*BOUNDARY\n" + supports]])
     deck.cube((0.0, 0.0, 0.0))
     errors = refuse(run_deck, tmp_path, deck, motion)
@@ -163,7 +163,7 @@ def test_two_bodies_slide_together(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_open_at_the_start(run_deck: Run) -> None:
-    """A body over a gap that only a force pushes is told, but may run."""
+    """A body that only a force pushes over a gap is reported, but may run."""
     deck = stack(friction=0.3, gap=0.05)
     deck.steps = [[fixed("FLOOR1"), "*CLOAD\nLID2, 3, -10."]]
     assert "until its contact closes" in accept(run_deck, deck)
@@ -178,7 +178,7 @@ def test_no_projection(run_deck: Run, tmp_path: Path) -> None:
     refuse(run_deck, tmp_path, deck, "None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master")
 
 
-def test_far_and_deep_are_told_under_calculix(run_deck: Run) -> None:
+def test_large_gaps_and_overclosures_are_reported_under_calculix(run_deck: Run) -> None:
     """CalculiX runs pairs that are far apart or far inside each other, and so does its dialect."""
     deck = stack(friction=0.3, gap=20.0)
     deck.steps = [[fixed("FLOOR1", "LID2")]]
@@ -201,7 +201,7 @@ def test_driven_over_a_wide_gap(run_deck: Run) -> None:
 
 @pytest.mark.parametrize("height", [-0.25, 0.25])
 def test_far_side(run_deck: Run, tmp_path: Path, height: float) -> None:
-    """The same well below and above the plate: no slave node is near its master, and all of them face the same way as it."""
+    """The same well below and above the plate: no slave node is near its master, and all of them face the same direction as it."""
     deck = Deck(steps=[[fixed("FLOOR1", "LID2")]])
     deck.cube((0.0, 0.0, 0.9), 0.1)
     deck.cube((0.01, 0.01, 0.9 + height), 0.08)
@@ -231,7 +231,7 @@ def test_penetration(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_pairs_that_share_nodes(run_deck: Run) -> None:
-    """A surface that is slave in one pair and master in another, and a symmetric pair: one side gives way."""
+    """A surface that is slave in one pair and master in another, and a symmetric pair: one side drops its constraint."""
     deck = Deck(steps=[[fixed("FLOOR1", "LID3")]])
     for n in range(3):
         deck.cube((0.1 * n, 0.1 * n, float(n)), 1.0)
@@ -295,7 +295,7 @@ def test_weight_without_density(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_all_at_once(run_deck: Run, tmp_path: Path) -> None:
-    """Several mistakes are told together."""
+    """Several mistakes are reported together."""
     deck = stack(friction=0.0)
     deck.steps = [["*BOUNDARY\nFLOOR1, 3, 3"]]
     deck.cube((5.0, 0.0, 0.0))
@@ -332,7 +332,7 @@ SLIPS = [
 
 @pytest.mark.parametrize(("right", "wrong", "status", "told"), SLIPS, ids=[told[:40] for *_, told in SLIPS])
 def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int, told: str) -> None:
-    """A word that is spelt wrong is told with the one that was meant; a forgotten support and faces inside a body are remarked."""
+    """A misspelt word is reported with the word that was meant; a forgotten support and faces inside a body are remarked."""
     done = run_deck(THREE_CUBES.replace(right, wrong, 1), "--check")
     assert done.returncode == status, done.stdout
     assert told in done.stdout, done.stdout
@@ -356,7 +356,7 @@ def test_a_fit_is_no_mistake(run_deck: Run) -> None:
 
 @pytest.mark.parametrize("name", ["three_cubes", "shear_block", "hertz_octant", "ironing"])
 def test_decks_of_input_are_good(run: Run, root: Path, name: str, tmp_path: Path) -> None:
-    """No deck of input/ gets an error or a warning from the audit, and --check tells bodies, pairs and steps."""
+    """No deck of input/ gets an error or a warning from the model check, and --check lists bodies, pairs and steps."""
     done = run(["--check", "--outdir", tmp_path, root / "input" / f"{name}.inp"])
     assert done.returncode == 0, done.stdout
     assert not re.search(r"\*(ERROR|WARNING)", done.stdout), done.stdout

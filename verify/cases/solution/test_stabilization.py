@@ -138,13 +138,13 @@ def test_snap_through(run_deck: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("words", ["STABILIZE=-1.", "STABILIZE=much", "STABILIZE, FACTOR=-3."])
 def test_refused(run_deck: Run, words: str) -> None:
-    """Numbers that are none, or negative."""
+    """Invalid and negative numbers."""
     done = run_deck(CUBE + step(f", {words}", "0.1, 1.", "HIGH, 3, 1."))
     assert done.returncode == 3
 
 
 def test_resumed(run_deck: Run, tmp_path: Path) -> None:
-    """A job cut in two by RESTART goes on with the factor that was found."""
+    """A job cut in two by RESTART continues with the factor that was found."""
     one = CUBE + "*STEP\n*RESTART, WRITE\n*STATIC, STABILIZE=0.01, DIRECT\n0.1, 1.\n*CLOAD\nHIGH, 3, 1.\n*END STEP\n"
     assert run_deck(one).returncode == 0
     (tmp_path / "job.res").rename(tmp_path / "old.res")
