@@ -273,10 +273,10 @@ class Job:
 
     def names(self, kind: str) -> list[str]:
         """The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" of `get`."""
-        room = ctypes.c_int64()
-        self._judge(self._library.amontons_names(self._job, kind.encode(), None, 0, ctypes.byref(room)))
-        text = ctypes.create_string_buffer(room.value)
-        self._judge(self._library.amontons_names(self._job, kind.encode(), text, room, None))
+        length = ctypes.c_int64()
+        self._judge(self._library.amontons_names(self._job, kind.encode(), None, 0, ctypes.byref(length)))
+        text = ctypes.create_string_buffer(length.value)
+        self._judge(self._library.amontons_names(self._job, kind.encode(), text, length, None))
         return text.value.decode(errors="replace").splitlines()
 
     def set(self, quantity: str, where: str | int, values: ArrayLike) -> None:

@@ -177,8 +177,8 @@ class Case:
     figures: list[tuple[str, str]] = field(default_factory=list)
     wanted: dict[str, int] = field(default_factory=dict)  #: increments that the decks request, by job; 0: unknown
 
-    def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
-        """Runs a deck that has to finish within the iterations allowed. asked: increments that the deck requests."""
+    def run(self, deck: str, name: str = "job", requested: int = 0, threads: int = 1) -> Job:
+        """Runs a deck that has to finish within the iterations allowed. requested: increments that the deck requests."""
         folder = self.work / name
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "job.inp").write_text(deck)
@@ -186,13 +186,13 @@ class Case:
         assert done.returncode == 0, f"{name}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
         job = Job(folder / "job.vtkhdf", name)
         self.jobs.append(job)
-        self.wanted[job.name] = asked
-        increments = asked or job.n_increments
+        self.wanted[job.name] = requested
+        increments = requested or job.n_increments
         self.within(
             f"{EFFORT} ({name})",
             job.n_iterations / increments,
             (0.0, MOST_ITERATIONS),
-            why="failed attempts are counted, and the increments are those that the deck asks for",
+            why="failed attempts are counted, and the increments are those that the deck requests",
             place="whole model",
             time="whole job",
         )
@@ -264,7 +264,7 @@ class Case:
             (self.pages / f"{self.name}.md").write_text(self.page())
             facts = {"name": self.name, "title": self.title, "file": self.file, "checks": [asdict(c) for c in self.checks]}
             facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
-            facts["asked"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
+            facts["requested"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
             (self.pages / f"{self.name}.json").write_text(json.dumps(facts, indent=1) + "\n")
         failed = [check.sentence() for check in self.checks if not check.holds]
         assert not failed, "\n".join(failed)
@@ -306,17 +306,17 @@ def effort_table(cases: Sequence[dict]) -> list[str]:
     for case in cases:
         if not case["effort"]:
             continue
-        asked, iterations, failed = sum(case["asked"]), sum(e[1] for e in case["effort"]), sum(e[2] for e in case["effort"])
-        rows.append((asked, iterations, failed))
-        lines.append(f"| [{case['title']}]({case['name']}.md) | {asked} | {iterations} | {failed} | {iterations / max(asked, 1):.1f} |")
-    asked, iterations, failed = (sum(row[i] for row in rows) for i in range(3))
-    return [*lines, f"| all | {asked} | {iterations} | {failed} | {iterations / max(asked, 1):.1f} |"]
+        requested, iterations, failed = sum(case["requested"]), sum(e[1] for e in case["effort"]), sum(e[2] for e in case["effort"])
+        rows.append((requested, iterations, failed))
+        lines.append(f"| [{case['title']}]({case['name']}.md) | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |")
+    requested, iterations, failed = (sum(row[i] for row in rows) for i in range(3))
+    return [*lines, f"| all | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |"]
 
 
 def mean_effort(cases: Sequence[dict]) -> float:
     """Newton iterations per requested increment, failed attempts included, over all cases."""
-    asked, iterations = sum(sum(case["asked"]) for case in cases), sum(e[1] for case in cases for e in case["effort"])
-    return iterations / max(asked, 1)
+    requested, iterations = sum(sum(case["requested"]) for case in cases), sum(e[1] for case in cases for e in case["effort"])
+    return iterations / max(requested, 1)
 
 
 def chapter_of(case: dict) -> str:

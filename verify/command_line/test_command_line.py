@@ -227,16 +227,16 @@ def test_contact_that_never_closes_is_reported(run: Run, root: Path, tmp_path: P
         assert ("*WARNING: No slave node touched its master" in done.stdout) == is_told
 
 
-@pytest.mark.parametrize(("wrong", "right", "told"), [
+@pytest.mark.parametrize(("wrong", "right", "message"), [
     ("210000., 0.3", "210000. 0.3", "a comma parts two numbers, and a point is the decimal mark"),
     ("*SOLID SECTION, ELSET", "*SOLID SECTION ELSET", "is not known; a comma is missing after *SOLID SECTION."),
     ("INPUT=three_cubes.mesh", "INPUT=four_cubes.mesh", "\n    *INCLUDE, INPUT=four_cubes.mesh\n"),
     ("*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n", "", "There is no material 'STEEL'; the deck has none at all."),
 ])  # fmt: skip
-def test_slips_of_the_pen(run: Run, root: Path, tmp_path: Path, wrong: str, right: str, told: str) -> None:
+def test_slips_of_the_pen(run: Run, root: Path, tmp_path: Path, wrong: str, right: str, message: str) -> None:
     """The message gives the right form."""
     shutil.copy(root / "input" / "three_cubes.mesh", tmp_path)
     (tmp_path / "job.inp").write_text((root / "input" / "three_cubes.inp").read_text().replace(wrong, right))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 3
-    assert told in done.stdout + done.stderr
+    assert message in done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Fuzzer: decks, checkpoints and library calls that are wrong in a thousand ways; nothing may crash, hang or end with a wrong exit code.
+"""Fuzzer: decks, checkpoints and library calls that are wrong in many respects; nothing may crash, hang or end with a wrong exit code.
 
     python -m verify.fuzz.fuzz --decks 1000 --seed 1        mutated decks, with a table of how they ended
     python -m verify.fuzz.fuzz --checkpoints 200            damaged checkpoints
@@ -389,14 +389,14 @@ sets = ["", "UPPER_TOP", "UPPER_TOP", "UPPER_BOTTOM", "LOWER_TOP", "LOWER_BOTTOM
 def raw(job, chance):
     """Verbs of C as a careless program calls them: no place for an answer, a buffer that is too small, copies before there is a matrix."""
     n = [chance.choice([None, ctypes.byref(ctypes.c_int64())]) for _ in range(3)]
-    room = (ctypes.c_double * 8)()
+    buffer = (ctypes.c_double * 8)()
     what = chance.randrange(8)
     if what == 0:
         calls.amontons_iterate(job, None)
     elif what == 1:
-        calls.amontons_get(job, chance.choice(names).encode(), chance.choice(sets).encode(), room, chance.choice([0, 8, -1]), n[0], n[1])
+        calls.amontons_get(job, chance.choice(names).encode(), chance.choice(sets).encode(), buffer, chance.choice([0, 8, -1]), n[0], n[1])
     elif what == 2:
-        calls.amontons_set(job, chance.choice([None, b"U3", b"FRICTION"]), chance.choice([None, b"UPPER_TOP"]), room, chance.choice([-1, 0, 1, 8]))
+        calls.amontons_set(job, chance.choice([None, b"U3", b"FRICTION"]), chance.choice([None, b"UPPER_TOP"]), buffer, chance.choice([-1, 0, 1, 8]))
     elif what == 3:
         calls.amontons_matrix(job, chance.choice([None, b"TANGENT", b"MAP", b"no"]), *n)
     elif what == 4:

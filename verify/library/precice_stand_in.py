@@ -115,13 +115,13 @@ class Participant:
 
     def requires_writing_checkpoint(self) -> bool:
         """At the start of each window, once."""
-        asked, self.must_write = self.must_write, False
-        return asked
+        request, self.must_write = self.must_write, False
+        return request
 
     def requires_reading_checkpoint(self) -> bool:
         """The window is repeated."""
-        asked, self.must_read = self.must_read, False
-        return asked
+        request, self.must_read = self.must_read, False
+        return request
 
     def read_data(self, mesh: str, name: str, ids: np.ndarray, time: float) -> np.ndarray:
         """What the other has written, relaxed."""

@@ -158,10 +158,10 @@ def test_full_disk(run: Run, block: Path, small_disk: Path, tmp_path: Path) -> N
     assert run(["--outdir", whole, block]).returncode == 0
     fails(run(["--outdir", small_disk, block]), IO, "No space left on device|disk full")
     assert (small_disk / "block.restart").exists()
-    room = tmp_path / "room"
-    shutil.copytree(small_disk, room)
-    assert run(["--resume", "--outdir", room, block]).returncode == 0
-    assert same_results(whole / "block.vtkhdf", room / "block.vtkhdf") == []
+    target = tmp_path / "target"
+    shutil.copytree(small_disk, target)
+    assert run(["--resume", "--outdir", target, block]).returncode == 0
+    assert same_results(whole / "block.vtkhdf", target / "block.vtkhdf") == []
 
 
 @pytest.mark.parametrize("kilobytes", [0, 20, 200, 1000])
@@ -258,11 +258,11 @@ WRITING_STYLES: dict[str, Callable[[bytes], bytes]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("way", WRITING_STYLES)
-def test_decks_as_others_write_them(run: Run, tmp_path: Path, way: str) -> None:
+@pytest.mark.parametrize("style", WRITING_STYLES)
+def test_decks_as_others_write_them(run: Run, tmp_path: Path, style: str) -> None:
     """The same numbers, whatever editor or system wrote the deck; the file that it includes too."""
     (tmp_path / "plain.inp").write_bytes(one_cube())
-    text = WRITING_STYLES[way](one_cube())
+    text = WRITING_STYLES[style](one_cube())
     (tmp_path / "job.inp").write_bytes(text)
     (tmp_path / "outer.inp").write_text("*INCLUDE, INPUT=job.inp\n")
     for job in ("plain", "job", "outer"):

@@ -49,8 +49,8 @@ def test_pkg_config(prefix: Path, root: Path, run: Run, tmp_path: Path) -> None:
     do(["gcc", "-std=c11", HERE / "coupled_jobs.c", "-o", "coupled", *flags(prefix, "--cflags", "--libs"), rpath, "-lm"], tmp_path)
     assert "both done: 1" in do([tmp_path / "coupled"], tmp_path)
     do(["gfortran", *flags(prefix, "--cflags"), HERE / "press_and_look.f90", "-o", "look", *flags(prefix, "--libs"), rpath], tmp_path)
-    told = do([tmp_path / "look", root / "input" / "three_cubes.inp"], tmp_path)
-    assert "friction over normal force:  0.300000" in told
+    output = do([tmp_path / "look", root / "input" / "three_cubes.inp"], tmp_path)
+    assert "friction over normal force:  0.300000" in output
     assert flags(prefix, "--modversion")[0] in run(["--version"]).stdout
 
 

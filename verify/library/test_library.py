@@ -287,7 +287,7 @@ def test_many_jobs_in_four_threads() -> None:
     assert len(set(found)) == 1
 
 
-#: Rooms below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
+#: Modules below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
 WORDY = {"restart_file", "facets", "posix", "reduced_system", "text", "user_routines"}
 #: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the turn, and what the compiler makes: lengths of
 #: strings (slen), types of variables without values (def_init), its own beginnings and ends.
@@ -309,10 +309,10 @@ def test_nothing_is_kept_outside_a_job(root: Path, library: Path) -> None:
     uses = dict(re.findall(r"^uses_(\w+) =(.*)$", (root / "src" / "depends.mk").read_text(), re.MULTILINE))
     tree, todo = set(), ["newton"]
     while todo:
-        room = todo.pop()
-        tree.add(room)
-        todo += [other for other in uses[room].split() if other not in tree]
-    wordy = {room for room in tree if "slen" in subprocess.run(["nm", str(build / f"{room}.o")], capture_output=True, text=True, check=True).stdout}
+        module = todo.pop()
+        tree.add(module)
+        todo += [other for other in uses[module].split() if other not in tree]
+    wordy = {module for module in tree if "slen" in subprocess.run(["nm", str(build / f"{module}.o")], capture_output=True, text=True, check=True).stdout}
     assert wordy <= WORDY
 
 

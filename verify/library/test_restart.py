@@ -274,12 +274,12 @@ def test_every_committed_field_is_restored(root: Path) -> None:
     """Each component of fields_type that is not fixed stands in carry_fields: a forgotten one would be lost by a restart."""
     state, restart = ((root / "src" / name).read_text() for name in ("state/state.f90", "output/checkpoint.f90"))
     fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
-    carried = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
-    assert fields and carried
+    routine = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
+    assert fields and routine
     lines = [line for line in fields[1].splitlines() if "fixed" not in line]
     names = re.findall(r"^    (?:real|type|integer|logical)[^!]*?:: (\w+)", "\n".join(lines), re.M)
     assert {"u", "stress", "slaves", "external_work"} <= set(names)
-    assert set(names) == set(re.findall(r"fields%(\w+)", carried[1]))
+    assert set(names) == set(re.findall(r"fields%(\w+)", routine[1]))
 
 
 @pytest.mark.slow

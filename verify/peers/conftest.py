@@ -58,7 +58,7 @@ ENTRIES: dict[str, Entry] = {}
 
 
 @pytest.fixture
-def tell(request: pytest.FixtureRequest) -> Callable[[Entry], None]:
+def record(request: pytest.FixtureRequest) -> Callable[[Entry], None]:
     """Keeps what was found of a deck; it goes to the process that leads the run."""
 
     def keep(entry: Entry) -> None:

@@ -406,10 +406,10 @@ def test_rope(tables: Callable[..., list[Block]]) -> None:
     end = "*NODE PRINT, NSET=R\nU, RF\n*END STEP\n"
     text += "".join(f"*STEP\n*STATIC\n*CLOAD\n12, 1, {force}\n{end}" for force in (10.0, 2.0, -5.0))
     blocks = tables(text)
-    for i, (moved, carried) in enumerate(((0.04, 6.0), (0.02, 0.0), (-0.05, 0.0))):
+    for i, (moved, force) in enumerate(((0.04, 6.0), (0.02, 0.0), (-0.05, 0.0))):
         displacements, forces = blocks[2 * i : 2 * i + 2]
         assert displacements.rows[(12,)][0] == pytest.approx(moved, abs=2 * 6.0 / 1e7)
-        assert forces.rows[(13,)][0] == pytest.approx(-carried, abs=1e-4)
+        assert forces.rows[(13,)][0] == pytest.approx(-force, abs=1e-4)
 
 
 def test_creep_slows_down_by_the_end_of_the_increment(tables: Callable[..., list[Block]]) -> None:

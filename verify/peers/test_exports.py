@@ -522,11 +522,11 @@ U
     assert done.returncode == 0, done.stdout
     blocks = re.split(r"\n\n", (tmp_path / "job.dat").read_text())
     rows = [{int(line.split()[0]): float(line.split()[3]) for line in block.splitlines()} for block in blocks if re.match(r" +\d", block)]
-    carried, moved = rows
+    forces, moved = rows
     pull = 0.001
-    assert sum(carried.values()) == pytest.approx(2 * force, rel=1e-4)  # Newton's tolerance of the dialect
+    assert sum(forces.values()) == pytest.approx(2 * force, rel=1e-4)  # Newton's tolerance of the dialect
     places = dict(bottom)
-    assert sum(f * places[i - 1000][0] for i, f in carried.items()) == pytest.approx(3.0 * 2 * force, rel=1e-3)
-    assert min(carried.values()) > -1.01 * pull
-    assert all(moved[i - 1000] < 1e-9 for i, f in carried.items() if f > 1.0)
+    assert sum(f * places[i - 1000][0] for i, f in forces.items()) == pytest.approx(3.0 * 2 * force, rel=1e-3)
+    assert min(forces.values()) > -1.01 * pull
+    assert all(moved[i - 1000] < 1e-9 for i, f in forces.items() if f > 1.0)
     assert max(moved.values()) > 1e-4  # the right end has lifted off

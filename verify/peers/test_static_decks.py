@@ -192,7 +192,7 @@ def row_of(d: Deviation) -> Row:
 
 
 @pytest.mark.parametrize("deck", parameters())
-def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Callable[[Entry], None]) -> None:
+def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, record: Callable[[Entry], None]) -> None:
     """Every block of a deck that runs is within 1 % of its largest value."""
     entry = Entry(f"{deck.parent.name}/{deck.stem}", is_excluded=deck.stem in NOT_JUDGED, reason=NOT_JUDGED.get(deck.stem, ""))
     result = run(["--dialect=calculix", "--outdir", tmp_path, with_increments(deck, tmp_path)])
@@ -203,7 +203,7 @@ def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Call
         trouble = trouble.replace(str(deck), deck.name).replace("*ERROR: ", "")
         trouble = trouble.replace("*", "\\*").replace("|", "\\|")
         entry.reason = entry.reason or trouble
-        tell(entry)
+        record(entry)
         assert result.returncode == 3 or entry.is_excluded, output[-2000:]
         pytest.skip(entry.reason)
     deviations = read_ours(deck, tmp_path)
@@ -215,7 +215,7 @@ def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Call
         entry.note = f"its {len(deviations)} blocks are nothing but rounding, in the reference and here"
     else:
         entry.note = UNFINISHED.get(deck.stem, NOTES.get(deck.stem, ""))
-    tell(entry)
+    record(entry)
     if entry.reason:
         pytest.skip(entry.reason)
     bad = [d for d in left if not d.deviation <= AGREES]

@@ -122,7 +122,7 @@ class Run:
     mu: float
     size: int  #: requested increments in a step
     mode: str
-    asked: int  #: requested increments in all
+    requested: int  #: requested increments in all
     is_done: int
     made: int  #: increments
     failed: int  #: attempts
@@ -137,7 +137,7 @@ class Run:
     @property
     def per_requested(self) -> float:
         """Newton iterations per requested increment."""
-        return self.iterations / self.asked
+        return self.iterations / self.requested
 
 
 def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: str, seconds: float) -> Run:
@@ -156,7 +156,7 @@ def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: st
     spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
     o = count_rows(folder / f"{name}.sta", n_steps * size, done.returncode == 0)
-    return Run(direction, problem, mu, size, mode, o.asked, int(o.is_done), o.made, o.failed, o.iterations, round(spent, 2))
+    return Run(direction, problem, mu, size, mode, o.requested, int(o.is_done), o.made, o.failed, o.iterations, round(spent, 2))
 
 
 def read_runs(file: Path) -> list[Run]:

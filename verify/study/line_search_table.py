@@ -99,12 +99,12 @@ def main() -> int:
                 cells = []
                 for mode in MODES:
                     name = f"{mode.lower()}_{shape}_{mu:g}_{slide:g}"
-                    asked = 5 + round(DRAG / slide)
+                    requested = 5 + round(DRAG / slide)
                     if options.again:
                         is_done = time_reached(folder / f"{name}.sta") >= 2.0
-                        outcome = count_rows(folder / f"{name}.sta", asked, is_done)
+                        outcome = count_rows(folder / f"{name}.sta", requested, is_done)
                     else:
-                        outcome = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, f"{mode}, DIRECTION={options.direction}"), asked,
+                        outcome = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, f"{mode}, DIRECTION={options.direction}"), requested,
                                            options.seconds)  # fmt: skip
                     outcomes[mode].append(outcome)
                     cells.append(cell(outcome, time_reached(folder / f"{name}.sta")))

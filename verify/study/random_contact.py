@@ -158,13 +158,13 @@ def random_deck(seed: int, has_law: bool = False) -> str:
     if is_lifted and not is_force:
         steps.append(f"*BOUNDARY\n{head}, 2, 2, 0.1\n")
     thickness = "" if is_space else "1.\n"
-    told = f"{body.kind} {shape} on {table.kind}, {law.kind.lower() if law else form.lower()}, slave {pair[0]}, E {young:g}, nu {poisson}, mu {mu}, " + (
+    description = f"{body.kind} {shape} on {table.kind}, {law.kind.lower() if law else form.lower()}, slave {pair[0]}, E {young:g}, nu {poisson}, mu {mu}, " + (
         f"{'force' if is_force else 'displacement'}, pressed {depth_pressed}, dragged {drag}, {n_increments} increments a step"
-        f"{', lifted' if is_lifted else ''}{'' if is_finite else ', small displacements'}{f', {law.dialect}, law {law.told}' if law else ''}"
+        f"{', lifted' if is_lifted else ''}{'' if is_finite else ', small displacements'}{f', {law.dialect}, law {law.description}' if law else ''}"
     )
     materials = material_cards("BODY", (young, poisson), "BODY") + thickness + material_cards("TABLE", (YOUNG, 0.3), "TABLE") + thickness
     return (
-        f"** seed {seed}: {told}\n{f'** dialect: {law.dialect}' + chr(10) if law else ''}"
+        f"** seed {seed}: {description}\n{f'** dialect: {law.dialect}' + chr(10) if law else ''}"
         f"{part_cards(body, 'BODY', 0)}{part_cards(table, 'TABLE', 100000)}{head_cards}{materials}"
         + (law.cards(*pair) if law else contact_cards(*pair, mu, form))
         + "".join(f"{start}{step}{PRINTED if law else ''}*END STEP\n" for step in steps)
@@ -176,7 +176,7 @@ class Outcome:
     """What a job did."""
 
     seed: int
-    told: str
+    description: str
     code: int
     increments: int
     failed: int
@@ -186,7 +186,7 @@ class Outcome:
     @property
     def law(self) -> str:
         """The kind and the stiffness of its law."""
-        return self.told.split(", law ")[1] if ", law " in self.told else "HARD"
+        return self.description.split(", law ")[1] if ", law " in self.description else "HARD"
 
 
 def run(seed: int, program: Path, folder: Path, limit: float = 600.0, has_law: bool = False) -> Outcome:
@@ -258,7 +258,7 @@ def main() -> int:
             csv.writer(file).writerows([[f.name for f in fields(Outcome)], *(astuple(o) for o in outcomes)])
     for o in outcomes:
         if o.code != 0 or o.failed > 0:
-            print(f"{o.told}: exit {o.code}, {o.increments} increments, {o.failed} failed attempts, {o.iterations} iterations")
+            print(f"{o.description}: exit {o.code}, {o.increments} increments, {o.failed} failed attempts, {o.iterations} iterations")
     if arguments.laws:
         for law in sorted({o.law for o in outcomes}, key=lambda law: (law.split()[0], *map(float, law.split()[1:]))):
             print(f"{law}: {sums([o for o in outcomes if o.law == law])}")

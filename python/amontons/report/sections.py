@@ -46,18 +46,18 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], kind: str = "")
 
 def verdict(job: Job) -> tuple[bool, str]:
     """Whether the job is done, in a sentence."""
-    asked = float(np.sum(job.steps["period"]))
+    requested = float(np.sum(job.steps["period"]))
     done = float(job.times[-1]) if len(job.times) else 0.0
     rows = job.attempts()
     failed = int(np.sum(job.history["is_converged"][rows] == 0))
     reached = float(np.max(job.history["total_time"][rows & (job.history["is_converged"] == 1)], initial=0.0))
-    if reached >= asked * (1 - 1e-9):
+    if reached >= requested * (1 - 1e-9):
         n = len(job.steps["period"])
         steps = "The step is done" if n == 1 else f"All {n} steps are done"
         attempts = "no attempt was" if failed == 0 else "1 attempt was" if failed == 1 else f"{failed} attempts were"
         return True, f"{steps}, to time {number(reached)}; {attempts} cut back."
     reason = next((str(r) for r in reversed(job.history["reason"].tolist()) if str(r)), "") if "reason" in job.history else ""
-    return False, f"The job stands at time {number(max(reached, done))} of {number(asked)}. {reason}"
+    return False, f"The job stands at time {number(max(reached, done))} of {number(requested)}. {reason}"
 
 
 def model_summary(job: Job) -> str:
@@ -77,7 +77,7 @@ def model_summary(job: Job) -> str:
     laws = material_cards(job.deck)
     parts.append("<h3>Materials</h3>" + table(
         ("material", "its cards", "Young's modulus", "Poisson's ratio", "density"),
-        ((str(name), laws.get(str(name).upper(), "in an included file"), *(told(float(m[part][i])) for part in ("youngs_modulus", "poissons_ratio", "density")))
+        ((str(name), laws.get(str(name).upper(), "in an included file"), *(printed(float(m[part][i])) for part in ("youngs_modulus", "poissons_ratio", "density")))
          for i, name in enumerate(m["name"]))))  # fmt: skip
     p = job.pairs
     if len(p["slave"]):
@@ -88,7 +88,7 @@ def model_summary(job: Job) -> str:
     return "".join(parts)
 
 
-def told(value: float) -> object:
+def printed(value: float) -> object:
     """A number that was given; 0 stands for one that was not."""
     return value or "-"
 
@@ -344,8 +344,8 @@ def pair_maps(job: Job, nodes: Ints, pair: int) -> str:
     areas = np.array([area(c) for _, c in rings])
     if np.linalg.norm(areas.sum(axis=0)) < 0.5 * np.linalg.norm(areas, axis=1).sum() and len(closed):
         touching = np.array([np.isin(c, closed).sum() for _, c in rings])
-        way = (touching[:, None] * areas).sum(axis=0)
-        keep = (touching > 0) & (areas @ way > 0.3 * np.linalg.norm(areas, axis=1) * np.linalg.norm(way))
+        direction = (touching[:, None] * areas).sum(axis=0)
+        keep = (touching > 0) & (areas @ direction > 0.3 * np.linalg.norm(areas, axis=1) * np.linalg.norm(direction))
         if keep.any():
             rings, areas = [ring for ring, k in zip(rings, keep, strict=True) if k], areas[keep]
     normal = areas.sum(axis=0)
@@ -382,7 +382,7 @@ def pair_curves(job: Job, nodes: Ints, closed: Ints, shear: Floats, slip: Floats
 def worst_nodes(job: Job) -> str:
     """The nodes with the largest values at the last frame."""
     last = {name: values[-1] for name, values in job.fields.items()}
-    ways: list[tuple[str, str, Callable[[], Floats]]] = [
+    sources: list[tuple[str, str, Callable[[], Floats]]] = [
         ("displacement", "U", lambda: np.linalg.norm(last["U"], axis=1)),
         ("Mises stress", "S_mises", lambda: last["S_mises"]),
         ("reaction", "RF", lambda: np.linalg.norm(last["RF"], axis=1)),
@@ -392,7 +392,7 @@ def worst_nodes(job: Job) -> str:
         ("plastic strain", "PEEQ", lambda: last["PEEQ"]),
     ]
     rows = []
-    for name, source, values in ways:
+    for name, source, values in sources:
         if source not in last:
             continue
         size = values()

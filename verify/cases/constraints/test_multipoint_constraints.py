@@ -329,12 +329,12 @@ def test_pretension_as_calculix_has_it(run_deck: Run, tmp_path: Path) -> None:
     others transmit load past the section: less than the force is left in the bar."""
     done = run_deck(cut_deck("C3D4", has_wall=False).replace("*NSET, NSET=FAR\n\n", ""), "--dialect=calculix")
     assert done.returncode == 0, done.stdout + done.stderr
-    told = re.search(r"(\d+) elements beside the section", done.stdout + done.stderr)
+    message = re.search(r"(\d+) elements beside the section", done.stdout + done.stderr)
     body = as_kind(block([0, 1, 2], [0, 1, 2], range(5), "COLUMN"), "C3D4")
     above = (body.nodes[body.elements, 2] >= 2).all(axis=1)
     on_cut = (body.nodes[body.elements, 2] == 2).sum(axis=1)
-    assert told
-    assert int(told[1]) == (above & (on_cut > 0) & (on_cut < 3)).sum()
+    assert message
+    assert int(message[1]) == (above & (on_cut > 0) & (on_cut < 3)).sum()
     assert 1.0 < -sum(row[2] for row in read_rows(tmp_path, "forces").values()) < 4.0
 
 
@@ -433,8 +433,8 @@ def test_constraint_conflict_during_the_step(run_deck: Run, tmp_path: Path) -> N
     deck = job(cards, loads, "*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n")
     done = run_deck(deck)
     line = 1 + deck.splitlines().index("*RIGID BODY, NSET=TOP, REF NODE=90")
-    told = done.stdout + done.stderr
-    assert done.returncode == 5, told
-    assert f"CONSTRAINTS: The *RIGID BODY of line {line} contradicts the boundary conditions of its nodes" in told
-    assert "Remedy: release a support or an equation" in told
+    message = done.stdout + done.stderr
+    assert done.returncode == 5, message
+    assert f"CONSTRAINTS: The *RIGID BODY of line {line} contradicts the boundary conditions of its nodes" in message
+    assert "Remedy: release a support or an equation" in message
     assert "CONSTRAINTS: The *RIGID BODY" in (tmp_path / "job.cvg").read_text()

@@ -128,17 +128,17 @@ def test_ramp(run_deck: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize("order", [8, pytest.param(20, marks=pytest.mark.slow)])
 def test_slip(order: int, run_deck: Run, tmp_path: Path) -> None:
     """The block is pushed along: up to mu p the shear is the stick slope times the displacement, whatever the faces that the points meet; then mu p."""
-    mu, slope, way = 0.4, 2.0e3, 2.0e-3
+    mu, slope, displacement = 0.4, 2.0e3, 2.0e-3
     text = deck(order, "*STATIC, DIRECT\n.125, 1.\n", friction=f"*FRICTION\n{mu}, {slope}\n", gap=-PRESSURE / STIFFNESS)
     text += "*BOUNDARY\nLOWER, 1, 3\nUPPER, 2, 3\n*CONTACT PRINT\nCSTR\n*END STEP\n"
-    text += f"*STEP\n*STATIC, DIRECT\n.125, 1.\n*BOUNDARY\nUPPER, 1, 1, {way}\n*CONTACT PRINT\nCSTR\n*END STEP\n"
+    text += f"*STEP\n*STATIC, DIRECT\n.125, 1.\n*BOUNDARY\nUPPER, 1, 1, {displacement}\n*CONTACT PRINT\nCSTR\n*END STEP\n"
     text = text.replace("UPPER, 2, 3\n", "UPPER, 1, 3\n")
     assert run_deck(text).returncode == 0
     tables = blocks(tmp_path / "job.dat")["contact stress"][8:]
     assert len(tables) == 8
     for k, table in enumerate(tables, 1):
         assert table[:, 2] == pytest.approx(PRESSURE, rel=1e-6)
-        assert np.abs(table[:, 3]) == pytest.approx(min(slope * way * k / 8, mu * PRESSURE), rel=1e-5)
+        assert np.abs(table[:, 3]) == pytest.approx(min(slope * displacement * k / 8, mu * PRESSURE), rel=1e-5)
 
 
 @pytest.mark.parametrize("pair", ["SURFACE TO SURFACE", "NODE TO SURFACE"])

@@ -60,7 +60,7 @@ def test_matching(proof: Proof, mu: float) -> None:
         proves="Forces pass from node to node without loss where the meshes match.",
     )
     deck, n = stack(3, 3, mu)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     stress = job.last("S")
     case.near("stress", stress, np.tile([0, 0, -10.0, 0, 0, 0], (len(stress), 1)), 1e-6, why="in the space of the elements",
               place="all nodes", time="the end")  # fmt: skip
@@ -82,7 +82,7 @@ def test_not_matching(proof: Proof, upper: int, lower: int) -> None:
         "pressures across an interface matter.",
     )
     deck, n = stack(upper, lower, 0.0)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     total = job.last("CNORMF")[:, 2].sum()
     case.near("total contact force", total, 10.0, 1e-9, why="equilibrium", place="all slave nodes", time="the end")
     worst = float(np.abs(job.last("S")[:, 2] + 10).max() / 10)

@@ -72,7 +72,7 @@ def test_fall(proof: Proof, dimension: int, gap: float) -> None:
     cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.3)
     steps = step(hold + gravity(dimension == 2), 1, True) + step(fix("TABLE_BOTTOM, 1, 1, 0.5"), 5, True)
     deck = plane(parts, cards + steps) if dimension == 2 else heavy(solid_deck(parts, cards, steps))
-    job = case.run(deck, asked=6)
+    job = case.run(deck, requested=6)
     landed = job.frame(1.0)
     force = (job.field("CNORMF") + job.field("CSHEARF")).sum(axis=1)
     n_body = len(flatten(body).nodes) if dimension == 2 else len(body.nodes)
@@ -109,7 +109,7 @@ def test_disc_between_plates(proof: Proof) -> None:
     low, up = sheet("LOW", between(-2, 2, 20), between(-1, 0, 4)), sheet("UP", between(-2, 2, 20), between(2.03, 3, 4))
     cards = pair("DISC_BOTTOM", "LOW_TOP", 0.3) + pair("DISC_TOP", "UP_BOTTOM", 0.3)
     cards += step(fix("LOW_BOTTOM, 1, 2", "UP_TOP, 1") + "*CLOAD\nUP_TOP, 2, -50.\n", 5, True)
-    job = case.run(plane([(disc, STEEL), (low, STEEL), (up, STEEL)], cards), asked=5)
+    job = case.run(plane([(disc, STEEL), (low, STEEL), (up, STEEL)], cards), requested=5)
     plane_disc = flatten(disc)
     force = (job.last("CNORMF") + job.last("CSHEARF"))[:, 1]
     total = 50.0 * 21
@@ -136,7 +136,7 @@ def test_pushed_to_a_wall(proof: Proof) -> None:
     wall = sheet("WALL", between(-1, 0, 3), between(0, 3, 11))
     cards = pair("BODY_BOTTOM", "FLOOR_TOP", 0.2) + pair("BODY_LEFT", "WALL_RIGHT", 0.2)
     loads = fix("FLOOR_BOTTOM, 1, 2", "WALL_LEFT, 1, 2") + gravity(True) + "*CLOAD\nBODY_RIGHT, 1, -5.\n"
-    job = case.run(plane([(body, SOFT), (floor, STEEL), (wall, STEEL)], cards + step(loads, 4, True)), asked=4)
+    job = case.run(plane([(body, SOFT), (floor, STEEL), (wall, STEEL)], cards + step(loads, 4, True)), requested=4)
     whole = join_planes([flatten(part) for part in (body, floor, wall)])
     held = np.concatenate([whole.node_sets["FLOOR_BOTTOM"], whole.node_sets["WALL_LEFT"]])
     case.near("reactions", job.last("RF")[held].sum(axis=0)[:2], np.array([25.0, DENSITY * GRAVITY]), 1e-5, why="equilibrium",
@@ -163,7 +163,7 @@ def test_slides_away(run: Run, tmp_path: Path) -> None:
     assert n_factorisations <= 4 * n_iterations, f"{n_factorisations} factorisations in {n_iterations} iterations"
 
 
-def pole(mu: float, ways: tuple[float, ...]) -> str:
+def pole(mu: float, displacements: tuple[float, ...]) -> str:
     """A node on a table, pressed by an inclined bar and pulled by a level one; small displacements, each of them in one increment."""
     c, s = np.cos(LEAN), np.sin(LEAN)
     table = [(x, y, z) for z in (-1, 0) for x, y in ((-2, -2), (6, -2), (6, 2), (-2, 2))]
@@ -178,7 +178,7 @@ def pole(mu: float, ways: tuple[float, ...]) -> str:
     deck += pair("TIP_S", "TOP", mu, ", SMALL SLIDING")
     press = fix("FIXED, 1, 3", "1, 2", "3, 1, 3", "2, 2", f"2, 1, 1, {PRESS * c:.15g}", f"2, 3, 3, {-PRESS * s:.15g}")
     static = "*STEP\n*STATIC, DIRECT\n1., 1.\n"
-    return deck + static + press + "*END STEP\n" + "".join(f"{static}{fix(f'3, 1, 1, {way:.15g}')}*END STEP\n" for way in ways)
+    return deck + static + press + "*END STEP\n" + "".join(f"{static}{fix(f'3, 1, 1, {displacement:.15g}')}*END STEP\n" for displacement in displacements)
 
 
 LEAN, STIFF, WEAK, PRESS = np.pi / 3, 100.0, 20.0, 0.01
@@ -201,14 +201,14 @@ def test_snap_through_of_friction(proof: Proof) -> None:
     c, s = np.cos(LEAN), np.sin(LEAN)
     end = (mu * s - c) * STIFF * PRESS / WEAK
     assert mu * STIFF * s * c > STIFF * c**2 + WEAK
-    job = case.run(pole(mu, (0.95 * end, 1.05 * end)), asked=3)
+    job = case.run(pole(mu, (0.95 * end, 1.05 * end)), requested=3)
     u = job.field("U")[:, 0]
-    way = 1.05 * end
+    displacement = 1.05 * end
     case.near("slip before", np.abs(u[2]).max(), 0.0, 1e-12, why="it sticks", place="end of the pole", time="0.95 of the end", scale=end)
-    case.near("displacement", u[3], np.array([way, 0.0, (c * way - PRESS) / s]), 1e-9, why="linear after the snap", place="end of the pole", time="1.05 of the end")
+    case.near("displacement", u[3], np.array([displacement, 0.0, (c * displacement - PRESS) / s]), 1e-9, why="linear after the snap", place="end of the pole", time="1.05 of the end")
     case.near("forces of the supports", np.abs(job.last("RF")).max(), 0.0, 1e-6, why="both bars are slack", scale=STIFF * PRESS, time="1.05 of the end",
               place="supports")  # fmt: skip
-    stored = 0.5 * (STIFF * PRESS**2 + WEAK * way**2)
+    stored = 0.5 * (STIFF * PRESS**2 + WEAK * displacement**2)
     case.within("work of the snap", regularization_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored",
                 place="the pole", time="the end")  # fmt: skip
     case.true("the snap-through is noted in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="a later reader needs it",
@@ -229,6 +229,6 @@ def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    told, noted = {0.05: ("moved into contact", "carried in"), 1.0: ("snap-through to another equilibrium", "carried to another balance")}[size]
-    assert told in done.stdout, done.stdout
+    message, noted = {0.05: ("moved into contact", "carried in"), 1.0: ("snap-through to another equilibrium", "carried to another balance")}[size]
+    assert message in done.stdout, done.stdout
     assert noted in (tmp_path / "job.cvg").read_text()

@@ -53,7 +53,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
         proves="The limit of friction in the plane, exactly; and that an unsupported sliding body is reported, not computed.",
     )
     weight = 2 * DENSITY * GRAVITY
-    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
+    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", requested=5)
     far = float(np.abs(stuck.last("U")).max())
     case.within("largest displacement", far, (0.0, 1e-6), why="only elastic: W/(G A) = 2e-8 (near its limit some nodes may slip so far)",
                 place="all nodes", time="the end, 20 degrees")  # fmt: skip
@@ -61,7 +61,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("contact force", total, weight * np.array([-np.sin(SLOPE), np.cos(SLOPE)]), 1e-6, why="equilibrium",
               place="all slave nodes", time="the end")  # fmt: skip
     mu = 0.8 * np.tan(SLOPE)
-    hung = case.run(slope_deck(mu, True), "with a spring", asked=5)
+    hung = case.run(slope_deck(mu, True), "with a spring", requested=5)
     slip = weight * (np.sin(SLOPE) - mu * np.cos(SLOPE)) / SOFT
     touching = np.abs(hung.last("CNORMF")[:, 1]) > 0
     case.near("slip", hung.last("U")[touching, 0], slip, 1e-5, why="the block itself is 2e7 times as stiff as the spring",
@@ -100,7 +100,7 @@ def test_pull_out(proof: Proof) -> None:
         inner = flatten(sheet("INNER", between(ri, ru, cells), between(0, length, 4)))
         outer = flatten(sheet("OUTER", between(rm, ro, cells), between(0, length, 4)))
         deck = flat_deck([(inner, (young, 0.0)), (outer, (young, 0.0))], "CAX4", pair("INNER_RIGHT", "OUTER_LEFT", mu) + steps)
-        job = case.run(deck, f"{cells} elements", asked=11)
+        job = case.run(deck, f"{cells} elements", requested=11)
         slaves = inner.node_sets["INNER_RIGHT"]
         normal = np.linalg.norm(job.field("CNORMF")[:, slaves], axis=2).sum(axis=1)
         errors.append(abs(normal[job.frame(1.0)] / (area * p) - 1))
@@ -141,10 +141,10 @@ def test_drawn_slab(proof: Proof, kind: str) -> None:
     if kind == "CPE4":
         parts = [(flatten(part), m) for part, m in zip((slab, plane), materials, strict=True)]
         slaves, share = parts[0][0].along("SLAB_BOTTOM"), 1.0
-        job = case.run(flat_deck(parts, kind, cards + steps), asked=10)
+        job = case.run(flat_deck(parts, kind, cards + steps), requested=10)
     else:
         slaves, share = rows_of(slab, "SLAB_BOTTOM"), 0.5
-        job = case.run(plane_deck(list(zip((slab, plane), materials, strict=True)), cards, steps), asked=10)
+        job = case.run(plane_deck(list(zip((slab, plane), materials, strict=True)), cards, steps), requested=10)
     x = job.points[slaves, 0]
     p, q = job.last("CPRESS")[slaves], job.last("CSHEARF")[slaves, 0] / np.abs(job.last("CNORMF")[slaves, y - 1])
     q *= p
@@ -218,7 +218,7 @@ def test_rounded_punch(proof: Proof) -> None:
     jobs: dict[float, Job] = {}
     for mu in (0.1, 0.0):
         deck, surface = rounded_punch(mu)
-        job = jobs[mu] = case.run(deck, f"mu = {mu:g}", asked=10)
+        job = jobs[mu] = case.run(deck, f"mu = {mu:g}", requested=10)
         r, u = job.points[surface, 0], job.last("U")[surface]
         column, near = 2 if mu else 3, np.isin(PUNCH[:, 0], [10, 30, 50])
         allowed, why = (5e-4, "read from curves") if mu else (8e-4, "read from curves; linear and quadratic elements differ by 3e-4 at mu = 0.1")

@@ -49,7 +49,7 @@ def test_stacked_blocks(proof: Proof) -> None:
     load = "*DSLOAD\nUPPER_TOP, P, 10.\n"
     cards = outline + pair("UPPER_BOTTOM", "ALL_MIDDLE", 0.2) + pair("MIDDLE_BOTTOM", "LOWER_TOP", 0.2)
     cards += step(fix("LOWER_BOTTOM, 2", *sides) + load, 1)
-    job = case.run(flat_deck([(part, SOFT) for part in parts], "CPE4", cards), asked=1)
+    job = case.run(flat_deck([(part, SOFT) for part in parts], "CPE4", cards), requested=1)
     case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
     n = len(parts[0].nodes)
     pressed = np.concatenate([parts[0].node_sets["UPPER_BOTTOM"], n + parts[1].node_sets["MIDDLE_BOTTOM"]])
@@ -83,7 +83,7 @@ def test_chain(proof: Proof, kind: str, form: str) -> None:
     wall.node_sets["FIXED"] = np.arange(len(wall.nodes))
     load = "*DSLOAD\nUPPER_TOP, P, 10.\n"
     cards = pair("LOWER_RIGHT", "WALL_LEFT", options=options) + pair("UPPER_BOTTOM", "LOWER_TOP", options=options) + step(floor + load, 1)
-    job = case.run(flat_deck([(upper, SOFT), (lower, SOFT), (wall, SOFT)], kind, cards), asked=1)
+    job = case.run(flat_deck([(upper, SOFT), (lower, SOFT), (wall, SOFT)], kind, cards), requested=1)
     at_wall = len(upper.nodes) + lower.node_sets["LOWER_RIGHT"]
     total = job.last("CNORMF")[at_wall, 0].sum()
     case.near("force on the wall", -total, 10 * NU / (1 - NU), 1e-6, why="in the space of the elements", place="wall", time="the end")
@@ -127,7 +127,7 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
     load = "*DSLOAD\nBODY_TOP, P, 10.\nBODY_RIGHT, P, 10.\n"
     cards = pair("BODY_BOTTOM", "FLOOR_TOP", options=options) + pair("BODY_LEFT", "WALL_RIGHT", options=options)
     cards += step(fix("FLOOR_ALL, 1, 2", "WALL_ALL, 1, 2") + load, 1)
-    job = case.run(flat_deck([(body, SOFT), (floor, SOFT), (wall, SOFT)], "CPE4", cards), asked=1)
+    job = case.run(flat_deck([(body, SOFT), (floor, SOFT), (wall, SOFT)], "CPE4", cards), requested=1)
     stress = job.last("S")[: len(body.nodes)]
     case.near("stress xx, yy", stress[:, :2], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
     case.near("stress xy", stress[:, 3], 0.0, 1e-6, why="in the space of the elements", scale=10.0, place="all nodes", time="the end")
@@ -166,7 +166,7 @@ def test_corner_of_three_walls(proof: Proof) -> None:
     load = "*DSLOAD\nCUBE_TOP, P, 10.\nCUBE_X1, P, 10.\nCUBE_Y1, P, 10.\n"
     pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE") + pair("CUBE_X0", "WALLX_SIDE") + pair("CUBE_Y0", "WALLY_SIDE")
     supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
-    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, step(supports + load, 1)), asked=1)
+    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, step(supports + load, 1)), requested=1)
     n = len(cube.nodes)
     case.near("normal stresses", job.last("S")[:n, :3], -10.0, 1e-6, why="in the space of the elements",
               place="all nodes of the cube", time="the end")  # fmt: skip
@@ -183,7 +183,7 @@ def hertz(case: Case, name: str, pairs: str, cylinder: Plane, below: Plane, is_n
     load = f"*DSLOAD\nCYLINDER_TOP, P, {35000 / 2 / 40:.15g}\n"
     supports = fix("BLOCK_BOTTOM, 1, 2", "CYLINDER_LEFT, 1", "BLOCK_LEFT, 1")
     cards = pairs + step(supports + load, 10, is_nlgeom)
-    job = case.run(flat_deck([(cylinder, (210000, 0.3)), (below, (70000, 0.3))], "CPE4", cards), name, asked=10)
+    job = case.run(flat_deck([(cylinder, (210000, 0.3)), (below, (70000, 0.3))], "CPE4", cards), name, requested=10)
     return job, float(job.last("U")[cylinder.along("CYLINDER_TOP")[0], 1])
 
 
@@ -238,7 +238,7 @@ def test_coarse_side_first(proof: Proof) -> None:
     steps = step(fix("LOWER_BOTTOM, 1, 2", "UPPER_TOP, 1", "UPPER_TOP, 2, 2, -0.02"), 4, True) + step(fix("UPPER_TOP, 1, 1, 0.5"), 20, True)
     force = {}
     for name, pairs in (("coarse slave", coarse), ("fine slave", fine), ("coarse first", coarse + fine), ("fine first", fine + coarse)):
-        job = case.run(flat_deck([(upper, (3000.0, 0.3)), (lower, (1000.0, 0.3))], "CPE4", pairs + steps), name, asked=24)
+        job = case.run(flat_deck([(upper, (3000.0, 0.3)), (lower, (1000.0, 0.3))], "CPE4", pairs + steps), name, requested=24)
         force[name] = job.field("RF")[:, upper.node_sets["UPPER_TOP"], :2].sum(axis=1)
         if name == "coarse first":
             fine_nodes = len(upper.nodes) + lower.node_sets["LOWER_TOP"]
@@ -255,7 +255,7 @@ def test_coarse_side_first(proof: Proof) -> None:
 
 @pytest.mark.parametrize("form", ["", "s2s"])
 def test_groove(proof: Proof, form: str) -> None:
-    """A cube drawn along the edge of floor and wall: friction where both leave a direction free."""
+    """A cube drawn along the edge of floor and wall: friction where both constrain no motion along it."""
     mu, options = 0.2, TYPES[form]
     case = proof(
         "corner-groove" + ("-s2s" if form else ""),
@@ -282,7 +282,7 @@ def test_groove(proof: Proof, form: str) -> None:
     pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE", mu, options) + pair("CUBE_X0", "WALL_SIDE", mu, options)
     supports = fix("FLOOR_ALL, 1, 3", "WALL_ALL, 1, 3", "HANDLE, 2")
     steps = step(supports + "*DSLOAD\nCUBE_TOP, P, 10.\nCUBE_X1, P, 10.\n", 1) + step(fix("HANDLE, 2, 2, 0.1"), 5)
-    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, steps), asked=6)
+    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, steps), requested=6)
     with h5py.File(job.path) as file:
         contact = file["AMONTONS/contact"]
         node, of_pair = contact["node"][:], contact["pair"][:]
@@ -343,7 +343,7 @@ def test_corner_by_surfaces(proof: Proof, kind: str) -> None:
         pairs += pair(f"CUBE_{name}", f"{name}_SIDE", options=TYPES["s2s"])
     supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
     deck, nodes = pressed_cube(kind, walls, pairs, sides, [(0, 1.0), (1, 1.0), (2, 1.0)], supports)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     case.near("normal stresses", job.last("S")[: len(nodes), :3], -10.0, 1e-6, why="in the space of the elements",
               place="all nodes of the cube", time="the end")  # fmt: skip
     case.near("shear stresses", job.last("S")[: len(nodes), 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0,
@@ -381,7 +381,7 @@ def test_seam(proof: Proof, kind: str, divided: str) -> None:
     supports = fix(*(f"{name}_ALL, 1, 3" for name in names), "X0, 1", "Y0, 2")
     deck, nodes = pressed_cube(kind, walls, pairs, sides, [(2, 1.0)], supports)
     held = "".join(solids.node_set(name, np.flatnonzero(np.abs(nodes[:, axis]) < 1e-9)) for name, axis in (("X0", 0), ("Y0", 1)))
-    job = case.run(deck.replace("*STEP\n", held + "*STEP\n", 1), asked=1)
+    job = case.run(deck.replace("*STEP\n", held + "*STEP\n", 1), requested=1)
     n = len(nodes)
     case.near("stress", job.last("S")[:n], [0.0, 0.0, -10.0, 0.0, 0.0, 0.0], 1e-6, why="in the space of the elements", scale=10.0,
               place="all nodes of the upper body", time="the end")  # fmt: skip

@@ -39,19 +39,19 @@ def words(table: str) -> list[str]:
     return [word.strip() for word in table.split("|")]
 
 
-@pytest.mark.parametrize(("table", "told", "code"), [
+@pytest.mark.parametrize(("table", "message", "code"), [
     (READ, None, None),
     (PASSED, r"is read past\. \w.*", None),
     (REFUSED, r"is not supported\. [A-Z].*", 3),
 ], ids=["read", "passed over", "refused"])  # fmt: skip
-def test_keywords(run_deck: Run, table: str, told: str | None, code: int | None) -> None:
+def test_keywords(run_deck: Run, table: str, message: str | None, code: int | None) -> None:
     """Each keyword alone: its message and its exit code."""
     for keyword in words(table):
         done = run_deck(f"** dialect: calculix\n*{keyword}\n")
         text = re.sub(r"\s+", " ", done.stdout + done.stderr)
         assert "is not known" not in text, keyword
-        if told:
-            assert re.search(rf"The card \*{keyword} {told}", text), f"{keyword}: {text}"
+        if message:
+            assert re.search(rf"The card \*{keyword} {message}", text), f"{keyword}: {text}"
         else:
             assert f"*{keyword} is not supported" not in text, keyword
             assert f"*{keyword} is read past" not in text, keyword
@@ -187,7 +187,7 @@ def test_perturbation(run_deck: Run, tmp_path: Path) -> None:
     assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
 
 
-@pytest.mark.parametrize(("deck", "told"), [
+@pytest.mark.parametrize(("deck", "message"), [
     (CUBE + "*STEP\n*STATIC\n*END STEP\n*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "after a general step"),
     (CUBE + "*STEP, PERTURBATION, NLGEOM\n*STATIC\n*END STEP\n", "where contact, a material"),
     (CUBE.replace("1000., 0.\n", "1000., 0.\n*PLASTIC\n5., 0.\n") + "*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "where contact, a material"),
@@ -195,11 +195,11 @@ def test_perturbation(run_deck: Run, tmp_path: Path) -> None:
     ("** dialect: calculix\n" + CUBE + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 0.\n*STEP, PERTURBATION\n*STATIC\n*TEMPERATURE\nALL, 9.\n*END STEP\n",
      "with *TEMPERATURE"),
 ], ids=["after", "nlgeom", "plastic", "two", "warm"])  # fmt: skip
-def test_perturbations_refused(run_deck: Run, deck: str, told: str) -> None:
+def test_perturbations_refused(run_deck: Run, deck: str, message: str) -> None:
     """What is not that of a linear body at rest."""
     done = run_deck(deck)
     assert done.returncode == 3
-    assert f"PERTURBATION is not supported {told}" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert f"PERTURBATION is not supported {message}" in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
 def test_initial_displacements(run_deck: Run, tmp_path: Path) -> None:
@@ -245,16 +245,16 @@ def test_nodes_given_again(run_deck: Run, tmp_path: Path, dialect: str, row: str
 
 def test_members_named_twice(run_deck: Run, tmp_path: Path) -> None:
     """A load acts on a member of a set once, however often the set names it; where CalculiX applies it as often, a message says so."""
-    told = "Here the load acts on each of them once; CalculiX applies it as often as they are named."
+    message = "Here the load acts on each of them once; CalculiX applies it as often as they are named."
     deck = CUBE.replace("5, 6, 7, 8\n*MATERIAL", "5, 6, 7, 8, 5\n*MATERIAL") + f"*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
     for dialect in ("abaqus", "calculix"):
         done = run_deck(f"** dialect: {dialect}\n{deck}")
         assert done.returncode == 0, done.stdout
         assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
-        assert (told in re.sub(r"\s+", " ", done.stdout + done.stderr)) == (dialect == "calculix")
+        assert (message in re.sub(r"\s+", " ", done.stdout + done.stderr)) == (dialect == "calculix")
     pressed = CUBE.replace("*MATERIAL", "*ELSET, ELSET=E\n1\n*MATERIAL") + f"*STEP\n*STATIC\n*DLOAD\nE, P2, 4.\n{PRINT}*END STEP\n"
     done = run_deck("** dialect: calculix\n" + pressed)
-    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
     assert displacements(tmp_path) == pytest.approx([1.0, -0.004], rel=2e-6)
 
 

@@ -167,7 +167,7 @@ INSTANCE = "*INSTANCE, NAME=I, PART=Brick\n*END INSTANCE\n"
 STEP = "*STEP\n*STATIC\n*END STEP\n"
 
 
-@pytest.mark.parametrize(("deck", "told"), [
+@pytest.mark.parametrize(("deck", "message"), [
     (BRICK.replace("*END PART\n", ""), "no *END PART"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Stone\n*END INSTANCE\n*END ASSEMBLY\n", "There is no part 'Stone'"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, PART=Brick\n*END INSTANCE\n*END ASSEMBLY\n", "needs the parameter NAME=name"),
@@ -182,10 +182,10 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
      + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is rotated"),
     (BRICK.replace("*END PART", "*CYCLIC SYMMETRY MODEL\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
 ])
-def test_refused_parts(run_deck: Run, deck: str, told: str) -> None:
+def test_refused_parts(run_deck: Run, deck: str, message: str) -> None:
     """A structure that does not hold; nothing else of the deck is read then."""
     text = refused(run_deck, f"{deck}{STEEL}{STEP}")
-    assert told in text
+    assert message in text
     assert "1 error" in text
 
 
@@ -246,7 +246,7 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
         assert float(u) == pytest.approx(factor * course(float(time)), rel=DIGITS, abs=1e-9)
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "message"), [
     ("DEFINITION=EQUALLY SPACED\n1., 2.", "needs a positive FIXED INTERVAL"),
     ("FIXED INTERVAL=.5\n0., 1.", "belong to DEFINITION=EQUALLY SPACED"),
     ("DEFINITION=PERIODIC\n2, 3., .2, .5\n1., 2.", "PERIODIC needs the number n"),
@@ -257,9 +257,9 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
     ("\n0., 1., 0., 2.", "must ascend"),
     ("\n0., 1., 2.", "odd number"),
 ])
-def test_refused_amplitudes(run_deck: Run, card: str, told: str) -> None:
+def test_refused_amplitudes(run_deck: Run, card: str, message: str) -> None:
     """What AMPLITUDE must not say."""
-    assert told in refused(run_deck, f"{CUBE}{HELD}*AMPLITUDE, NAME=A, {card}\n{STEP}")
+    assert message in refused(run_deck, f"{CUBE}{HELD}*AMPLITUDE, NAME=A, {card}\n{STEP}")
 
 
 def test_surface_without_faces(run_deck: Run, tmp_path: Path) -> None:

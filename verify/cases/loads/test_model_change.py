@@ -165,7 +165,7 @@ def test_changed_material(run_deck: Run, tmp_path: Path) -> None:
         assert later[(9,)][2] == pytest.approx(10 / YOUNG + 10 / (YOUNG / 4), rel=DIGITS)
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "message"), [
     ("*MODEL CHANGE, TYPE=ELEMENT\n2\n", "either ADD or REMOVE"),
     ("*MODEL CHANGE, TYPE=ELEMENT, REMOVE\n", "needs data lines"),
     ("*MODEL CHANGE, TYPE=ELEMENT, REMOVE\nNOWHERE\n", "There is no element or element set 'NOWHERE'"),
@@ -176,11 +176,11 @@ def test_changed_material(run_deck: Run, tmp_path: Path) -> None:
     ("*CHANGE SOLID SECTION, ELSET=NOWHERE, MATERIAL=M\n", "There is no element set 'NOWHERE'"),
     ("*CHANGE SOLID SECTION, ELSET=UPPER, MATERIAL=M, ORIENTATION=O\n", "The axes stay"),
 ])
-def test_refused_changes(run_deck: Run, card: str, told: str) -> None:
+def test_refused_changes(run_deck: Run, card: str, message: str) -> None:
     """What the cards must not say."""
     done = run_deck(steps(card))
     assert done.returncode == 3, done.stdout
-    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
 def test_needless_changes_are_reported(run_deck: Run) -> None:

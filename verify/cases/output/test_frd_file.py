@@ -258,12 +258,12 @@ def test_by_number(run_deck: Run, tmp_path: Path) -> None:
     done = run_deck(deck, "--frd", "--quiet")
     assert done.returncode == 0, done.stdout + done.stderr
     text = (tmp_path / "job.frd").read_text()
-    told = [int(line[3:13]) for line in text.split("    3C")[1].split(" -3")[0].splitlines() if line.startswith(" -1")]
-    assert told == sorted(cells)
+    labels = [int(line[3:13]) for line in text.split("    3C")[1].split(" -3")[0].splitlines() if line.startswith(" -1")]
+    assert labels == sorted(cells)
     for block in text.split(" -3\n"):
         if "    2C" in block or " -4  DISP" in block:
-            told = [int(line[3:13]) for line in block.splitlines() if line.startswith(" -1")]
-            assert told == sorted(nodes)
+            labels = [int(line[3:13]) for line in block.splitlines() if line.startswith(" -1")]
+            assert labels == sorted(nodes)
 
 
 def test_it_continues_after_a_checkpoint(run: Run, tmp_path: Path) -> None:

@@ -98,7 +98,7 @@ def test_materials_are_listed_by_their_cards() -> None:
     """What follows *MATERIAL, with what chooses the law; a number that was not given is no zero."""
     deck = "*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1, 2\n*DENSITY\n1\n*STEP\n*STATIC\n*MATERIAL, NAME=m\n*PLASTIC\n"
     assert sections.material_cards(deck) == {"WOOD": "ELASTIC, TYPE=ENGINEERING CONSTANTS; DENSITY", "M": "PLASTIC"}
-    assert sections.told(0.0) == "-"
+    assert sections.printed(0.0) == "-"
 
 
 def test_bodies_apart_are_not_shown_in_each_other(run: Run, root: Path, cubes: Path, tmp_path: Path) -> None:
@@ -154,10 +154,10 @@ def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> 
         result = tmp_path / "job.vtkhdf"
     page = tmp_path / "page.html"
     assert main([str(result), "--output", str(page)]) == 0
-    document, told = open_in_browser(page.as_uri(), tmp_path)
-    complaints = [line for line in told.splitlines() if "CONSOLE" in line]
+    document, log = open_in_browser(page.as_uri(), tmp_path)
+    complaints = [line for line in log.splitlines() if "CONSOLE" in line]
     assert complaints == []
-    assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + told[-1500:]
+    assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + log[-1500:]
     assert 'data-requests="0"' in document
     assert '<p id="nogl" class="none" hidden' in document
 

@@ -145,11 +145,11 @@ def held_by_supports() -> str:
     return flat_deck([(flatten(body), (210000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", pair("BODY_BOTTOM", "TABLE_TOP", 1.0) + steps)
 
 
-def shot(way: float, static: str) -> str:
-    """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven `way` towards it; both faces are master."""
+def shot(displacement: float, static: str) -> str:
+    """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven by `displacement` towards it; both faces are master."""
     body = flatten(sheet("BODY", between(1.1, 1.9, 3), between(2, 2.5, 2)))
     plate = flatten(sheet("PLATE", between(0, 3, 12), between(-0.2, 0, 2)))
-    drive = fix("PLATE_LEFT, 1, 2", "PLATE_RIGHT, 1, 2", "BODY_TOP, 1", f"BODY_TOP, 2, 2, {-way}")
+    drive = fix("PLATE_LEFT, 1, 2", "PLATE_RIGHT, 1, 2", "BODY_TOP, 1", f"BODY_TOP, 2, 2, {-displacement}")
     cards = pair("BODY_BOTTOM", "BOTH", 0.2) + f"*STEP, NLGEOM, INC=1000\n*STATIC{static}{drive}*END STEP\n"
     deck = flat_deck([(body, (2000.0, 0.3)), (plate, (2000.0, 0.3))], "CPE4", cards)
     return deck.replace("*SURFACE INTERACTION", "*SURFACE, NAME=BOTH\nPLATE_E2, S3\nPLATE_E1, S1\n*SURFACE INTERACTION", 1)
@@ -179,8 +179,8 @@ def turned_in_a_bore(turn: float) -> str:
     pin = [[at(4, k), at(3, k), at(3, k + 1), at(4, k + 1)] for k in range(24)]
     spin = np.deg2rad(turn)
     matrix = np.array([[np.cos(spin), -np.sin(spin)], [np.sin(spin), np.cos(spin)]])
-    ways = places @ (matrix - np.eye(2)).T
-    drive = "".join(f"{n}, {k + 1}, {k + 1}, {float(ways[n - 1, k])!r}\n" for n in range(first[3], first[5]) for k in range(2))
+    displacements = places @ (matrix - np.eye(2)).T
+    drive = "".join(f"{n}, {k + 1}, {k + 1}, {float(displacements[n - 1, k])!r}\n" for n in range(first[3], first[5]) for k in range(2))
     return (
         f"*NODE\n{nodes}*ELEMENT, TYPE=CPE8, ELSET=BORE\n{rows(bore, 1)}*ELEMENT, TYPE=CPE4, ELSET=PIN\n{rows(pin, 101)}"
         f"*NSET, NSET=RIM, GENERATE\n{first[1]}, {first[2] - 1}\n{ELASTIC}*SOLID SECTION, ELSET=BORE, MATERIAL=M\n1.\n"
@@ -239,11 +239,11 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     course = (tmp_path / "job.cvg").read_text()
     assert any(reason in course for reason in reasons)
     with h5py.File(tmp_path / "job.vtkhdf") as file:
-        told = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
+        recorded = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
         lines = [str(line) for line in file["AMONTONS/told/line"].asstr()]
         attempt = file["AMONTONS/told/attempt"][:]
-    assert any(reason in told[-1] for reason in reasons), told
-    assert attempt[-1] == len(told) - 1
+    assert any(reason in recorded[-1] for reason in reasons), recorded
+    assert attempt[-1] == len(recorded) - 1
     last = [line for line, row in zip(lines, attempt, strict=True) if row == attempt[-1]]
     assert advice in last[-1], last
     assert all(f"  ** {line}\n" in course for line in last if line), "the story in .cvg is that of the result file"

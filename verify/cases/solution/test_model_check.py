@@ -182,10 +182,10 @@ def test_large_gaps_and_overclosures_are_reported_under_calculix(run_deck: Run) 
     """CalculiX runs pairs that are far apart or far inside each other, and so does its dialect."""
     deck = stack(friction=0.3, gap=20.0)
     deck.steps = [[fixed("FLOOR1", "LID2")]]
-    told = accept(run_deck, deck, "--dialect=calculix")
-    assert "WARNING: None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master" in told
-    told = accept(run_deck, deck.text().replace("NODE TO SURFACE", "SURFACE TO SURFACE"), "--dialect=calculix")
-    assert "WARNING: No slave face of the contact pair SOLE2 / TOP1 faces the master at the start" in told
+    message = accept(run_deck, deck, "--dialect=calculix")
+    assert "WARNING: None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master" in message
+    message = accept(run_deck, deck.text().replace("NODE TO SURFACE", "SURFACE TO SURFACE"), "--dialect=calculix")
+    assert "WARNING: No slave face of the contact pair SOLE2 / TOP1 faces the master at the start" in message
     deck = stack(friction=0.3, gap=-0.7)
     deck.steps = [[fixed("FLOOR1", "LID2")]]
     assert "lies 0.7 inside the master at the start" in accept(run_deck, deck, "--dialect=calculix")
@@ -330,12 +330,12 @@ SLIPS = [
 ]
 
 
-@pytest.mark.parametrize(("right", "wrong", "status", "told"), SLIPS, ids=[told[:40] for *_, told in SLIPS])
-def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int, told: str) -> None:
+@pytest.mark.parametrize(("right", "wrong", "status", "message"), SLIPS, ids=[message[:40] for *_, message in SLIPS])
+def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int, message: str) -> None:
     """A misspelt word is reported with the word that was meant; a forgotten support and faces inside a body are remarked."""
     done = run_deck(THREE_CUBES.replace(right, wrong, 1), "--check")
     assert done.returncode == status, done.stdout
-    assert told in done.stdout, done.stdout
+    assert message in done.stdout, done.stdout
 
 
 def test_nodes_that_face_away_may_be_held(run_deck: Run) -> None:
