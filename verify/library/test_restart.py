@@ -271,10 +271,10 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
 
 
 def test_every_committed_field_is_restored(root: Path) -> None:
-    """Each component of fields_type that is not fixed stands in carry_fields: a forgotten one would be lost by a restart."""
+    """Each component of fields_type that is not fixed stands in exchange_fields: a forgotten one would be lost by a restart."""
     state, restart = ((root / "src" / name).read_text() for name in ("state/state.f90", "output/checkpoint.f90"))
     fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
-    routine = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
+    routine = re.search(r"subroutine exchange_fields(.*?)end subroutine exchange_fields", restart, re.S)
     assert fields and routine
     lines = [line for line in fields[1].splitlines() if "fixed" not in line]
     names = re.findall(r"^    (?:real|type|integer|logical)[^!]*?:: (\w+)", "\n".join(lines), re.M)

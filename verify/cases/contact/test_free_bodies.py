@@ -40,10 +40,10 @@ def plane(parts: list[tuple[Mesh, tuple[float, float]]], cards: str) -> str:
 
 
 def regularization_work(path: Path) -> Floats:
-    """history/regularization_work of the increments that converged."""
+    """history/carried_work of the increments that converged."""
     with h5py.File(path) as file:
         history = file["AMONTONS/history"]
-        return np.asarray(history["regularization_work"])[np.asarray(history["is_converged"]) == 1]
+        return np.asarray(history["carried_work"])[np.asarray(history["is_converged"]) == 1]
 
 
 @pytest.mark.parametrize("gap", [0.01, 0.9])
