@@ -37,7 +37,7 @@ class DeckError(AmontonsError):
 
 
 class SetupError(AmontonsError):
-    """The model cannot stand."""
+    """The model is not supported: rigid body motion is possible."""
 
     status = 4
 
@@ -61,7 +61,7 @@ class FileError(AmontonsError):
 
 
 class InternalError(AmontonsError):
-    """A mistake of Amontons."""
+    """An internal error of Amontons."""
 
 
 ERRORS = {kind.status: kind for kind in (UsageError, DeckError, SetupError, NotConvergedError, SolverError, FileError)}
@@ -111,7 +111,7 @@ def encoded(text: str | PathLike[str] | None) -> bytes | None:
 
 
 class Job:
-    """A job. It stands at a commit; what is solved after that can be kept (commit) or thrown away (rollback).
+    """A job. Its state is the last commit; later solutions can be kept (commit) or discarded (rollback).
 
     A job belongs to one thread at a time; several jobs may run side by side in threads of their own.
     """

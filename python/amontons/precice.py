@@ -132,7 +132,7 @@ class Adapter:
         """Registers the meshes of a participant.
 
         Args:
-            job: stands at its start.
+            job: at its start.
             configuration: as `read_configuration` gives it.
             name: of the participant.
             precice: the Python bindings of preCICE, or what has the same calls; default: the package `precice`.
@@ -162,7 +162,7 @@ class Adapter:
         is_new = True
         while self.participant.is_coupling_ongoing():
             if self.participant.requires_writing_checkpoint() or is_new:
-                self._note_start()  # the job itself stands at its last commit: there is nothing to save
+                self._note_start()  # the job itself keeps its last commit: nothing to save
             self.participant.advance(self._solve(self.participant.get_max_time_step_size()))
             is_new = False
             if self.participant.requires_reading_checkpoint():
@@ -192,7 +192,7 @@ class Adapter:
         self._start = {face.patch: self.job.get("U", face.patch) for face in self.interfaces if not face.is_faces}
 
     def _read(self, dt: float) -> None:
-        """What the others say goes into the job."""
+        """Copies the data of the other participants into the job."""
         quantities = {"Force": "CF", "Displacement": "U", "Pressure": "P", "Temperature": "NT"}
         for interface in self.interfaces:
             for name, kind in interface.reads.items():
@@ -202,7 +202,7 @@ class Adapter:
                 self.job.set(quantities[kind], interface.patch, values.ravel())
 
     def _write(self) -> None:
-        """What the job has found goes to the others."""
+        """Sends the results of the job to the other participants."""
         for interface in self.interfaces:
             dimensions = self.participant.get_mesh_dimensions(interface.mesh)
             for name, kind in interface.writes.items():

@@ -179,7 +179,7 @@ def test_progress(run: Run, tmp_path: Path) -> None:
 
 
 def test_a_deck_that_talks_of_errors_does_not_look_like_one(run_deck: Run) -> None:
-    """Programs that start us search the output for *ERROR; a heading must not make a good job look bad."""
+    """Calling programs search the output for *ERROR; a heading must not make a good job look bad."""
     done = run_deck(CUBE.replace("One cube, pulled", "** *ERROR in line 1: not really; one cube, pulled"))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "*ERROR" not in done.stdout + done.stderr

@@ -6,7 +6,7 @@
     python -m verify.fuzz.fuzz --calls 200                  sequences of library calls
 
 The decks are those of input/, of the manual and its examples, of verify/decks, and of the folder AMONTONS_DECKS, up to 60 kB each. A deck is a
-finding if the program dies by a signal, calls it a mistake of its own (exit code 8), does not end and does not get on, or
+finding if the program dies by a signal, ends with an internal error (exit code 8), does not end and does not progress, or
 ends with exit code 0 and a NaN or forces that do not balance. A finding is kept with its seed in --keep.
 
 SPDX-License-Identifier: GPL-3.0-or-later

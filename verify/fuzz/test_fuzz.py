@@ -15,7 +15,7 @@ from verify.fuzz import fuzz
 
 @pytest.mark.slow
 def test_decks(program: Path, tmp_path: Path) -> None:
-    """Mutated decks: no crash, no mistake of ours, no NaN and no lost force behind exit code 0."""
+    """Mutated decks: no crash, no internal error, no NaN and no lost force behind exit code 0."""
     tally = fuzz.fuzz_decks(program, int(os.environ.get("AMONTONS_FUZZ", "40")), 11, tmp_path / "kept", 1e9)
     assert tally.findings == [], tally.report()
     assert sum(tally.ends.values()) >= 40

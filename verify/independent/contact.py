@@ -88,7 +88,7 @@ class ContactCheck:
         if deck.dialect != "abaqus" or results.dialect != "abaqus":
             raise DeckError("the independent element is the one of the abaqus dialect (mean dilatation, Hencky)")
         if any(step.is_loaded for step in deck.steps):
-            raise DeckError("distributed loads: the independent check knows supports and contact only")
+            raise DeckError("distributed loads: the independent check supports displacements and contact only")
         self.deck, self.results, self.tolerances = deck, results, tolerances or Tolerances()
         self.elastic = deck.elastic()
         self.bodies = deck.bodies()

@@ -56,7 +56,7 @@ DEFAULTS = {"SOLID SECTION": "1.", "GAP": "0., , , , , 1e12, 1e-3"}
 #: Parameters that have a unit.
 PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
               "STATIC": {"FACTOR": "D"}, "VISCO": {"FACTOR": "D"}, "SURFACE": {"FILLET RADIUS": "L"}, "AMPLITUDE": {"SHIFTY": "X"}}  # fmt: skip
-#: What a routine of the user or another job says has units that nobody knows here.
+#: What a routine of the user or another job says has unknown units.
 REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT="}
 #: Cards that belong to the card before them.
 FOLLOWERS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}

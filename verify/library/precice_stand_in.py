@@ -1,7 +1,7 @@
 """Stands in for preCICE where it cannot be had: the calls of its Python bindings (version 3) that the adapter makes.
 
 Two participants in two threads, coupled at the same points, in parallel: both solve a window, exchange, and repeat it with
-relaxed data until what they write stands; then the window is done. No mapping, no acceleration but constant relaxation. A
+relaxed data until the written data converge; then the window is done. No mapping, no acceleration but constant relaxation. A
 participant may solve a window in pieces; what it reads for a time within the window lies on the straight line from the window's
 start, as with preCICE's waveforms of first degree. What preCICE refuses is refused: an advance before the checkpoint was requested
 for, or past the end of the window, initial data that are missing, anything after the end.
@@ -19,7 +19,7 @@ import numpy as np
 
 @dataclass
 class Meeting:
-    """What two participants share. A configuration file is the name of a meeting."""
+    """What two participants share. The name of a configuration file identifies the coupling."""
 
     windows: int
     length: float
@@ -38,7 +38,7 @@ class Meeting:
     barrier: threading.Barrier = field(init=False)
 
     def __post_init__(self) -> None:
-        """Both meet here."""
+        """Barrier for both participants."""
         self.barrier = threading.Barrier(2, action=self.judge, timeout=120)
 
     def judge(self) -> None:
@@ -62,10 +62,10 @@ MEETINGS: dict[str, Meeting] = {}
 
 
 class Participant:
-    """A participant of a meeting."""
+    """A participant of a coupling."""
 
     def __init__(self, name: str, configuration: str, rank: int, size: int) -> None:
-        """Takes part in the meeting that the configuration names."""
+        """Joins the coupling that the configuration names."""
         assert (rank, size) == (0, 1), name
         self.meeting = MEETINGS[configuration]
         self.sizes: dict[str, int] = {}
@@ -90,7 +90,7 @@ class Participant:
         return np.arange(len(positions))
 
     def requires_initial_data(self) -> bool:
-        """All begin with zero, unless the meeting wants it otherwise."""
+        """All begin with zero, unless the configuration requests initial data."""
         assert self.state == "new"
         return self.meeting.wants_initial
 

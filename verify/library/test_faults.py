@@ -214,7 +214,7 @@ except amontons.SolverError as error:
 @pytest.mark.slow
 @pytest.mark.parametrize("megabytes", [20, 150, 162, 166, 175, 200, 204])
 def test_no_memory_in_the_library(root: Path, tmp_path: Path, megabytes: int) -> None:
-    """With so many megabytes more than the process has, a call gives a status, and the process of the caller lives on."""
+    """With so many megabytes more than the process has, a call gives a status, and the caller's process continues."""
     done = subprocess.run([sys.executable, "-c", LIMITED, str(root / "input" / "shear_block.inp"), str(megabytes)], capture_output=True, text=True,
                           env=os.environ | {"PYTHONPATH": str(root / "python"), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
                           cwd=tmp_path)  # fmt: skip
@@ -347,8 +347,8 @@ time_t time(time_t *t)
 
 @pytest.mark.skipif(not shutil.which("gcc") or not sys.platform.startswith("linux"), reason="there is no C compiler, or no LD_PRELOAD")
 def test_a_clock_that_jumps(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
-    """The time of day goes to and fro by ten years from call to call: results are the same, and no time that something took is
-    negative or long, for what is measured is measured by the clock that only goes forward."""
+    """The time of day jumps forward and back by ten years from call to call: results are the same, and no time that something took is
+    negative or long, because times are measured by a monotonic clock."""
     whole, place = tmp_path / "whole", tmp_path / "place"
     whole.mkdir()
     place.mkdir()

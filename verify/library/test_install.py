@@ -38,7 +38,7 @@ def prefix(root: Path, program: Path, library: Path, tmp_path_factory: pytest.Te
 
 
 def flags(prefix: Path, *what: str) -> list[str]:
-    """What pkg-config says."""
+    """The output of pkg-config."""
     return do(["pkg-config", *what, "amontons"], prefix, PKG_CONFIG_PATH=str(prefix / "lib" / "pkgconfig")).split()
 
 

@@ -140,7 +140,7 @@ def test_explicit_coupling_and_initial_data() -> None:
 
 
 def test_the_deck_ends_before_the_coupling() -> None:
-    """A sentence that says what to do."""
+    """The message names the remedy."""
     with pytest.raises(amontons.UsageError, match="end at time 1; the coupling continues"):
         couple(precice_stand_in.Meeting(3, 0.5), {"Lower": LOWER, "Upper": UPPER}, {
             "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
@@ -160,7 +160,7 @@ def test_pressure_temperature_and_deltas() -> None:
     """One participant gives pressure on faces and temperature, the other takes them: du = T alpha - p/E."""
 
     class Wall:
-        """Says what a flow would say, and hears the displacements."""
+        """Sends the data of a flow, and receives the displacements."""
 
         heard: list[float] = []
 

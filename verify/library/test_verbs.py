@@ -78,7 +78,7 @@ class Transcript:
 
 @pytest.fixture(scope="module")
 def transcript(deck: Path) -> list[str]:
-    """The words of the Python package."""
+    """The output of the Python package."""
     transcript = Transcript()
     say = transcript.lines.append
     handle = ctypes.c_void_p()
@@ -164,7 +164,7 @@ def test_what_python_says_is_right(transcript: list[str]) -> None:
 
 
 def transcript_of(program: Path, deck: Path) -> list[str]:
-    """What a program says."""
+    """The output of a program."""
     done = subprocess.run([str(program), str(deck)], capture_output=True, text=True, check=False, timeout=300,
                           env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
     assert done.returncode == 0, done.stdout[-500:] + done.stderr

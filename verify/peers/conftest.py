@@ -59,7 +59,7 @@ ENTRIES: dict[str, Entry] = {}
 
 @pytest.fixture
 def record(request: pytest.FixtureRequest) -> Callable[[Entry], None]:
-    """Keeps what was found of a deck; it goes to the process that leads the run."""
+    """Keeps the result of a deck and sends it to the controlling process."""
 
     def keep(entry: Entry) -> None:
         request.node.user_properties.append(("deck of a peer", json.dumps(asdict(entry))))

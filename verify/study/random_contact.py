@@ -7,7 +7,7 @@
     python -m verify.study.random_contact --laws --peer ccx  CalculiX runs those in its dialect
 
 Shapes, meshes, element kinds, stiffness, friction, formulation, load and increments are drawn from the seed. The head of the body is led
-along, so that each of these jobs has a balance: one that fails is a fault of the program.
+along, so that each of these jobs has an equilibrium: one that fails is a fault of the program.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -111,7 +111,7 @@ def force_cards(head: list[int], has_law: bool) -> tuple[str, str]:
 
 
 def eased(law: Law, kind: str, shape: str, place: Place) -> tuple[str, str, Place]:
-    """What a law cannot do without, so that there is a balance: element kind, shape and place of the body.
+    """What a law cannot do without, so that an equilibrium exists: element kind, shape and place of the body.
 
     Tied surfaces lie on each other: those of CalculiX are drawn together over a gap. In its dialect C3D8R have no stiffness to speak of against hourglasses
     where one row of nodes is pressed; and each face has a normal of its own, so that no node may stand on the line between two of them.

@@ -57,7 +57,7 @@ def verdict(job: Job) -> tuple[bool, str]:
         attempts = "no attempt was" if failed == 0 else "1 attempt was" if failed == 1 else f"{failed} attempts were"
         return True, f"{steps}, to time {number(reached)}; {attempts} cut back."
     reason = next((str(r) for r in reversed(job.history["reason"].tolist()) if str(r)), "") if "reason" in job.history else ""
-    return False, f"The job stands at time {number(max(reached, done))} of {number(requested)}. {reason}"
+    return False, f"The job is at time {number(max(reached, done))} of {number(requested)}. {reason}"
 
 
 def model_summary(job: Job) -> str:
@@ -89,7 +89,7 @@ def model_summary(job: Job) -> str:
 
 
 def printed(value: float) -> object:
-    """A number that was given; 0 stands for one that was not."""
+    """A number; 0 means that it is not given."""
     return value or "-"
 
 
@@ -112,7 +112,7 @@ def material_cards(deck: str) -> dict[str, str]:
 
 
 def deck_cards(text: str) -> Counter[str]:
-    """How often each card stands in the deck."""
+    """How often each card occurs in the deck."""
     found: Counter[str] = Counter()
     for line in text.splitlines():
         match = re.match(r"\*([A-Za-z][^,*]*)", line.strip())

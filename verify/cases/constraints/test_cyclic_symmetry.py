@@ -192,7 +192,7 @@ def test_kinematic_coupling(run_deck: Run, tmp_path: Path) -> None:
     ("NOWHERE\n", "There is no node or node set"),
 ])
 def test_refused_kinematic_coupling(run_deck: Run, row: str, message: str) -> None:
-    """What its rows must not say."""
+    """Invalid rows."""
     done = run_deck(f"{CUBE}*KINEMATIC COUPLING, REF NODE=90\n{row}*STEP\n*STATIC\n*END STEP\n")
     assert done.returncode == 3
     assert message in done.stdout + done.stderr

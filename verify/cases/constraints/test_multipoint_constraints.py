@@ -206,7 +206,7 @@ IN_THE_PLANE = {
 
 
 def plane_job(card: str, kind: str) -> str:
-    """A square on two supports with a reference node above it, which is pushed to the side and down; nothing holds it along z."""
+    """A square on two supports with a reference node above it, which is pushed to the side and down; it has no support along z."""
     loads = "*BOUNDARY\n1, 1, 2\n2, 1, 2\n*CLOAD\n9, 1, 5.\n9, 2, -3.\n"
     step = f"*STEP\n*STATIC\n{TIGHT}{loads}{PRINT.replace('SHOWN', 'ALL')}*END STEP\n"
     return f"{PLANE_CUBE % kind}{IN_THE_PLANE[card]}{MATERIAL}1.\n{step}"
@@ -364,7 +364,7 @@ def test_contact_pushes_across_a_cut(run_deck: Run, tmp_path: Path, kind: str, s
 
 
 def test_pretension_in_part_of_a_body(run_deck: Run) -> None:
-    """A cut that ends inside the body is reported: elements on its two sides hang together around its edge."""
+    """A cut that ends inside the body is reported: elements on its two sides are connected around its edge."""
     text = cut_deck("C3D8", has_wall=False).replace("*NSET, NSET=FAR\n\n", "")
     cut = re.search(r"NAME=CUT\n(.*\n)", text)
     assert cut
@@ -406,7 +406,7 @@ def test_mean_rotation(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_time_delay_and_shift(run_deck: Run, tmp_path: Path) -> None:
-    """A delayed and shifted amplitude: at the end of the step of length 1 the table stands at 1 - .25 + .5."""
+    """A delayed and shifted amplitude: at the end of the step of length 1 the table is at 1 - .25 + .5."""
     cards = "*AMPLITUDE, NAME=A, SHIFTX=-.5, SHIFTY=1.\n0., 0., 2., 2.\n"
     loads = "*BOUNDARY\nBOTTOM, 1, 3\n*BOUNDARY, AMPLITUDE=A, TIME DELAY=.25\nTOP, 3, 3, .01\n"
     done = run_deck(job(cards, loads))

@@ -424,7 +424,7 @@ def test_turning_roller(proof: Proof) -> None:
 
 
 def test_clamped_by_a_force(proof: Proof) -> None:
-    """A sheet between a die, a punch and a holder that only the contact holds: the force goes through."""
+    """A sheet between a die, a punch and a holder that only contact supports: the force goes through."""
     force, mu = 50.0, 0.1
     case = proof(
         "analytic-clamped",

@@ -148,7 +148,7 @@ def test_steep_law_is_in_balance(bench: Bench, dialect: str) -> None:
     """A cube whose top is moved on into a steep law: its pressure is that of a bar, p = E (u - gap - h)/L, with u the displacement of the top and h the overclosure.
 
     Each increment begins with the predictor from the last velocity, some twenty c0 deep: the law has 1e10 p0 there. That is no force by which a
-    balance may be measured: it ended with 52.3 in place of 44.6. 5e-4 is the tolerance of the calculix dialect.
+    equilibrium may be measured: it ended with 52.3 in place of 44.6. 5e-4 is the tolerance of the calculix dialect.
     """
     law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL\n0.0005, 1."
     moved = "*STEP, INC=1000\n*STATIC\n0.2, 1., , 0.2\n*BOUNDARY\nUPPER, 1, 1\nTOP, 3, 3, -0.05\n*END STEP\n"

@@ -78,7 +78,7 @@ def test_not_matching(proof: Proof, upper: int, lower: int) -> None:
         formula="Stress sigma_zz = -10 everywhere. Node-to-surface contact cannot: forces at slave nodes are not the consistent "
         "forces of a uniform pressure on the master. The sum of the forces is exact. (CalculiX: -12.7 to -8.4 with a fine slave.)",
         source="Taylor and Papadopoulos (1991); El-Abbasi and Bathe (2001)",
-        proves="The known limit of node-to-surface contact, so that nobody is surprised: use matching meshes or a mortar method where local "
+        proves="The known limit of node-to-surface contact, as a warning: use matching meshes or a mortar method where local "
         "pressures across an interface matter.",
     )
     deck, n = stack(upper, lower, 0.0)

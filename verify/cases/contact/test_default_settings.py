@@ -92,14 +92,14 @@ def gasket_at_edges() -> tuple[Parts, str, str, int, list[str]]:
 
 @pytest.mark.parametrize("make", [pin_in_bush, cold_fit, gaskets, in_a_corner, wedge, gasket_at_edges], ids=lambda make: make.__name__)
 def test_defaults(proof: Proof, make: Callable[[], tuple[Parts, str, str, int, list[str]]]) -> None:
-    """It finishes, in balance, within the iterations that every case is allowed."""
+    """It finishes in equilibrium within the iterations that every case is allowed."""
     parts, kind, cards, requested, held = make()
     name = make.__name__.replace("_", "-")
     case = proof(
         f"defaults-{name}",
         title=f"Default settings: {name.replace('-', ' ')}",
         model=f"{make.__doc__} {kind}, NLGEOM, {requested} requested increments.",
-        formula="The reactions of all supports are in balance; 8 iterations per requested increment are enough.",
+        formula="The reactions of all supports are in equilibrium; 8 iterations per requested increment are enough.",
         source="statics",
         proves="Contact as an engineer writes it converges without a setting.",
     )

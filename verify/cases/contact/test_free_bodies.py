@@ -58,7 +58,7 @@ def test_fall(proof: Proof, dimension: int, gap: float) -> None:
         formula="At the end of the fall the table supports the weight of the block; then it goes with the table, without "
         "friction. Work of what nothing balanced: between half the weight (it grows with the load) and all of it, times the fall.",
         source="statics",
-        proves="One-sided contact from a start without hold; no regularization force remains.",
+        proves="Unilateral contact from a start without support; no regularization force remains.",
     )
     weight = DENSITY * GRAVITY
     if dimension == 2:
@@ -94,11 +94,11 @@ def test_disc_between_plates(proof: Proof) -> None:
     case = proof(
         "disc-between-plates",
         title="A disc without supports between two plates, pressed by forces",
-        model="A disc of diameter 2 lies 0.01 above a fixed plate and 0.02 below another, which nothing holds but a guide along x; the upper one is "
+        model="A disc of diameter 2 lies 0.01 above a fixed plate and 0.02 below another, which only a guide along x supports; the upper one is "
         "pressed down by 50 at each node of its top (5 increments). E = 210000, plane strain, mu = 0.3, NLGEOM.",
         formula="Both contacts transmit the force, and the disc does not turn.",
         source="statics",
-        proves="Two bodies that only contact holds, one through the other.",
+        proves="Two bodies that only contact supports, one through the other.",
     )
 
     def round_place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -130,7 +130,7 @@ def test_pushed_to_a_wall(proof: Proof) -> None:
         "its side, in 4 increments; gravity 9810; mu = 0.2 at both, plane strain, NLGEOM.",
         formula="The floor and the wall take the weight and the push, and friction reverses neither.",
         source="statics",
-        proves="A body that slides without a hold until another master catches it.",
+        proves="A body that slides without support until another master stops it.",
     )
     body, floor = sheet("BODY", between(0.1, 1.1, 4), between(0, 1, 4)), sheet("FLOOR", between(-1, 3, 15), between(-1, 0, 3))
     wall = sheet("WALL", between(-1, 0, 3), between(0, 3, 11))
@@ -185,11 +185,11 @@ LEAN, STIFF, WEAK, PRESS = np.pi / 3, 100.0, 20.0, 0.01
 
 
 def test_snap_through_of_friction(proof: Proof) -> None:
-    """A node that separates at once at the friction limit, since its pressure falls faster than its pull: the next balance is in the air."""
+    """A node that separates at once at the friction limit, since its pressure falls faster than its pull: the next equilibrium is out of contact."""
     mu = 1.5
     case = proof(
         "snap-of-friction",
-        title="A pole on a rough table that is pulled until it snaps",
+        title="A pole on a rough table that is pulled until it snaps through",
         model="A node on a rigid table under a bar that leans by 60 degrees (stiffness 100), pressed along itself by 0.01; a level bar (stiffness 20) pulls it; "
         "mu = 1.5, small displacements, DIRECT: pressed in one increment, pulled to 0.95 and 1.05 of where friction ends in one increment each.",
         formula="It sticks while (N the pressure of the leaning bar, w the pull) cos(60) k1 e + k2 w < mu sin(60) k1 e. Beyond, each slip takes more from mu N "
@@ -205,11 +205,11 @@ def test_snap_through_of_friction(proof: Proof) -> None:
     u = job.field("U")[:, 0]
     displacement = 1.05 * end
     case.near("slip before", np.abs(u[2]).max(), 0.0, 1e-12, why="it sticks", place="end of the pole", time="0.95 of the end", scale=end)
-    case.near("displacement", u[3], np.array([displacement, 0.0, (c * displacement - PRESS) / s]), 1e-9, why="linear after the snap", place="end of the pole", time="1.05 of the end")
+    case.near("displacement", u[3], np.array([displacement, 0.0, (c * displacement - PRESS) / s]), 1e-9, why="linear after the snap-through", place="end of the pole", time="1.05 of the end")
     case.near("forces of the supports", np.abs(job.last("RF")).max(), 0.0, 1e-6, why="both bars are slack", scale=STIFF * PRESS, time="1.05 of the end",
               place="supports")  # fmt: skip
     stored = 0.5 * (STIFF * PRESS**2 + WEAK * displacement**2)
-    case.within("work of the snap", regularization_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored",
+    case.within("work of the snap-through", regularization_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored",
                 place="the pole", time="the end")  # fmt: skip
     case.true("the snap-through is noted in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="a later reader needs it",
               place="the pole", time="the end")  # fmt: skip

@@ -1,4 +1,4 @@
-"""Surface-to-surface contact by the dual mortar method: patch tests of every element kind, balance of forces and moments.
+"""Surface-to-surface contact by the dual mortar method: patch tests of every element kind, equilibrium of forces and moments.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -384,7 +384,7 @@ def test_bent_over_edge(proof: Proof) -> None:
         "no friction. Exact contact; the lower face of the beam is the slave.",
         formula="Elastic bodies without friction: the end does not depend on the increments. The block bears what contact brings: its reactions have force and "
         "moment of the pair.",
-        source="uniqueness of a path without dissipation; balance",
+        source="uniqueness of a path without dissipation; equilibrium",
         proves="What contact is near the edge of a master is the same whatever the increments, and forces act where the sums over the pair say.",
     )
     deck = bent(5)

@@ -69,7 +69,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N", place="all slave nodes", time="the end")
     (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
     done = run(["gone"], cwd=tmp_path)
-    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block", place="the job without a spring", time="the end")
+    case.true("exit code 5 alone", done.returncode == 5, why="the block has no support", place="the job without a spring", time="the end")
     case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason", place="the job without a spring", time="the end")
     case.done()
 

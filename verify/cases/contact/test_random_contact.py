@@ -16,7 +16,7 @@ MOST_PER_INCREMENT = 3.0  # iterations, failed attempts included
 
 
 def test_random_contact_finishes(program: Path, tmp_path: Path) -> None:
-    """Bodies that are led along a table: each of these jobs has a balance in each increment."""
+    """Bodies that are guided along a table: each of these jobs has an equilibrium in each increment."""
     outcomes = [run(seed, program, tmp_path) for seed in SEEDS]
     assert [o.description for o in outcomes if o.code != 0] == []
     assert sum(o.failed for o in outcomes) <= MOST_FAILED

@@ -1,7 +1,7 @@
 """Surfaces that never slip (*FRICTION, ROUGH) and that are pulled until they separate.
 
 A node that sticks can be drawn off its master by its own friction, and be pressed into it as soon as it is released: no status of
-the two then is a balance. It has lost its grip, slides to where it is in balance without friction, and sticks there again.
+the two is then an equilibrium. It is released, slides to the frictionless equilibrium, and sticks there again.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

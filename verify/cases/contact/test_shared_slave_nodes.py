@@ -73,7 +73,7 @@ def test_chain(proof: Proof, kind: str, form: str) -> None:
         "wall and is master of nodes of the upper block.",
         formula="Upper block: stress yy = -10 alone. Lower block: yy = -10, xx = -10 nu/(1 - nu), contact pressure at the wall the same.",
         source="plane strain; without friction the two blocks slide on each other",
-        proves="The force on a slave is found from the balance of its node with what other pairs bring there.",
+        proves="The force on a slave is found from the equilibrium of its node with what other pairs bring there.",
     )
     is_quadratic = kind == "CPE8"
     upper, lower = (flatten(sheet(name, between(0, 1, 3), between(y, y + 1, 3)), is_quadratic) for name, y in (("UPPER", 1), ("LOWER", 0)))

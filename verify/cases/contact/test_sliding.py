@@ -95,7 +95,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N", place="all slave nodes", time="the end")
     (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
     done = run(["gone"], cwd=tmp_path)
-    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block", place="the job without a spring", time="the end")
+    case.true("exit code 5 alone", done.returncode == 5, why="the block has no support", place="the job without a spring", time="the end")
     case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason", place="the job without a spring", time="the end")
     case.done()
 
@@ -426,7 +426,7 @@ def test_led_by_supports(proof: Proof) -> None:
         model="A block 1 x 1 (E = 2000, nu = 0, plane strain, 4 x 4 C3D8) is pressed sideways by 0.01 on a fixed wall, flat and in facets of "
         "0.3 (1 increment), then all its nodes are drawn up by 1 (4 increments), the touching ones too; mu = 0.3, NLGEOM.",
         formula="Nothing is left for friction: the force on the wall stays what it was, and every node that touches slides.",
-        source="the balance of one block",
+        source="equilibrium of one block",
         proves="A node is not held where it first touched if supports move it on: stick would require both.",
     )
     body = sheet("BODY", between(0, 1, 4), between(0, 1, 4))
@@ -547,7 +547,7 @@ def roller(name: str, x: float) -> Plane:
 
 @pytest.mark.parametrize(("kind", "n"), [("NODE TO SURFACE", 30), ("SURFACE TO SURFACE", 10)], ids=["nodes", "surfaces"])
 def test_rollers_between_plates(proof: Proof, kind: str, n: int) -> None:
-    """Three bodies that nothing but contact holds roll between two plates: nodes come and go at both sides."""
+    """Three bodies that only contact supports roll between two plates: nodes come and go at both sides."""
     displacement, mu = 1.47, 0.2
     case = proof(
         f"rollers-{kind.lower().replace(' ', '-')}",
@@ -598,6 +598,6 @@ def test_cubes_under_a_law(proof: Proof, slope: float, stick: float) -> None:
     reversal = job.frame(2.0)
     for time, frame, sign in (("2", reversal, -1.0), ("3", -1, 1.0)):
         case.near("friction over pressure", shearing[frame] / pressing[frame], sign * 0.3, 2e-3, why="faces that tilt by up to 0.05", place="cube", time=time)
-    case.true("no attempt fails", bool((job.history["is_converged"] != 0).all()), why="the law is taken where it meets the bodies", place="the job", time="the end")
+    case.true("no attempt fails", bool((job.history["is_converged"] != 0).all()), why="the law is solved together with the compliance of the bodies", place="the job", time="the end")
     case.within("iterations", float(job.n_iterations), (15.0, 30.0), why="exact contact takes 28 on these meshes", place="the job", time="the end")
     case.done()

@@ -178,7 +178,7 @@ def disc(n: int) -> Mesh:
 
 @pytest.mark.parametrize("family", ["neo-Hooke", "Mooney-Rivlin"])
 def test_torsion(proof: Proof, family: str) -> None:
-    """A rubber cylinder twisted far at constant length: it wants to grow longer (Poynting)."""
+    """A rubber cylinder twisted far at constant length: it tends to elongate (Poynting)."""
     c10, c01 = (0.5, 0.0) if family == "neo-Hooke" else (0.4, 0.1)
     case = proof(
         f"rubber-torsion-{family.lower()}",

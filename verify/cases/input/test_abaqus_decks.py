@@ -86,7 +86,7 @@ def totals(folder: Path, title: str, name: str) -> list[float]:
 
 
 def output_of(done: object) -> str:
-    """What a job says, in one line."""
+    """The output of a job, in one line."""
     return re.sub(r"\s+", " ", done.stdout + done.stderr)  # type: ignore[attr-defined]
 
 

@@ -183,7 +183,7 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
     (BRICK.replace("*END PART", "*CYCLIC SYMMETRY MODEL\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
 ])
 def test_refused_parts(run_deck: Run, deck: str, message: str) -> None:
-    """A structure that does not hold; nothing else of the deck is read then."""
+    """An invalid structure; nothing else of the deck is read then."""
     text = refused(run_deck, f"{deck}{STEEL}{STEP}")
     assert message in text
     assert "1 error" in text
@@ -258,7 +258,7 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
     ("\n0., 1., 2.", "odd number"),
 ])
 def test_refused_amplitudes(run_deck: Run, card: str, message: str) -> None:
-    """What AMPLITUDE must not say."""
+    """Invalid AMPLITUDE cards."""
     assert message in refused(run_deck, f"{CUBE}{HELD}*AMPLITUDE, NAME=A, {card}\n{STEP}")
 
 

@@ -1,4 +1,4 @@
-"""The decks of input/ are what their generator writes, they finish, and their contact holds when checked from outside.
+"""The decks of input/ are what their generator writes, they finish, and their contact passes an independent check.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

@@ -177,7 +177,7 @@ COORD
 
 
 def test_link(run_deck: Run, tmp_path: Path) -> None:
-    """A node on springs, linked to one that holds still: it moves across the link only, F / k.
+    """A node on springs, linked to a fixed node: it moves across the link only, F / k.
 
     Under calculix the link turns NLGEOM on, as BEAM does there: the node stays on the circle, where F and the springs k turn it by
     tan a = F_y/(k L + F_x).

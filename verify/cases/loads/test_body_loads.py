@@ -126,7 +126,7 @@ def test_axisymmetric_ring_turns(run_deck: Run, tmp_path: Path) -> None:
     ("BAR, CENTRIF, x, 0., 0., 0., 0., 0., 1.", "real number"),
 ])
 def test_refused_loads(run_deck: Run, row: str, message: str) -> None:
-    """What a row of DLOAD must not say."""
+    """Invalid rows of DLOAD."""
     assert message in refused(run_deck, f"{bar()}*STEP\n*STATIC\n*DLOAD\n{row}\n*END STEP\n")
 
 
@@ -177,5 +177,5 @@ def test_time_points_of_the_result_file(run_deck: Run, tmp_path: Path) -> None:
     ("*TIME POINTS, NAME=WHEN\n.5\n*TIME POINTS, NAME=WHEN\n.5\n", "defined twice"),
 ])
 def test_refused_time_points(run_deck: Run, card: str, message: str) -> None:
-    """What TIME POINTS must not say."""
+    """Invalid TIME POINTS cards."""
     assert message in refused(run_deck, f"{bar()}{card}*STEP\n*STATIC\n*NODE PRINT, NSET=ALL, TIME POINTS=WHEN\nU\n*END STEP\n")

@@ -140,7 +140,7 @@ def test_resumed_job_knows_where_elements_were_born(run: Run, tmp_path: Path) ->
     (tmp_path / "job.inp").write_text(deck)
     assert run(["job"], cwd=tmp_path).returncode == 0
     whole = read_blocks(tmp_path, "stresses")[-1]
-    # The same deck stops in its last step, which wants more increments than it may have.
+    # The same deck stops in its last step, which needs more increments than allowed.
     short = deck.replace("*STEP, NLGEOM\n*STATIC\n*BOUNDARY\nLID, 3, 3, .03\n",
                          "*STEP, NLGEOM, INC=1\n*STATIC\n.5, 1.\n*BOUNDARY\nLID, 3, 3, .03\n")
     assert short != deck
@@ -177,7 +177,7 @@ def test_changed_material(run_deck: Run, tmp_path: Path) -> None:
     ("*CHANGE SOLID SECTION, ELSET=UPPER, MATERIAL=M, ORIENTATION=O\n", "The axes stay"),
 ])
 def test_refused_changes(run_deck: Run, card: str, message: str) -> None:
-    """What the cards must not say."""
+    """Invalid cards."""
     done = run_deck(steps(card))
     assert done.returncode == 3, done.stdout
     assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)

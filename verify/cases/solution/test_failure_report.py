@@ -246,7 +246,7 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert attempt[-1] == len(recorded) - 1
     last = [line for line, row in zip(lines, attempt, strict=True) if row == attempt[-1]]
     assert advice in last[-1], last
-    assert all(f"  ** {line}\n" in course for line in last if line), "the story in .cvg is that of the result file"
+    assert all(f"  ** {line}\n" in course for line in last if line), "the messages in .cvg are those of the result file"
     assert all(f"  {line}\n" in done.stdout for line in last if line), "and that of the terminal"
     n_iterations, n_factorisations = (int(re.search(rf"{what} +(\d+)", done.stdout)[1]) for what in ("Newton iterations", "factorisations"))
     assert n_factorisations <= min((8 if deck == held_by_supports() else 4) * max(n_iterations, 1), 250), f"{n_factorisations} factorisations in {n_iterations} iterations"
@@ -264,7 +264,7 @@ def test_auto_finishes(run: Run, tmp_path: Path) -> None:
 
 
 def test_unsupported_body_is_reported_early(run: Run, tmp_path: Path) -> None:
-    """Four attempts, each shorter, find a body that nothing holds: no shorter one is tried, though the deck allows nine."""
+    """Four attempts, each shorter, find an unsupported body: no shorter one is tried, though the deck allows nine."""
     (tmp_path / "job.inp").write_text(tipping(""))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 5, done.stdout + done.stderr
@@ -314,7 +314,7 @@ def test_sliding_over_the_edge_is_no_jump(run: Run, tmp_path: Path, kind: str) -
 
 
 def test_cycle_is_acted_on(run: Run, tmp_path: Path) -> None:
-    """A gasket as wide as its plates: a node at the edge goes off its master and back; it alone is acted on, and the job finishes."""
+    """A gasket as wide as its plates: a node at the edge goes off its master and back; only this node gets a treatment, and the job finishes."""
     parts, kind, cards, _, _ = gasket_at_edges()
     (tmp_path / "job.inp").write_text(flat_deck([(flatten(part), elastic) for part, elastic in parts], kind, cards))
     done = run(["job"], cwd=tmp_path)

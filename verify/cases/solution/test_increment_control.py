@@ -68,7 +68,7 @@ def test_increments_follow_what_happened(run: Run, tmp_path: Path) -> None:
 
 
 def test_directions_lead_to_the_same(run: Run, tmp_path: Path) -> None:
-    """EXACT, SYMMETRIC and LAGGED converge to the same, since the residual does not know them: to 1e-4, the balance allowed being 1e-6 of the forces."""
+    """EXACT, SYMMETRIC and LAGGED converge to the same, since they do not change the residual: to 1e-4, with a residual tolerance of 1e-6 of the forces."""
     found = {}
     for direction in ("EXACT", "SYMMETRIC", "LAGGED"):
         (tmp_path / "job.inp").write_text(ball(0.3, f"AUTO, DIRECTION={direction}", 5))

@@ -1,4 +1,4 @@
-"""Models that cannot stand: the audit names what is wrong and what to do, exit code 4, before any file is written."""
+"""Unsupported models (rigid body motion): the model check names the cause and the remedy, exit code 4, before any file is written."""
 
 import re
 from collections.abc import Sequence
@@ -66,7 +66,7 @@ def fixed(*sets: str) -> str:
 
 
 def refuse(run_deck: Run, tmp_path: Path, deck: Deck | str, *sentences: str) -> list[str]:
-    """The deck ends with exit code 4 and says the sentences in errors, and nothing lies beside it; returns the errors."""
+    """The deck ends with exit code 4 and prints the sentences as errors, and no file is written; returns the errors."""
     done = run_deck(deck if isinstance(deck, str) else deck.text())
     assert done.returncode == SETUP, done.stdout + done.stderr
     lines = done.stdout.splitlines()
@@ -74,13 +74,13 @@ def refuse(run_deck: Run, tmp_path: Path, deck: Deck | str, *sentences: str) -> 
     errors = [line for line in lines[:-1] if line.startswith("*ERROR")]
     assert f"found {len(errors)} error" in lines[-1]
     for sentence in sentences:
-        assert any(sentence in line for line in errors), f"'{sentence}' is not said:\n{done.stdout}"
+        assert any(sentence in line for line in errors), f"'{sentence}' is not printed:\n{done.stdout}"
     assert [path.name for path in tmp_path.iterdir()] == ["job.inp"]
     return errors
 
 
 def accept(run_deck: Run, deck: Deck | str, *options: str) -> str:
-    """--check finds the deck good; returns what is said."""
+    """--check accepts the deck; returns the output."""
     done = run_deck(deck if isinstance(deck, str) else deck.text(), "--check", *options)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "*ERROR" not in done.stdout
@@ -97,7 +97,7 @@ def stack(friction: float, gap: float = 0.0) -> Deck:
 
 
 def test_free_body(run_deck: Run, tmp_path: Path) -> None:
-    """Nothing holds the cube; the set that is the body is named."""
+    """The cube is not supported; the message names its set."""
     deck = Deck(steps=[["*CLOAD\n1, 1, 100."]])
     deck.cube((0.0, 0.0, 0.0))
     refuse(run_deck, tmp_path, deck, "In step 1 the body of element 1 (set ALL, 1 element) can move and turn freely")
@@ -156,7 +156,7 @@ def test_sliding_without_friction(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_two_bodies_slide_together(run_deck: Run, tmp_path: Path) -> None:
-    """Two that hold each other by friction, free together."""
+    """Two bodies joined by friction, unsupported together."""
     deck = stack(friction=0.3)
     deck.steps = [["*BOUNDARY\nFLOOR1, 3, 3"]]
     refuse(run_deck, tmp_path, deck, "of element 1 (set CUBE1, 1 element) and with it the body of element 2 (set CUBE2, 1 ele")
@@ -283,7 +283,7 @@ def test_conflicting_constraints(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_weight_without_density(run_deck: Run, tmp_path: Path) -> None:
-    """GRAV needs *DENSITY: the reader or the audit says so."""
+    """GRAV needs *DENSITY: the reader or the model check reports it."""
     deck = Deck(steps=[[fixed("FLOOR1"), "*DLOAD\nALL, GRAV, 9.81, 0., 0., -1."]])
     deck.cube((0.0, 0.0, 0.0))
     done = run_deck(deck.text())
@@ -339,7 +339,7 @@ def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int,
 
 
 def test_nodes_that_face_away_may_be_held(run_deck: Run) -> None:
-    """The bottom of a cube whose whole skin is the slave is held: nothing is said of that, contact is at its top."""
+    """The bottom of a cube whose whole skin is the slave is held: no message, contact is at its top."""
     deck = THREE_CUBES.replace("CUBE, S1\n", "CUBE,\n").replace("LID, 1, 2", "LID, 1, 3")
     assert "cannot push there" not in run_deck(deck, "--check").stdout
 
