@@ -145,7 +145,7 @@ class Job:
             files: write job.vtkhdf, job.sta, job.cvg, job.dat.
             checkpoint: and job.restart at each commit.
             resume: continue after that checkpoint.
-            check: read and audit the deck, no more.
+            check: read the deck and check the model, no more.
             user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
             old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ continues from.
             log: is given the lines that the program would print.

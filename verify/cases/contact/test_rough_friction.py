@@ -86,11 +86,11 @@ def step(along: float, increment: float) -> str:
 @pytest.mark.parametrize(("drag", "increment", "place", "force"), [
     (0.1, 1.0, 0.0, 0.05),             # it sticks: N = K_zz p - K_xz s
     (0.1, 0.25, 0.0, 0.05),
-    (0.3, 1.0, 0.3 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # it lost its grip: N = (K_zz - K_xz^2/K_xx) p
+    (0.3, 1.0, 0.3 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # released from sticking: N = (K_zz - K_xz^2/K_xx) p
     (0.2, 0.5, 0.2 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # sticks at s = 0.1; in the second increment it loses it
     (-0.3, 1.0, 0.0, 0.45),            # drawn in the opposite direction it is pressed more
 ])  # fmt: skip
-def test_grip_is_lost(run_deck: Run, tmp_path: Path, drag: float, increment: float, place: float, force: float) -> None:
+def test_release_from_sticking(run_deck: Run, tmp_path: Path, drag: float, increment: float, place: float, force: float) -> None:
     """A node on springs that pull it up as they are drawn along: where N would be negative it slides to where T is 0."""
     done = run_deck("** dialect: abaqus\n" + NODE_ON_PLATE + step(0.0, 1.0) + step(drag, increment))
     assert done.returncode == 0, done.stdout + done.stderr
