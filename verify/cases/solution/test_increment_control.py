@@ -1,4 +1,4 @@
-"""Automatic increments follow what happened: iterations, failed attempts, cycles, and contact that was not as is_predicted.
+"""Automatic increments follow what happened: iterations, failed attempts, cycles, and contact that was not predicted.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -15,7 +15,7 @@ from verify.conftest import Run
 from verify.independent.results import read_field, read_history
 from verify.study.contact_table import ball, cylinder
 
-FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not is_predicted counts
+FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not predicted counts
 SHORTER, LONGER, CUTS = 0.75, 1.5, (0.25, 0.5)  #: D_B, D_D, (D_F, D_C)
 MOST = 0.2  #: the longest increment that the deck allows
 
