@@ -14,7 +14,7 @@ from verify.cases.proof import MOST_OVER_ALL, Case, write_index
 
 ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job
-PAGES = os.environ.get("AMONTONS_PAGES")  # folder of the pages that `make verify` asks for
+PAGES = os.environ.get("AMONTONS_PAGES")  # folder of the pages that `make verify` requests
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 

@@ -10,7 +10,7 @@
         else:
             job.rollback()
 
-The verbs and the names of the quantities are told in doc/manual/library.md.
+The verbs and the names of the quantities are listed in doc/manual/library.md.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

@@ -31,13 +31,13 @@ class UsageError(AmontonsError):
 
 
 class DeckError(AmontonsError):
-    """The deck has errors; the message tells all of them with their lines."""
+    """The deck has errors; the message lists all of them with their lines."""
 
     status = 3
 
 
 class SetupError(AmontonsError):
-    """The model cannot stand."""
+    """The model is not supported: rigid body motion is possible."""
 
     status = 4
 
@@ -61,7 +61,7 @@ class FileError(AmontonsError):
 
 
 class InternalError(AmontonsError):
-    """A mistake of Amontons."""
+    """An internal error of Amontons."""
 
 
 ERRORS = {kind.status: kind for kind in (UsageError, DeckError, SetupError, NotConvergedError, SolverError, FileError)}
@@ -111,7 +111,7 @@ def encoded(text: str | PathLike[str] | None) -> bytes | None:
 
 
 class Job:
-    """A job. It stands at a commit; what is solved after that can be kept (commit) or thrown away (rollback).
+    """A job. Its state is the last commit; later solutions can be kept (commit) or discarded (rollback).
 
     A job belongs to one thread at a time; several jobs may run side by side in threads of their own.
     """
@@ -144,10 +144,10 @@ class Job:
             threads: number of threads of this job.
             files: write job.vtkhdf, job.sta, job.cvg, job.dat.
             checkpoint: and job.restart at each commit.
-            resume: go on after that checkpoint.
-            check: read and audit the deck, no more.
+            resume: continue after that checkpoint.
+            check: read the deck and check the model, no more.
             user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
-            old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ goes on from.
+            old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ continues from.
             log: is given the lines that the program would print.
 
         Raises:
@@ -190,7 +190,7 @@ class Job:
             self.close()
 
     def close(self) -> None:
-        """Ends the job and gives its memory back; it cannot be asked for anything after that."""
+        """Ends the job and gives its memory back; no call is allowed after that."""
         self._library.amontons_close(self._job)
         self._job = ctypes.c_void_p()
 
@@ -242,7 +242,7 @@ class Job:
         self._judge(self._library.amontons_rollback(self._job))
 
     def finish(self) -> None:
-        """Closes the files; the job can still be asked for its values."""
+        """Closes the files; the job still returns its values."""
         self._judge(self._library.amontons_finish(self._job))
 
     def get(self, quantity: str, where: str | int = "") -> NDArray[np.float64]:
@@ -273,10 +273,10 @@ class Job:
 
     def names(self, kind: str) -> list[str]:
         """The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" of `get`."""
-        room = ctypes.c_int64()
-        self._judge(self._library.amontons_names(self._job, kind.encode(), None, 0, ctypes.byref(room)))
-        text = ctypes.create_string_buffer(room.value)
-        self._judge(self._library.amontons_names(self._job, kind.encode(), text, room, None))
+        length = ctypes.c_int64()
+        self._judge(self._library.amontons_names(self._job, kind.encode(), None, 0, ctypes.byref(length)))
+        text = ctypes.create_string_buffer(length.value)
+        self._judge(self._library.amontons_names(self._job, kind.encode(), text, length, None))
         return text.value.decode(errors="replace").splitlines()
 
     def set(self, quantity: str, where: str | int, values: ArrayLike) -> None:

@@ -17,9 +17,9 @@ The configuration file is that of the CalculiX adapter:
           read-data: [Pressure]
     precice-config-file: precice-config.xml
 
-A patch is a node set or a surface of the deck; where there is none of that name, NWET and SWET are taken, as CalculiX's
+A patch is a node set or a surface of the deck; without one of that name, NWET and SWET are taken, as CalculiX's
 pre-processors name them. A nodes-mesh has its nodes, a faces-mesh (or mesh) the middles of a surface's faces.
-Data are told by how their names begin:
+The prefix of a name selects the data:
 
 | data | mesh | read: set in the job | written: taken from the job |
 |---|---|---|---|
@@ -31,7 +31,7 @@ Data are told by how their names begin:
 | Temperature | nodes | temperature | temperature |
 
 Implicit coupling needs no more than the job can do anyway: a window is tried, and rolled back, bitwise, or committed. Where a
-step of the deck ends within a window, the window is solved in two pieces, and preCICE is told of both.
+step of the deck ends within a window, the window is solved in two pieces, and preCICE gets both.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -132,7 +132,7 @@ class Adapter:
         """Registers the meshes of a participant.
 
         Args:
-            job: stands at its start.
+            job: at its start.
             configuration: as `read_configuration` gives it.
             name: of the participant.
             precice: the Python bindings of preCICE, or what has the same calls; default: the package `precice`.
@@ -162,7 +162,7 @@ class Adapter:
         is_new = True
         while self.participant.is_coupling_ongoing():
             if self.participant.requires_writing_checkpoint() or is_new:
-                self._note_start()  # the job itself stands at its last commit: there is nothing to save
+                self._note_start()  # the job itself keeps its last commit: nothing to save
             self.participant.advance(self._solve(self.participant.get_max_time_step_size()))
             is_new = False
             if self.participant.requires_reading_checkpoint():
@@ -180,7 +180,7 @@ class Adapter:
         """
         left = self.job.number("TIME LEFT")
         if left == 0.0:
-            raise UsageError(f"The steps of the deck end at time {self.job.time:g}; the coupling goes on. Make the deck's steps longer.")
+            raise UsageError(f"The steps of the deck end at time {self.job.time:g}; the coupling continues. Make the deck's steps longer.")
         dt = longest if left > longest * (1 - SAME) else left
         self._read(dt)
         self.job.try_step(dt)
@@ -192,7 +192,7 @@ class Adapter:
         self._start = {face.patch: self.job.get("U", face.patch) for face in self.interfaces if not face.is_faces}
 
     def _read(self, dt: float) -> None:
-        """What the others say goes into the job."""
+        """Copies the data of the other participants into the job."""
         quantities = {"Force": "CF", "Displacement": "U", "Pressure": "P", "Temperature": "NT"}
         for interface in self.interfaces:
             for name, kind in interface.reads.items():
@@ -202,7 +202,7 @@ class Adapter:
                 self.job.set(quantities[kind], interface.patch, values.ravel())
 
     def _write(self) -> None:
-        """What the job has found goes to the others."""
+        """Sends the results of the job to the other participants."""
         for interface in self.interfaces:
             dimensions = self.participant.get_mesh_dimensions(interface.mesh)
             for name, kind in interface.writes.items():

@@ -33,7 +33,7 @@ def classify(tangential: ArrayLike, normal_force: ArrayLike, slip: ArrayLike, di
         slip: (2, n, 3) slip since the start of the increment.
         direction: (n, 3) d at the nodes, tangential, relative to the master.
         mu: (n,) coefficients of friction, or one number.
-        controls: |DR| that is in balance over mu N, the same as a force, a slip that is none, least and largest length.
+        controls: |DR| that is in balance over mu N, the same as a force, a slip that is zero, least and largest length.
 
     Raises:
         UsageError: arrays of different lengths.
@@ -52,5 +52,5 @@ def classify(tangential: ArrayLike, normal_force: ArrayLike, slip: ArrayLike, di
     status = library().amontons_classify(n, *(array.ctypes.data for array in arrays), None if bounds is None else bounds.ctypes.data,
                                          verdicts.ctypes.data, length.ctypes.data)  # fmt: skip
     if status:
-        raise UsageError("The slip scenarios cannot be told of these arrays.")
+        raise UsageError("The slip scenarios cannot be computed from these arrays.")
     return Slip(verdicts[:, 0], verdicts[:, 1], length)

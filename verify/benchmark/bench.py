@@ -103,7 +103,7 @@ def plastic_deck(n: int) -> str:
 
 
 def curve(deck: str) -> str:
-    """The deck with all nodes lifted by 0.05 (1 - x^2): both bodies, so that their surfaces still meet."""
+    """The deck with all nodes lifted by 0.05 (1 - x^2): both bodies, so that their surfaces still touch."""
     lines, is_node = [], False
     for line in deck.splitlines():
         if line.startswith("*"):

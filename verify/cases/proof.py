@@ -1,7 +1,7 @@
 """What a verification case is made of: a job, checks that say all about themselves, and a page of the manual.
 
 A case is a test. It says its model in words, runs one or more jobs, compares with theory by `near`, `within` and `order`,
-and ends with `done`, which writes its page (if `make verify` asked for pages) and fails if a check failed:
+and ends with `done`, which writes its page (if `make verify` requests pages) and fails if a check failed:
 
     case = proof("name", title=..., model=..., formula=..., source=..., proves=...)
     job = case.run(deck, "coarse")
@@ -45,7 +45,7 @@ CHAPTERS = {
     "Default settings": ("test_default_settings",),
 }  # fmt: skip
 TRUE = "true"  #: what is expected of something that is so or not
-EFFORT = "Newton iterations per increment"  #: quantity of the checks that tell no result
+EFFORT = "Newton iterations per increment"  #: quantity of the checks without a result
 MOST_ITERATIONS = 8.0  #: mean of the Newton iterations per increment, failed attempts included, that a case may take
 
 
@@ -65,7 +65,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether the check passes; a number that is none fails."""
+        """Whether the check passes; a NaN or an infinite number fails."""
         return bool(self.error <= self.tolerance)
 
     def cells(self) -> list[str]:
@@ -175,10 +175,10 @@ class Case:
     checks: list[Check] = field(default_factory=list)
     jobs: list[Job] = field(default_factory=list)
     figures: list[tuple[str, str]] = field(default_factory=list)
-    wanted: dict[str, int] = field(default_factory=dict)  #: increments that the decks asked for, by job; 0: not said
+    wanted: dict[str, int] = field(default_factory=dict)  #: increments that the decks request, by job; 0: unknown
 
-    def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
-        """Runs a deck that has to finish within the iterations allowed. asked: increments that the deck asks for."""
+    def run(self, deck: str, name: str = "job", requested: int = 0, threads: int = 1) -> Job:
+        """Runs a deck that has to finish within the iterations allowed. requested: increments that the deck requests."""
         folder = self.work / name
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "job.inp").write_text(deck)
@@ -186,13 +186,13 @@ class Case:
         assert done.returncode == 0, f"{name}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
         job = Job(folder / "job.vtkhdf", name)
         self.jobs.append(job)
-        self.wanted[job.name] = asked
-        increments = asked or job.n_increments
+        self.wanted[job.name] = requested
+        increments = requested or job.n_increments
         self.within(
             f"{EFFORT} ({name})",
             job.n_iterations / increments,
             (0.0, MOST_ITERATIONS),
-            why="failed attempts are counted, and the increments are those that the deck asks for",
+            why="failed attempts are counted, and the increments are those that the deck requests",
             place="whole model",
             time="whole job",
         )
@@ -236,7 +236,7 @@ class Case:
         )
 
     def figure(self, draw: Callable[[], object], caption: str) -> None:
-        """A matplotlib figure, drawn only if pages are asked for."""
+        """A matplotlib figure, drawn only if pages are requested."""
         if self.pages is None:
             return
         file = f"{self.name}-{len(self.figures) + 1}.png"
@@ -264,7 +264,7 @@ class Case:
             (self.pages / f"{self.name}.md").write_text(self.page())
             facts = {"name": self.name, "title": self.title, "file": self.file, "checks": [asdict(c) for c in self.checks]}
             facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
-            facts["asked"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
+            facts["requested"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
             (self.pages / f"{self.name}.json").write_text(json.dumps(facts, indent=1) + "\n")
         failed = [check.sentence() for check in self.checks if not check.holds]
         assert not failed, "\n".join(failed)
@@ -276,7 +276,7 @@ class Case:
         parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in self.figures]
         if self.jobs:
             parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + f". More than {MOST_ITERATIONS:g} iterations "
-                      "for each increment that the deck asks for, failed attempts included, would fail the case."]  # fmt: skip
+                      "for each increment that the deck requests, failed attempts included, would fail the case."]  # fmt: skip
         parts += ["## What it proves", self.proves]
         if self.test:
             parts += [f"`make verify` writes this page; `.venv/bin/python -m pytest '{self.test}'` runs this case alone."]
@@ -300,23 +300,23 @@ def observed_order(errors: Sequence[float], ratio: float = 2.0) -> float:
 
 
 def effort_table(cases: Sequence[dict]) -> list[str]:
-    """A row per case: increments asked for, iterations, failed attempts; and the mean over all cases."""
-    lines = ["| case | increments asked for | Newton iterations | failed attempts | iterations per increment |", "|---|---|---|---|---|"]
+    """A row per case: requested increments, iterations, failed attempts; and the mean over all cases."""
+    lines = ["| case | requested increments | Newton iterations | failed attempts | iterations per increment |", "|---|---|---|---|---|"]
     rows = []
     for case in cases:
         if not case["effort"]:
             continue
-        asked, iterations, failed = sum(case["asked"]), sum(e[1] for e in case["effort"]), sum(e[2] for e in case["effort"])
-        rows.append((asked, iterations, failed))
-        lines.append(f"| [{case['title']}]({case['name']}.md) | {asked} | {iterations} | {failed} | {iterations / max(asked, 1):.1f} |")
-    asked, iterations, failed = (sum(row[i] for row in rows) for i in range(3))
-    return [*lines, f"| all | {asked} | {iterations} | {failed} | {iterations / max(asked, 1):.1f} |"]
+        requested, iterations, failed = sum(case["requested"]), sum(e[1] for e in case["effort"]), sum(e[2] for e in case["effort"])
+        rows.append((requested, iterations, failed))
+        lines.append(f"| [{case['title']}]({case['name']}.md) | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |")
+    requested, iterations, failed = (sum(row[i] for row in rows) for i in range(3))
+    return [*lines, f"| all | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |"]
 
 
 def mean_effort(cases: Sequence[dict]) -> float:
-    """Newton iterations per increment asked for, failed attempts included, over all cases."""
-    asked, iterations = sum(sum(case["asked"]) for case in cases), sum(e[1] for case in cases for e in case["effort"])
-    return iterations / max(asked, 1)
+    """Newton iterations per requested increment, failed attempts included, over all cases."""
+    requested, iterations = sum(sum(case["requested"]) for case in cases), sum(e[1] for case in cases for e in case["effort"])
+    return iterations / max(requested, 1)
 
 
 def chapter_of(case: dict) -> str:

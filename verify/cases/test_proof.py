@@ -15,9 +15,9 @@ from verify.cases.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
 
 
 def test_mean_effort(tmp_path: Path) -> None:
-    """The mean is over increments asked for, with the iterations of failed attempts, over all cases together."""
-    for name, asked, iterations in (("a", 10, 20), ("b", 2, 64)):
-        facts = {"name": name, "title": name, "checks": [], "effort": [(asked, iterations, 1)], "asked": [asked]}
+    """The mean is over requested increments, with the iterations of failed attempts, over all cases together."""
+    for name, requested, iterations in (("a", 10, 20), ("b", 2, 64)):
+        facts = {"name": name, "title": name, "checks": [], "effort": [(requested, iterations, 1)], "requested": [requested]}
         (tmp_path / f"{name}.json").write_text(json.dumps(facts))
     mean = write_index(tmp_path)
     assert mean == pytest.approx(84 / 12)
@@ -26,11 +26,11 @@ def test_mean_effort(tmp_path: Path) -> None:
     assert "| all | 12 | 84 | 2 | 7.0 |" in (tmp_path / "index.md").read_text()
 
 
-def test_index_tells_the_worst(tmp_path: Path) -> None:
+def test_index_lists_the_worst(tmp_path: Path) -> None:
     """One row for each quantity, under the chapter of its file; a check that fails is marked, whatever its place."""
     first = Check("stress", "A", "the end", "1", 1.01, 0.01, 0.02, "mesh", "2.0")
     second = Check("stress", "B", "the end", "1", 1.05, 0.05, 0.02, "mesh")
-    facts = {"name": "x", "title": "X", "file": "test_hyperelasticity", "checks": [asdict(first), asdict(second)], "effort": [(1, 1, 0)], "asked": [1]}
+    facts = {"name": "x", "title": "X", "file": "test_hyperelasticity", "checks": [asdict(first), asdict(second)], "effort": [(1, 1, 0)], "requested": [1]}
     (tmp_path / "x.json").write_text(json.dumps(facts))
     write_index(tmp_path)
     text = (tmp_path / "index.md").read_text()
@@ -39,7 +39,7 @@ def test_index_tells_the_worst(tmp_path: Path) -> None:
     assert "stress, A" not in text
 
 
-def test_bands_and_truths_are_told_as_such(tmp_path: Path) -> None:
+def test_bands_and_truths_are_marked(tmp_path: Path) -> None:
     """No error of 0 where none is allowed: a number is inside its band or outside by so much, and what is so is true."""
     case = Case("x", "X", "", "", "", "", runner=None, work=tmp_path, pages=None, test="verify/test_x.py::test_x")
     words = {"place": "A", "time": "the end", "why": "published"}

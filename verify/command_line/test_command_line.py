@@ -14,7 +14,7 @@ from verify.decks.solids import unit_cube
 
 USAGE, DECK, IO = 2, 3, 7
 
-# One cube, pulled. The corner nodes carry a hexahedron; the whole runs in a moment.
+# One cube, pulled. The corner nodes form a hexahedron; the whole runs in a moment.
 CUBE = "*HEADING\nOne cube, pulled by one part in a thousand.\n" + unit_cube() + """\
 *MATERIAL, NAME=steel
 *ELASTIC
@@ -100,7 +100,7 @@ def test_no_such_folder_for_results(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("words", [["job"], ["job.inp"], ["-i", "job"], ["-i", "job.inp", "--quiet"]])
-def test_ways_to_name_a_job(run: Run, tmp_path: Path, words: list[str]) -> None:
+def test_job_names_on_the_command_line(run: Run, tmp_path: Path, words: list[str]) -> None:
     """With and without extension, as Abaqus and as CalculiX are called; results lie beside the deck."""
     (tmp_path / "job.inp").write_text(CUBE)
     done = run(words, cwd=tmp_path)
@@ -124,7 +124,7 @@ def test_threads_soon_sleep(program: Path, root: Path, tmp_path: Path, words: li
     job = subprocess.Popen([program, *words, "--outdir", tmp_path, root / "input" / "shear_block.inp"], env=clean | wait,
                            stdout=subprocess.DEVNULL)
     try:
-        for _ in range(1000):                      # until the job is under way
+        for _ in range(1000):                      # until the job runs
             if job.poll() is not None or (tmp_path / "shear_block.sta").exists():
                 break
             time.sleep(0.02)
@@ -150,7 +150,7 @@ def test_outdir(run: Run, tmp_path: Path) -> None:
 
 
 def test_check_writes_nothing(run: Run, tmp_path: Path) -> None:
-    """--check reads, checks and audits, and leaves no file."""
+    """--check reads and checks the model, and writes no file."""
     (tmp_path / "job.inp").write_text(CUBE)
     done = run(["--check", "job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -179,7 +179,7 @@ def test_progress(run: Run, tmp_path: Path) -> None:
 
 
 def test_a_deck_that_talks_of_errors_does_not_look_like_one(run_deck: Run) -> None:
-    """Programs that start us search the output for *ERROR; a heading must not make a good job look bad."""
+    """Calling programs search the output for *ERROR; a heading must not make a good job look bad."""
     done = run_deck(CUBE.replace("One cube, pulled", "** *ERROR in line 1: not really; one cube, pulled"))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "*ERROR" not in done.stdout + done.stderr
@@ -215,7 +215,7 @@ def test_table_of_phases(run: Run, tmp_path: Path) -> None:
     assert 5 < float(whole[2]) < 200
 
 
-def test_contact_that_never_was_is_told(run: Run, root: Path, tmp_path: Path) -> None:
+def test_contact_that_never_closes_is_reported(run: Run, root: Path, tmp_path: Path) -> None:
     """A cube that is lifted off its table, and one whose master is the slave, end well, but not without a word; the one that is pressed is fine."""
     shutil.copy(root / "input" / "three_cubes.mesh", tmp_path)
     deck = (root / "input" / "three_cubes.inp").read_text()
@@ -227,16 +227,16 @@ def test_contact_that_never_was_is_told(run: Run, root: Path, tmp_path: Path) ->
         assert ("*WARNING: No slave node touched its master" in done.stdout) == is_told
 
 
-@pytest.mark.parametrize(("wrong", "right", "told"), [
+@pytest.mark.parametrize(("wrong", "right", "message"), [
     ("210000., 0.3", "210000. 0.3", "a comma parts two numbers, and a point is the decimal mark"),
     ("*SOLID SECTION, ELSET", "*SOLID SECTION ELSET", "is not known; a comma is missing after *SOLID SECTION."),
     ("INPUT=three_cubes.mesh", "INPUT=four_cubes.mesh", "\n    *INCLUDE, INPUT=four_cubes.mesh\n"),
     ("*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n", "", "There is no material 'STEEL'; the deck has none at all."),
 ])  # fmt: skip
-def test_slips_of_the_pen(run: Run, root: Path, tmp_path: Path, wrong: str, right: str, told: str) -> None:
-    """What is told of them says how it is done."""
+def test_slips_of_the_pen(run: Run, root: Path, tmp_path: Path, wrong: str, right: str, message: str) -> None:
+    """The message gives the right form."""
     shutil.copy(root / "input" / "three_cubes.mesh", tmp_path)
     (tmp_path / "job.inp").write_text((root / "input" / "three_cubes.inp").read_text().replace(wrong, right))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 3
-    assert told in done.stdout + done.stderr
+    assert message in done.stdout + done.stderr

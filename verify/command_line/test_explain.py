@@ -46,7 +46,7 @@ explained
 
 
 def explained(run: Run, folder: Path, deck: str, *options: str) -> tuple[str, int]:
-    """What is told of a deck; there are no result files."""
+    """The explanation of a deck; there are no result files."""
     (folder / "job.inp").write_text(deck)
     done = run([*options, "--explain", "job"], cwd=folder)
     assert [path.name for path in folder.iterdir()] == ["job.inp"], "--explain runs nothing"
@@ -54,13 +54,13 @@ def explained(run: Run, folder: Path, deck: str, *options: str) -> tuple[str, in
 
 
 def part(text: str, line: int) -> str:
-    """What is told of the card of a line."""
+    """The explanation of the card of a line."""
     found = re.search(rf"^\S*job\.inp:{line}: .*\n(?:    .*\n)*", text, re.MULTILINE)
     assert found, f"nothing of line {line} in\n{text}"
     return found.group(0)
 
 
-def test_every_card_is_told(run: Run, tmp_path: Path) -> None:
+def test_every_card_is_explained(run: Run, tmp_path: Path) -> None:
     """In the order of the deck, with its line."""
     text, code = explained(run, tmp_path, DECK)
     assert code == 0
@@ -121,15 +121,15 @@ def test_contact_numbers(run: Run) -> None:
 
 
 def test_output_variables(run: Run, tmp_path: Path) -> None:
-    """Components are of a field, energies stand in the history table; what is not written is told."""
-    asked = "*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF3, CF\n*ELEMENT OUTPUT\nS12, LE, MISES, PEMAG\n*ENERGY OUTPUT\nALLSE, ALLFD\n*END STEP"
-    text, code = explained(run, tmp_path, DECK.replace("*END STEP", asked))
+    """Components are of a field, energies stand in the history table; a message names what is not written."""
+    requested = "*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF3, CF\n*ELEMENT OUTPUT\nS12, LE, MISES, PEMAG\n*ENERGY OUTPUT\nALLSE, ALLFD\n*END STEP"
+    text, code = explained(run, tmp_path, DECK.replace("*END STEP", requested))
     assert code == 0
     assert re.findall(r"note: job.vtkhdf always .* in neither: (.*)\.", text) == ["CF", "PEMAG"]
 
 
 def test_broken_parts(run: Run, tmp_path: Path) -> None:
-    """A deck that is read no further tells why."""
+    """The explanation of an incomplete deck gives the reason."""
     text, code = explained(run, tmp_path, "*PART, NAME=P\n*NODE\n1, 0, 0, 0\n" + DECK)
     assert code == 3
     assert "no *END PART" in text

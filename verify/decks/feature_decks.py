@@ -1,7 +1,7 @@
 """Small decks of one feature each, as CalculiX's own tests have them: for a comparison with CalculiX itself, tables and fields.
 
 Bodies of every element kind, tied, cut by a pre-tension section, closed to a ring, held by reference nodes, pulled by trusses and springs,
-pressed on each other by every law of contact; what the output cards ask for, and what acts when. `cases()` gives all of them by name.
+pressed on each other by every law of contact; the requests of output cards, and the times of loads. `cases()` gives all of them by name.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -238,7 +238,7 @@ def contact_deck(kind: str, pair: str, law: str, loads: list[str], nlgeom: str =
 
 
 def output_cases() -> Iterator[tuple[str, str]]:
-    """What FILE and PRINT cards can ask for: local directions, sets of nodes, every field, its course over increments."""
+    """Requests of FILE and PRINT cards: local directions, sets of nodes, every field, its course over increments."""
     axes = "*ORIENTATION, NAME=OR, SYSTEM=CYLINDRICAL\n0., 0., -1., 0., 0., 1.\n*TRANSFORM, NSET=AN, TYPE=C\n0., 0., -1., 0., 0., 1.\n"
     for kind in KINDS:
         a = Part("A", kind, (1, 0.3, 0), (2, 1.3, 1), (2, 2, 2))

@@ -1,4 +1,4 @@
-"""Decks of bodies that meet as machine parts do: stacks, punches, domes, joints; for a comparison with CalculiX itself.
+"""Decks of bodies that meet like machine parts: stacks, punches, domes, joints; for a comparison with CalculiX itself.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

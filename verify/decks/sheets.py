@@ -35,7 +35,7 @@ def sheet(name: str, s: Sequence[float] | Floats, t: Sequence[float] | Floats, p
     return mesh
 
 
-def both_ways(line: Floats) -> Floats:
+def both_directions(line: Floats) -> Floats:
     """-line and line."""
     return np.concatenate([-line[:0:-1], line])
 
@@ -51,7 +51,7 @@ def fix(*entries: str) -> str:
 
 
 def step(cards: str, n: int, is_nlgeom: bool = False, is_direct: bool = False) -> str:
-    """A step of length 1 that asks for n equal increments."""
+    """A step of length 1 with n equal increments."""
     direct = ", DIRECT" if is_direct else ""
     least = f"1., 1e-6, {1 / n:.15g}" if not is_direct else "1."
     return f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC=1000\n*STATIC{direct}\n{1 / n:.15g}, {least}\n{cards}*END STEP\n"

@@ -39,7 +39,7 @@ def has_table_of_figures(section: str) -> bool:
 
 
 def sections_with_figures(text: str) -> list[str]:
-    """The headings of the sections that tell a figure and no command."""
+    """The headings of the sections with a figure and without a command."""
     prose = re.sub(r"```.*?```", "", text, flags=re.S)
     sections = re.split(r"^(?=#+ )", prose, flags=re.M)
     return [section.splitlines()[0] for section in sections if (FIGURE.search(section) or has_table_of_figures(section)) and not COMMAND.search(section)]

@@ -1,4 +1,4 @@
-"""The manual keeps its promises: its decks run, its links lead somewhere, the card reference tells every card.
+"""The manual keeps its promises: its decks run, its links lead somewhere, the card reference lists every card.
 
 The links and anchors of the site are looked at here in the Markdown itself, so that it needs nothing but Python; test_site.py
 builds the site and looks at the pages.

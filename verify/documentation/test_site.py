@@ -95,7 +95,7 @@ def test_pages_of_the_source(site: Path) -> None:
 @pytest.mark.slow
 def test_search(site: Path, tmp_path: Path) -> None:
     """Pages that are opened as files can be searched, and no script complains."""
-    document, told = open_in_browser(f"{(site / 'index.html').as_uri()}?q=stick+slope", tmp_path)
+    document, log = open_in_browser(f"{(site / 'index.html').as_uri()}?q=stick+slope", tmp_path)
     links = re.findall(r'<a [^>]*class="md-search-result__link"[^>]*>', document)
     assert any("manual/cards.html" in link for link in links), links
-    assert [line for line in told.splitlines() if "CONSOLE" in line] == []
+    assert [line for line in log.splitlines() if "CONSOLE" in line] == []

@@ -1,4 +1,4 @@
-"""Fuzzer: decks, checkpoints and library calls that are wrong in a thousand ways; nothing may crash, hang or lie.
+"""Fuzzer: decks, checkpoints and library calls that are wrong in many respects; nothing may crash, hang or end with a wrong exit code.
 
     python -m verify.fuzz.fuzz --decks 1000 --seed 1        mutated decks, with a table of how they ended
     python -m verify.fuzz.fuzz --checkpoints 200            damaged checkpoints
@@ -6,8 +6,8 @@
     python -m verify.fuzz.fuzz --calls 200                  sequences of library calls
 
 The decks are those of input/, of the manual and its examples, of verify/decks, and of the folder AMONTONS_DECKS, up to 60 kB each. A deck is a
-finding if the program dies by a signal, calls it a mistake of its own (exit code 8), does not end and does not get on, or
-ends with exit code 0 and a number that is none or forces that do not balance. A finding is kept with its seed in --keep.
+finding if the program dies by a signal, ends with an internal error (exit code 8), does not end and does not progress, or
+ends with exit code 0 and a NaN or forces that do not balance. A finding is kept with its seed in --keep.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -37,7 +37,7 @@ PATIENCE = 20.0  # [s] of processor time of one job
 MEMORY = 3 << 30  # [bytes] of one job
 MOST_FILE = 200 << 20  # [bytes] of one result file
 ENDS = {0, 2, 3, 4, 5, 6, 7}  # exit codes that are not a finding
-#: Where sums of forces need not vanish: constraints and springs to the ground carry some; r has no sum around an axis.
+#: Fields whose sums of forces need not vanish: constraints and springs to the ground take some; r has no sum around an axis.
 UNBALANCED = re.compile(r"^\*(EQUATION|MPC|SPRING|COUPLING|RIGIDBODY|TIE|PRE-TENSION|KINEMATIC|DISTRIBUTING|MODELCHANGE)|TYPE=CAX", re.M)
 NUMBERS = ["0", "0.", "-1", "1", "1e-30", "1e30", "1e308", "-1e308", "1e999", "NaN", "-nan", "Infinity", "1.5d3", "2147483648", "99999999999",
            "-2147483649", "0x10", "1e", "1.2.3", "", " ", "+", "-", "1,2", "1e-320", "0.5", "3", "*", "ALL"]  # fmt: skip
@@ -64,7 +64,7 @@ def source_decks() -> dict[str, str]:
 
 
 class Mutator:
-    """Changes decks, the same way for the same seed."""
+    """Changes decks, equally for the same seed."""
 
     def __init__(self, decks: dict[str, str]) -> None:
         """The decks, from which cards are also taken over into others."""
@@ -83,7 +83,7 @@ class Mutator:
         return "\n".join(lines) + chance.choice(["\n", "\n", "\n", "", "\r\n"])
 
     def place(self, lines: list[str], chance: random.Random, is_card: bool) -> int:
-        """A line that is a card, or one that is data; any, if there is none."""
+        """A line that is a card, or one that is data; any line otherwise."""
         places = [i for i, line in enumerate(lines) if line.startswith("*") == is_card and line.strip() and not line.startswith("**")]
         return chance.choice(places) if places else chance.randrange(len(lines))
 
@@ -127,7 +127,7 @@ class Mutator:
         lines.insert(chance.randrange(len(lines) + 1), lines[i])
 
     def swap(self, lines: list[str], chance: random.Random) -> None:
-        """Two lines the other way round."""
+        """Two lines exchanged."""
         i, j = chance.randrange(len(lines)), chance.randrange(len(lines))
         lines[i], lines[j] = lines[j], lines[i]
 
@@ -228,7 +228,7 @@ def lie_of(folder: Path, deck: str) -> str:
         for group in ("VTKHDF/PointData", "AMONTONS/integration_points", "AMONTONS/history"):
             for name, table in file[group].items():
                 if table.dtype.kind == "f" and not np.isfinite(table[()]).all():
-                    return f"{group}/{name} has a number that is none"
+                    return f"{group}/{name} has a NaN or an infinite number"
         history = file["AMONTONS/history"]
         is_good = history["is_converged"][:].ravel() == 1
         applied, reaction, contact = (history[name][:][is_good] for name in ("applied_force", "reaction_force", "contact_force"))
@@ -323,7 +323,7 @@ def damaged(good: bytes, chance: random.Random) -> bytes:
 
 
 def fuzz_checkpoints(program: Path, n: int, seed: int) -> Tally:
-    """Damages the checkpoint of a job that was stopped: told with exit code 7, or unharmed."""
+    """Damages the checkpoint of a job that was stopped: reported with exit code 7, or unharmed."""
     tally = Tally()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -343,7 +343,7 @@ def fuzz_checkpoints(program: Path, n: int, seed: int) -> Tally:
 
 
 def fuzz_restart_files(program: Path, n: int, seed: int) -> Tally:
-    """Damages the file of RESTART, WRITE, from which another job reads one state: told with exit code 7, or the damage is elsewhere in
+    """Damages the file of RESTART, WRITE, from which another job reads one state: reported with exit code 7, or the damage is elsewhere in
     the file and the results are those of the file that is whole."""
     tally = Tally()
 
@@ -387,16 +387,16 @@ sets = ["", "UPPER_TOP", "UPPER_TOP", "UPPER_BOTTOM", "LOWER_TOP", "LOWER_BOTTOM
 
 
 def raw(job, chance):
-    """Verbs of C as a careless program calls them: no place for an answer, too little room, copies before there is a matrix."""
+    """Verbs of C as a careless program calls them: no place for an answer, a buffer that is too small, copies before there is a matrix."""
     n = [chance.choice([None, ctypes.byref(ctypes.c_int64())]) for _ in range(3)]
-    room = (ctypes.c_double * 8)()
+    buffer = (ctypes.c_double * 8)()
     what = chance.randrange(8)
     if what == 0:
         calls.amontons_iterate(job, None)
     elif what == 1:
-        calls.amontons_get(job, chance.choice(names).encode(), chance.choice(sets).encode(), room, chance.choice([0, 8, -1]), n[0], n[1])
+        calls.amontons_get(job, chance.choice(names).encode(), chance.choice(sets).encode(), buffer, chance.choice([0, 8, -1]), n[0], n[1])
     elif what == 2:
-        calls.amontons_set(job, chance.choice([None, b"U3", b"FRICTION"]), chance.choice([None, b"UPPER_TOP"]), room, chance.choice([-1, 0, 1, 8]))
+        calls.amontons_set(job, chance.choice([None, b"U3", b"FRICTION"]), chance.choice([None, b"UPPER_TOP"]), buffer, chance.choice([-1, 0, 1, 8]))
     elif what == 3:
         calls.amontons_matrix(job, chance.choice([None, b"TANGENT", b"MAP", b"no"]), *n)
     elif what == 4:

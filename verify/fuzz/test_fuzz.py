@@ -15,7 +15,7 @@ from verify.fuzz import fuzz
 
 @pytest.mark.slow
 def test_decks(program: Path, tmp_path: Path) -> None:
-    """Mutated decks: no crash, no mistake of ours, no number that is none and no lost force behind exit code 0."""
+    """Mutated decks: no crash, no internal error, no NaN and no lost force behind exit code 0."""
     tally = fuzz.fuzz_decks(program, int(os.environ.get("AMONTONS_FUZZ", "40")), 11, tmp_path / "kept", 1e9)
     assert tally.findings == [], tally.report()
     assert sum(tally.ends.values()) >= 40
@@ -38,14 +38,14 @@ def test_decks_that_run_are_looked_at(program: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_checkpoints(program: Path) -> None:
-    """Damaged checkpoints are told."""
+    """Damaged checkpoints are reported."""
     tally = fuzz.fuzz_checkpoints(program, 25, 3)
     assert tally.findings == [], tally.report()
 
 
 @pytest.mark.slow
 def test_restart_files(program: Path) -> None:
-    """Damaged restart files are told, or harmless."""
+    """Damaged restart files are reported, or harmless."""
     tally = fuzz.fuzz_restart_files(program, 15, 4)
     assert tally.findings == [], tally.report()
 

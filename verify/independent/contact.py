@@ -27,7 +27,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What is asked for; each is relative to what its comment says."""
+    """Tolerances; each is relative to what its comment says."""
 
     friction: float = 1e-5  #: |t| - mu p, of the largest p
     penetration: float = 1e-8  #: of the mean edge of the master's facets
@@ -88,14 +88,14 @@ class ContactCheck:
         if deck.dialect != "abaqus" or results.dialect != "abaqus":
             raise DeckError("the independent element is the one of the abaqus dialect (mean dilatation, Hencky)")
         if any(step.is_loaded for step in deck.steps):
-            raise DeckError("distributed loads: the independent check knows supports and contact only")
+            raise DeckError("distributed loads: the independent check supports displacements and contact only")
         self.deck, self.results, self.tolerances = deck, results, tolerances or Tolerances()
         self.elastic = deck.elastic()
         self.bodies = deck.bodies()
         self.order = _match(deck, results)
         #: Forces below that of a strain of 1e-6 on a slave's facet are never a scale: nothing is loaded yet.
         edges = [_mean_edge(deck.nodes[deck.facets(deck.pairs[p].master)]) for p in range(len(deck.pairs))]
-        self.floor = 1e-6 * float(self.elastic[:, 0].max()) * min(edges, default=1.0) ** 2
+        self.smallest_force = 1e-6 * float(self.elastic[:, 0].max()) * min(edges, default=1.0) ** 2
 
     def run(self) -> Iterator[IncrementCheck]:
         """One verdict per increment on file."""
@@ -137,8 +137,8 @@ class ContactCheck:
         order = [row[int(label)] for label in self.deck.element_labels]
         on_file = self.results.stresses[frame].reshape(-1, 8, 6)[order]
         own = state.cauchy[..., [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
-        floor = 1e-4 * float(self.elastic[:, 0].max())
-        return float(np.abs(on_file - own).max()) / max(float(np.abs(own).max()), floor)
+        smallest_force = 1e-4 * float(self.elastic[:, 0].max())
+        return float(np.abs(on_file - own).max()) / max(float(np.abs(own).max()), smallest_force)
 
     def _pair(
         self, p: int, internal: Floats, is_free: Flags, before: Floats, now: Floats, was_closed: Flags, is_nlgeom: bool
@@ -186,7 +186,7 @@ class ContactCheck:
     ) -> None:
         """Coulomb: |t| <= mu p; slipping nodes use all of it, against their slip. Counts of open, stick, slip."""
         pressure, shear = along / area, np.linalg.norm(across, axis=1) / area
-        largest = max(float(np.abs(pressure).max(initial=0.0)), self.floor / float(area.max()))
+        largest = max(float(np.abs(pressure).max(initial=0.0)), self.smallest_force / float(area.max()))
         excess = (shear - mu * np.maximum(pressure, 0.0)) / largest
         length = np.linalg.norm(slip, axis=1)
         is_slipping = is_closed & (length > self.tolerances.slip * edge)
@@ -217,7 +217,7 @@ class ContactCheck:
         edge: float,
     ) -> None:
         """Signorini: no penetration, no tension, no force at a distance."""
-        largest_force = max(float(np.abs(force).max(initial=0.0)), self.floor)
+        largest_force = max(float(np.abs(force).max(initial=0.0)), self.smallest_force)
         verdict.penetration = float((-at.gap / edge)[~at.is_beside].max(initial=0.0))
         verdict.tension = float((-along / area / verdict.largest_pressure)[is_closed].max(initial=0.0))
         verdict.open_force = float((np.linalg.norm(force, axis=1) / largest_force)[~is_closed].max(initial=0.0))
@@ -227,12 +227,12 @@ class ContactCheck:
     ) -> None:
         """What the slaves get and what the masters get, as internal forces: resultant and moment vanish.
 
-        Held directions carry reactions that cannot be told from contact: they are left out of both sums.
+        Held directions carry reactions that cannot be separated from contact: they are left out of both sums.
         """
         both = np.concatenate([slaves, masters])
         open_directions = ~((~is_free[both]).any(axis=0))
         force = np.where(open_directions, internal[both], 0.0)
-        scale = max(float(np.abs(internal[slaves]).sum()), self.floor)
+        scale = max(float(np.abs(internal[slaves]).sum()), self.smallest_force)
         arm = x[both] - x[both].mean(axis=0)
         verdict.force_balance = float(np.linalg.norm(force.sum(axis=0)) / scale)
         if open_directions.all():
@@ -240,13 +240,13 @@ class ContactCheck:
             verdict.moment_balance = float(np.linalg.norm(np.cross(arm, force).sum(axis=0)) / (scale * size))
 
     def _equilibrium(self, check: IncrementCheck, internal: Floats, contact: Floats, is_free: Flags, x: Floats) -> None:
-        """Free nodes carry no force but contact; reactions and contact balance on each body."""
+        """Free nodes have no force but contact; reactions and contact balance on each body."""
         reaction = np.where(is_free, 0.0, internal - contact)
         imbalance = np.where(is_free, contact - internal, 0.0)
-        largest = max(float(np.abs(internal).max()), self.floor)
+        largest = max(float(np.abs(internal).max()), self.smallest_force)
         check.equilibrium = float(np.abs(imbalance).max() / largest)
         acting = reaction + contact
-        scale = max(float(np.abs(acting).sum()) / 2, self.floor)
+        scale = max(float(np.abs(acting).sum()) / 2, self.smallest_force)
         for body in range(self.bodies.max() + 1):
             inside = self.bodies == body
             place = x[inside] - x[inside].mean(axis=0)

@@ -29,7 +29,7 @@ FIXED_TYPES = {"ENCASTRE": (1, 2, 3), "PINNED": (1, 2, 3), "XSYMM": (1,), "YSYMM
 
 
 class DeckError(Exception):
-    """The deck holds something that this reader does not know."""
+    """The deck has a card that this reader does not support."""
 
 
 @dataclass

@@ -88,7 +88,7 @@ def test_projection_beyond_an_edge_and_a_corner() -> None:
 
 def two_blocks(mu: float = 1.5, press: float = 1e-3, gap: float = 0.0) -> tuple[str, Results]:
     """Two blocks with matching meshes, pressed and sheared at the top, glued in the interface: the right answer of a
-    contact problem while friction holds. Then the upper body is moved by gap in z.
+    contact problem while friction sticks. Then the upper body is moved by gap in z.
     """
     line = np.linspace(0, 1, 5)
     parts = [make_decks.block(line, line, line + low, name) for low, name in ((0.0, "LOWER"), (1.0, "UPPER"))]
@@ -172,7 +172,7 @@ def test_an_unbalanced_state_fails() -> None:
 
 
 def test_slip_is_counted_and_judged() -> None:
-    """The upper block moved as a whole: all slip, though friction is not used up, and half of it goes with the slip."""
+    """The upper block moved as a whole: all slip, though friction is below its limit, and half of it acts along the slip."""
     deck, results = two_blocks()
     upper = np.arange(len(results.points)) >= len(results.points) // 2
     results.displacements[1, upper, 0] += 1e-3

@@ -24,7 +24,7 @@ SYSTEMS = {"SI": Units(1e-3, 1.0), "m-kN": Units(1e-3, 1e-3), "inch-pound": Unit
 #: Fields and their units, of models turned or numbered otherwise; and in other units all that a result file has at its nodes.
 FIELDS = {"U": "L", "S": "S", "CPRESS": "S", "CNORMF": "F", "CSHEARF": "F"}
 IN_UNITS = FIELDS | {"RF": "F", "E": "1", "LE": "1", "PEEQ": "1", "CSHEAR": "S", "COPEN": "L", "CSLIP": "L"}
-#: Parts of one thing: the largest value of them all counts. RF holds what Newton's method leaves of the forces of contact.
+#: Parts of one thing: the largest value of them all counts. RF holds the residual of the contact forces.
 PARTS = {"CNORMF": ["CNORMF", "CSHEARF"], "CSHEARF": ["CNORMF", "CSHEARF"], "CPRESS": ["CPRESS", "CSHEAR"], "CSHEAR": ["CPRESS", "CSHEAR"],
          "COPEN": ["U"], "CSLIP": ["U"], "RF": ["RF", "CNORMF", "CSHEARF"]}  # fmt: skip
 

@@ -31,7 +31,7 @@ RUBBER = {"NEOHOOKE": "SZ1", "MOONEY": "SSZ1", "YEOH": "SSSZZZ1", "ARRUDA": "S1Z
           **{f"OGDEN.*,N={n}": n * "S1" + n * "Z" + "1" for n in range(1, 7)}, "OGDEN": "S1Z1",
           **{f"REDUCEDPOLYNOMIAL.*,N={n}": n * "S" + n * "Z" + "1" for n in range(1, 7)}, "REDUCEDPOLYNOMIAL": "SZ1",
           **{f",N={n}": n * (n + 3) // 2 * "S" + n * "Z" + "1" for n in range(1, 4)}, "": "SSZ1"}  # fmt: skip
-#: Card to the units of the numbers of its data lines; the last one repeats, and more than eight go on in further lines. Where lines differ, the first
+#: Card to the units of the numbers of its data lines; the last one repeats, and more than eight continue in further lines. Where lines differ, the first
 #: pattern counts that is in "HEAD|LINE" (without blanks, with @ behind it for what `special` names). L length, F force, S stress, K stress per length,
 #: M moment, A area, Q force per length, R density, D damping of a volume, Z one over stress, C a creep rate over stress to the power that follows,
 #: X unit of an absolute amplitude, 1 none.
@@ -56,7 +56,7 @@ DEFAULTS = {"SOLID SECTION": "1.", "GAP": "0., , , , , 1e12, 1e-3"}
 #: Parameters that have a unit.
 PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
               "STATIC": {"FACTOR": "D"}, "VISCO": {"FACTOR": "D"}, "SURFACE": {"FILLET RADIUS": "L"}, "AMPLITUDE": {"SHIFTY": "X"}}  # fmt: skip
-#: What a routine of the user or another job says has units that nobody knows here.
+#: What a routine of the user or another job says has unknown units.
 REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT="}
 #: Cards that belong to the card before them.
 FOLLOWERS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}

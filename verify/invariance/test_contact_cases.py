@@ -1,4 +1,4 @@
-"""Cases of the verification, of the manual and of input/, said otherwise: other units, turned, renumbered, shuffled, two threads, twice,
+"""Cases of the verification, of the manual and of input/, written differently: other units, turned, renumbered, shuffled, two threads, twice,
 through the library and resumed in the middle.
 
 All fields at all nodes of the deck are compared, at all times, and the iterations of each step.
@@ -74,7 +74,7 @@ def default_deck(name: str) -> str:
 
 
 def in_dialect(deck: str, text: str) -> str:
-    """The same deck said otherwise, in its dialect: the cards alone were rewritten."""
+    """The same deck written differently, in its dialect: the cards alone were rewritten."""
     return "".join(re.findall(r"^\*\*\s*dialect.*\n", deck, flags=re.M)) + text
 
 

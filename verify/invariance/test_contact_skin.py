@@ -25,7 +25,7 @@ MODELS = {
 
 
 @pytest.mark.parametrize("name", list(MODELS))
-def test_both_ways(run: Run, tmp_path: Path, name: str) -> None:
+def test_both_directions(run: Run, tmp_path: Path, name: str) -> None:
     """The statuses are the same and no attempt fails; fields agree to 1e-6 of the largest, Newton's tolerance. Plates with friction
     under exact contact touch from the start: where a node lands within an increment the origin of its slip depends on the rounds."""
     jobs = []

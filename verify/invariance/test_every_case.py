@@ -33,9 +33,9 @@ TIGHT = {"cook-incompressible": 1e-12}
 class Compared(Case):
     """A case whose jobs are compared, and whose own checks are not judged again."""
 
-    def run(self, deck: str, name: str = "job", asked: int = 0, threads: int = 1) -> Job:
+    def run(self, deck: str, name: str = "job", requested: int = 0, threads: int = 1) -> Job:
         """A deck in all systems of units; the job in its own."""
-        del asked, threads
+        del requested, threads
         tight = TIGHT.get(self.name, 1e-10)
         plain = self.solve(scaled(deck, Units(), tight), self.work / name)
         for system, units in SYSTEMS.items():

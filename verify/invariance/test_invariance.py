@@ -1,4 +1,4 @@
-"""The same answer however the model is said: turned, renumbered, shuffled, in other units, with two threads, run twice.
+"""The same answer however the model is written: turned, renumbered, shuffled, in other units, with two threads, run twice.
 
 The model is a block pressed on a larger one and dragged over it until part of it slips, with friction and NLGEOM: small,
 but with stick, slip and opening. Iterations may differ by one per step because they differ in the last digits.
@@ -28,7 +28,7 @@ TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10, , , 1e-10\n"
 
 @dataclass
 class Saying:
-    """How the model is said."""
+    """How the model is written."""
 
     turn: Floats | None = None  #: a rotation of all coordinates and displacements
     order: Floats | None = None  #: place k of the deck holds node order[k]

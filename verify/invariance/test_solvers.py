@@ -75,7 +75,7 @@ def test_linear(run: Run, tmp_path: Path, kind: str, cells: tuple[int, int, int]
 
 
 def test_plastic(run: Run, tmp_path: Path) -> None:
-    """Large strains of a material that flows: Newton's iteration takes the same way."""
+    """Large strains of a material that flows: Newton's iteration takes the same path."""
     text = cantilever(
         "C3D8", (3, 3, 12), cards="*PLASTIC\n45., 0.\n150., 0.2\n", step="*STEP, NLGEOM\n*STATIC, DIRECT\n0.2, 1.\n"
     )
@@ -105,7 +105,7 @@ def test_equations(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_no_room_for_a_factor(program: Path, tmp_path: Path) -> None:
+def test_no_memory_for_a_factor(program: Path, tmp_path: Path) -> None:
     """A factor of 200 megabytes with less left: the job says so before it starts, iterates, and gives the same answer."""
     text = cantilever("C3D8", (16, 16, 44), step="*STEP\n*STATIC, DIRECT\n0.25, 1.\n*NODE PRINT, NSET=TIP, FREQUENCY=4\nU\n")
     (tmp_path / "job.inp").write_text(text)
@@ -119,11 +119,11 @@ def test_no_room_for_a_factor(program: Path, tmp_path: Path) -> None:
         done = subprocess.run([str(program), "--no-checkpoint", "job"], cwd=tmp_path, capture_output=True, text=True,
                               preexec_fn=limit, env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
-        told = re.search(r"because the factor would take (\d+) megabytes and (\d+) are free", done.stdout)
-        assert bool(told) == bool(megabytes)
-        if told:
-            assert int(told[1]) > 0.9 * int(told[2])
-            assert done.stdout.index(told[0]) < done.stdout.index("step 1")
+        message = re.search(r"because the factor would take (\d+) megabytes and (\d+) are free", done.stdout)
+        assert bool(message) == bool(megabytes)
+        if message:
+            assert int(message[1]) > 0.9 * int(message[2])
+            assert done.stdout.index(message[0]) < done.stdout.index("step 1")
         prints.append(np.array([[float(word) for word in line.split()]
                                 for line in (tmp_path / "job.dat").read_text().splitlines() if len(line.split()) == 4
                                 and line.split()[0].isdigit()]))  # fmt: skip

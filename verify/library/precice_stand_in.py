@@ -1,9 +1,9 @@
 """Stands in for preCICE where it cannot be had: the calls of its Python bindings (version 3) that the adapter makes.
 
 Two participants in two threads, coupled at the same points, in parallel: both solve a window, exchange, and repeat it with
-relaxed data until what they write stands; then the window is done. No mapping, no acceleration but constant relaxation. A
+relaxed data until the written data converge; then the window is done. No mapping, no acceleration but constant relaxation. A
 participant may solve a window in pieces; what it reads for a time within the window lies on the straight line from the window's
-start, as with preCICE's waveforms of first degree. What preCICE refuses is refused: an advance before the checkpoint was asked
+start, as with preCICE's waveforms of first degree. What preCICE refuses is refused: an advance before the checkpoint was requested
 for, or past the end of the window, initial data that are missing, anything after the end.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -19,7 +19,7 @@ import numpy as np
 
 @dataclass
 class Meeting:
-    """What two participants share. A configuration file is the name of a meeting."""
+    """What two participants share. The name of a configuration file identifies the coupling."""
 
     windows: int
     length: float
@@ -38,11 +38,11 @@ class Meeting:
     barrier: threading.Barrier = field(init=False)
 
     def __post_init__(self) -> None:
-        """Both meet here."""
+        """Barrier for both participants."""
         self.barrier = threading.Barrier(2, action=self.judge, timeout=120)
 
     def judge(self) -> None:
-        """By one of the two, while the other waits: have the data settled?"""
+        """Convergence of the data; called by one of the two, while the other waits."""
         change, scale = 0.0, 0.0
         for name, values in self.written.items():
             old = self.data.get(name, np.zeros_like(values))
@@ -62,10 +62,10 @@ MEETINGS: dict[str, Meeting] = {}
 
 
 class Participant:
-    """A participant of a meeting."""
+    """A participant of a coupling."""
 
     def __init__(self, name: str, configuration: str, rank: int, size: int) -> None:
-        """Takes part in the meeting that the configuration names."""
+        """Joins the coupling that the configuration names."""
         assert (rank, size) == (0, 1), name
         self.meeting = MEETINGS[configuration]
         self.sizes: dict[str, int] = {}
@@ -90,7 +90,7 @@ class Participant:
         return np.arange(len(positions))
 
     def requires_initial_data(self) -> bool:
-        """All begin with zero, unless the meeting wants it otherwise."""
+        """All begin with zero, unless the configuration requests initial data."""
         assert self.state == "new"
         return self.meeting.wants_initial
 
@@ -115,13 +115,13 @@ class Participant:
 
     def requires_writing_checkpoint(self) -> bool:
         """At the start of each window, once."""
-        asked, self.must_write = self.must_write, False
-        return asked
+        request, self.must_write = self.must_write, False
+        return request
 
     def requires_reading_checkpoint(self) -> bool:
         """The window is repeated."""
-        asked, self.must_read = self.must_read, False
-        return asked
+        request, self.must_read = self.must_read, False
+        return request
 
     def read_data(self, mesh: str, name: str, ids: np.ndarray, time: float) -> np.ndarray:
         """What the other has written, relaxed."""

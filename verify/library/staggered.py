@@ -2,7 +2,7 @@
 
 A wall with a spring behind it stands in for the flow: the fluid gives the pressure p = k (h - u) on the face, u its mean
 displacement. In each window the solid is tried with the last pressure, rolled back, and tried again with a better one
-(Aitken's relaxation), until the pressure stands; then it commits. Küttler and Wall, Computational Mechanics 43 (2008) 61.
+(Aitken's relaxation), until the pressure converges; then it commits. Küttler and Wall, Computational Mechanics 43 (2008) 61.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

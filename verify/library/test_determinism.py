@@ -34,7 +34,7 @@ def test_same_run_twice(run: Run, block: Path, tmp_path: Path, threads: int) -> 
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_the_log_says_so(run: Run, block: Path, tmp_path: Path, threads: int) -> None:  # noqa: F811
-    """The first line of the log tells the version, the number of threads, and how far results are the same; a library's listener hears it."""
+    """The first line of the log gives the version, the number of threads, and how far results are the same; a library's log sink gets it."""
     done = run(["--threads", str(threads), "--outdir", tmp_path, block])
     first = done.stdout.splitlines()[0]
     assert re.fullmatch(rf"Amontons \S+ with {threads} threads?: run again so, all results are the same to the last bit; .* 1e-10\.", first)

@@ -46,7 +46,7 @@ def cube_deck(cubes: Path, folder: Path, *changes: tuple[str, str]) -> Path:  # 
 
 
 def test_missing_include(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa: F811
-    """An include that is not there is told with its line."""
+    """A missing include is reported with its line."""
     (tmp_path / "job.inp").write_text(cubes.read_text())
     done = run(["job"], cwd=tmp_path)
     assert done.returncode in (DECK, IO), done.stdout
@@ -56,7 +56,7 @@ def test_missing_include(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa
 
 @pytest.mark.slow
 def test_a_million_lines(run: Run, tmp_path: Path) -> None:
-    """A deck of a million lines is read, and a mistake in its last lines is told with its line."""
+    """A deck of a million lines is read, and a mistake in its last lines is reported with its line."""
     n = 1_000_000
     cube = "0., 0.;1., 0.;1., 1.;0., 1."
     corners = [f"{4 * k + i}, {place}, {k}." for k in range(2) for i, place in enumerate(cube.split(";"), 1)]
@@ -72,7 +72,7 @@ def test_a_million_lines(run: Run, tmp_path: Path) -> None:
 
 
 def test_an_included_file_that_changes(program: Path, run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa: F811
-    """A job that was stopped does not go on if a file that its deck includes is another one now."""
+    """A job that was stopped does not resume if a file that its deck includes has changed."""
     (tmp_path / "job.inp").write_text(cubes.read_text().replace("*STATIC\n", "*RESTART, WRITE\n*STATIC\n", 1))
     mesh = (cubes.parent / "three_cubes.mesh").read_text()
     (tmp_path / "three_cubes.mesh").write_text(mesh)
@@ -103,7 +103,7 @@ def test_element_without_volume(run: Run, cubes: Path, tmp_path: Path) -> None: 
 
 
 def test_singular_matrix(run: Run, cubes: Path, tmp_path: Path) -> None:  # noqa: F811
-    """A body that nothing holds is told before the first step, or the solver tells it; it is never solved."""
+    """An unsupported body is reported before the first step or by the solver; it is never solved."""
     cube_deck(cubes, tmp_path, ("FLOOR, 1, 3\n", "FLOOR, 3, 3\n"), ("*FRICTION\n0.3\n", ""))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode in (SETUP, NOT_CONVERGED, SOLVER), done.stdout
@@ -152,20 +152,20 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 @pytest.mark.slow
 def test_full_disk(run: Run, block: Path, small_disk: Path, tmp_path: Path) -> None:  # noqa: F811
-    """The job ends with exit code 7; with room again it goes on bitwise."""
+    """The job ends with exit code 7; with free space again it resumes bitwise."""
     whole = tmp_path / "whole"
     whole.mkdir()
     assert run(["--outdir", whole, block]).returncode == 0
     fails(run(["--outdir", small_disk, block]), IO, "No space left on device|disk full")
     assert (small_disk / "block.restart").exists()
-    room = tmp_path / "room"
-    shutil.copytree(small_disk, room)
-    assert run(["--resume", "--outdir", room, block]).returncode == 0
-    assert same_results(whole / "block.vtkhdf", room / "block.vtkhdf") == []
+    target = tmp_path / "target"
+    shutil.copytree(small_disk, target)
+    assert run(["--resume", "--outdir", target, block]).returncode == 0
+    assert same_results(whole / "block.vtkhdf", target / "block.vtkhdf") == []
 
 
 @pytest.mark.parametrize("kilobytes", [0, 20, 200, 1000])
-def test_no_room_for_any_file(program: Path, block: Path, tmp_path: Path, kilobytes: int) -> None:  # noqa: F811
+def test_no_space_for_any_file(program: Path, block: Path, tmp_path: Path, kilobytes: int) -> None:  # noqa: F811
     """Files that may not grow beyond a limit: exit code 7, whichever of them meets it first."""
 
     def limit() -> None:
@@ -180,7 +180,7 @@ def test_no_room_for_any_file(program: Path, block: Path, tmp_path: Path, kiloby
 @pytest.mark.slow
 @pytest.mark.parametrize("megabytes", [200, 240, 280, 320, 400])
 def test_no_memory(program: Path, root: Path, tmp_path: Path, megabytes: int) -> None:
-    """With too little memory the job ends with exit code 6 (8 if a library ends it its own way), never as if done; or it is done."""
+    """With too little memory the job ends with exit code 6 (8 if a library ends it by itself), never as if done; or it is done."""
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (1024 * 1024 * megabytes, 1024 * 1024 * megabytes))
@@ -214,7 +214,7 @@ except amontons.SolverError as error:
 @pytest.mark.slow
 @pytest.mark.parametrize("megabytes", [20, 150, 162, 166, 175, 200, 204])
 def test_no_memory_in_the_library(root: Path, tmp_path: Path, megabytes: int) -> None:
-    """With so many megabytes more than the process has, a call gives a status, and the process of the caller lives on."""
+    """With so many megabytes more than the process has, a call gives a status, and the caller's process continues."""
     done = subprocess.run([sys.executable, "-c", LIMITED, str(root / "input" / "shear_block.inp"), str(megabytes)], capture_output=True, text=True,
                           env=os.environ | {"PYTHONPATH": str(root / "python"), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
                           cwd=tmp_path)  # fmt: skip
@@ -245,7 +245,7 @@ def one_cube() -> bytes:
         "4, 1", "4, 3", "3, 3", "*STEP", "*STATIC", "0.5, 1.", "*CLOAD", "5, 3, 10.", "7, 3, 30.", "*END STEP", ""]).encode()  # fmt: skip
 
 
-WAYS_TO_WRITE: dict[str, Callable[[bytes], bytes]] = {
+WRITING_STYLES: dict[str, Callable[[bytes], bytes]] = {
     "a mark of UTF-8": lambda text: b"\xef\xbb\xbf" + text,
     "UTF-16": lambda text: text.decode().encode("utf-16"),
     "UTF-16, the other end first": lambda text: b"\xfe\xff" + text.decode().encode("utf-16-be"),
@@ -258,11 +258,11 @@ WAYS_TO_WRITE: dict[str, Callable[[bytes], bytes]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("way", WAYS_TO_WRITE)
-def test_decks_as_others_write_them(run: Run, tmp_path: Path, way: str) -> None:
+@pytest.mark.parametrize("style", WRITING_STYLES)
+def test_decks_as_others_write_them(run: Run, tmp_path: Path, style: str) -> None:
     """The same numbers, whatever editor or system wrote the deck; the file that it includes too."""
     (tmp_path / "plain.inp").write_bytes(one_cube())
-    text = WAYS_TO_WRITE[way](one_cube())
+    text = WRITING_STYLES[style](one_cube())
     (tmp_path / "job.inp").write_bytes(text)
     (tmp_path / "outer.inp").write_text("*INCLUDE, INPUT=job.inp\n")
     for job in ("plain", "job", "outer"):
@@ -284,7 +284,7 @@ def test_a_deck_through_a_pipe(program: Path, tmp_path: Path) -> None:
 
 
 def test_what_is_no_deck(run: Run, program: Path, tmp_path: Path) -> None:
-    """A folder, a link to itself, a program, bytes of no meaning, a NUL in a number, a file that includes itself through a link: each is told,
+    """A folder, a link to itself, a program, bytes of no meaning, a NUL in a number, a file that includes itself through a link: each is reported,
     and nothing that comes from the file steers the terminal."""
     (tmp_path / "folder.inp").mkdir()
     fails(run(["folder"], cwd=tmp_path), IO, "cannot be read")
@@ -347,8 +347,8 @@ time_t time(time_t *t)
 
 @pytest.mark.skipif(not shutil.which("gcc") or not sys.platform.startswith("linux"), reason="there is no C compiler, or no LD_PRELOAD")
 def test_a_clock_that_jumps(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
-    """The time of day goes to and fro by ten years from call to call: results are the same, and no time that something took is
-    negative or long, for what is measured is measured by the clock that only goes forward."""
+    """The time of day jumps forward and back by ten years from call to call: results are the same, and no time that something took is
+    negative or long, because times are measured by a monotonic clock."""
     whole, place = tmp_path / "whole", tmp_path / "place"
     whole.mkdir()
     place.mkdir()
@@ -379,7 +379,7 @@ def wait_for_lines(path: Path, n: int) -> None:
 
 
 def test_two_jobs_in_one_place(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
-    """The second is told and touches nothing, whether it begins or resumes; the first one's files are what they are alone."""
+    """The second is refused and touches nothing, whether it begins or resumes; the first one's files are what they are alone."""
     whole, place = tmp_path / "whole", tmp_path / "place"
     whole.mkdir()
     place.mkdir()

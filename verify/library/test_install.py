@@ -38,7 +38,7 @@ def prefix(root: Path, program: Path, library: Path, tmp_path_factory: pytest.Te
 
 
 def flags(prefix: Path, *what: str) -> list[str]:
-    """What pkg-config says."""
+    """The output of pkg-config."""
     return do(["pkg-config", *what, "amontons"], prefix, PKG_CONFIG_PATH=str(prefix / "lib" / "pkgconfig")).split()
 
 
@@ -49,15 +49,15 @@ def test_pkg_config(prefix: Path, root: Path, run: Run, tmp_path: Path) -> None:
     do(["gcc", "-std=c11", HERE / "coupled_jobs.c", "-o", "coupled", *flags(prefix, "--cflags", "--libs"), rpath, "-lm"], tmp_path)
     assert "both done: 1" in do([tmp_path / "coupled"], tmp_path)
     do(["gfortran", *flags(prefix, "--cflags"), HERE / "press_and_look.f90", "-o", "look", *flags(prefix, "--libs"), rpath], tmp_path)
-    told = do([tmp_path / "look", root / "input" / "three_cubes.inp"], tmp_path)
-    assert "friction over normal force:  0.300000" in told
+    output = do([tmp_path / "look", root / "input" / "three_cubes.inp"], tmp_path)
+    assert "friction over normal force:  0.300000" in output
     assert flags(prefix, "--modversion")[0] in run(["--version"]).stdout
 
 
 @pytest.mark.skipif(not shutil.which("cmake"), reason="there is no CMake")
 @pytest.mark.parametrize("version", ["", "0.1", "0.1.0"])
 def test_cmake(prefix: Path, tmp_path: Path, version: str) -> None:
-    """find_package finds it, whether it asks for a version or not."""
+    """find_package finds it, with and without a version."""
     (tmp_path / "CMakeLists.txt").write_text(
         f"cmake_minimum_required(VERSION 3.16)\nproject(user C)\nfind_package(amontons {version} REQUIRED)\n"
         f"add_executable(coupled {HERE / 'coupled_jobs.c'})\ntarget_link_libraries(coupled amontons::amontons m)\n")  # fmt: skip
@@ -107,13 +107,13 @@ def test_cmake_refuses_other_versions(prefix: Path, tmp_path: Path, version: str
 
 
 def options_of(run: Run) -> set[str]:
-    """The options that --help tells."""
+    """The options that --help lists."""
     return set(re.findall(r"^  (--[a-z-]+)", run(["--help"]).stdout, re.MULTILINE))
 
 
 @pytest.mark.parametrize("place", ["share/man/man1/amontons.1", "share/bash-completion/completions/amontons",
                                    "share/zsh/site-functions/_amontons", "share/fish/vendor_completions.d/amontons.fish"])  # fmt: skip
-def test_every_option_is_told(prefix: Path, run: Run, place: str) -> None:
+def test_every_option_is_listed(prefix: Path, run: Run, place: str) -> None:
     """Man page and completions know every option of --help, and no other; nothing is left to fill in."""
     text = re.sub(r" -l ([a-z])", r" --\1", (prefix / place).read_text().replace("\\-", "-"))
     assert "@" not in re.sub(r"@\(", "", text)

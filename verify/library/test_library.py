@@ -22,7 +22,7 @@ FIELDS = ("U", "RF", "S", "LE", "S_mises", "CPRESS", "CSHEAR", "COPEN", "CSLIP",
 
 
 def fields(job: amontons.Job) -> list[bytes]:
-    """All that can be asked for, bit by bit."""
+    """All quantities of the library, bit by bit."""
     return [bits(job.get(name)) for name in (*FIELDS, "RESIDUAL", "CONTACTFORCE")] + [
         bits(job.get(name)) for name in ("TIME", "STEP", "INCREMENTS", "FRICTIONWORK", "EXTERNALWORK")
     ]
@@ -167,7 +167,7 @@ def test_errors_are_statuses(cubes: Path, tmp_path: Path) -> None:
 
 
 def test_not_converged_leaves_the_last_commit(cubes: Path) -> None:
-    """An impossible displacement: the error tells it, and the job goes on from its last commit."""
+    """An impossible displacement: the error names it, and the job continues from its last commit."""
     with amontons.Job(cubes) as job:
         job.advance()
         before = fields(job)[:12]
@@ -233,7 +233,7 @@ def test_memory_is_given_back(cubes: Path) -> None:  # noqa: F811
 
 
 def test_other_binary_interface() -> None:
-    """A caller built against another header is told so."""
+    """A caller built against another header gets an error."""
     import ctypes
 
     from amontons.binding import Options, library
@@ -287,7 +287,7 @@ def test_many_jobs_in_four_threads() -> None:
     assert len(set(found)) == 1
 
 
-#: Rooms below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
+#: Modules below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
 WORDY = {"restart_file", "facets", "posix", "reduced_system", "text", "user_routines"}
 #: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the turn, and what the compiler makes: lengths of
 #: strings (slen), types of variables without values (def_init), its own beginnings and ends.
@@ -309,16 +309,16 @@ def test_nothing_is_kept_outside_a_job(root: Path, library: Path) -> None:
     uses = dict(re.findall(r"^uses_(\w+) =(.*)$", (root / "src" / "depends.mk").read_text(), re.MULTILINE))
     tree, todo = set(), ["newton"]
     while todo:
-        room = todo.pop()
-        tree.add(room)
-        todo += [other for other in uses[room].split() if other not in tree]
-    wordy = {room for room in tree if "slen" in subprocess.run(["nm", str(build / f"{room}.o")], capture_output=True, text=True, check=True).stdout}
+        module = todo.pop()
+        tree.add(module)
+        todo += [other for other in uses[module].split() if other not in tree]
+    wordy = {module for module in tree if "slen" in subprocess.run(["nm", str(build / f"{module}.o")], capture_output=True, text=True, check=True).stdout}
     assert wordy <= WORDY
 
 
 @pytest.mark.slow
 def test_library_resumes(block: Path, tmp_path: Path) -> None:
-    """A job with checkpoints that was dropped goes on bitwise."""
+    """An abandoned job with checkpoints resumes bitwise."""
     with amontons.Job(block, name="whole", outdir=tmp_path, files=True) as job:
         job.run()
     job = amontons.Job(block, name="dropped", outdir=tmp_path, checkpoint=True)
@@ -361,7 +361,7 @@ def drive(job: amontons.Job, i: int) -> None:
 
 @pytest.mark.slow
 def test_values_that_were_set_are_in_the_checkpoint(block: Path, tmp_path: Path) -> None:  # noqa: F811
-    """Forces, pressures, displacements, temperatures and friction, set on the way: a job that was dropped goes on bitwise,
+    """Forces, pressures, displacements, temperatures and friction, set during the job: an abandoned job resumes bitwise,
     wherever it was dropped, with what stood then."""
     deck = warm_deck(block)
     with amontons.Job(text=deck, name="whole", outdir=tmp_path, files=True) as job:
@@ -397,7 +397,7 @@ def test_what_is_set_after_a_trial_waits(cubes: Path) -> None:  # noqa: F811
 
 @pytest.mark.parametrize("dt", [0.0, -0.1, 1e-30, 1e-10, float("nan")])
 def test_steps_that_move_no_time(cubes: Path, dt: float) -> None:  # noqa: F811
-    """A step that is none, or is lost beside the time, is refused by both verbs; the job goes on from where it stood."""
+    """A step size that is invalid, or negligible against the time, is refused by both verbs; the job continues from its last state."""
     with amontons.Job(cubes) as job:
         job.advance_to(0.3)
         for verb in (job.try_step, job.begin):

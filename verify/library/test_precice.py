@@ -140,8 +140,8 @@ def test_explicit_coupling_and_initial_data() -> None:
 
 
 def test_the_deck_ends_before_the_coupling() -> None:
-    """A sentence that says what to do."""
-    with pytest.raises(amontons.UsageError, match="end at time 1; the coupling goes on"):
+    """The message names the remedy."""
+    with pytest.raises(amontons.UsageError, match="end at time 1; the coupling continues"):
         couple(precice_stand_in.Meeting(3, 0.5), {"Lower": LOWER, "Upper": UPPER}, {
             "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
             "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
@@ -160,7 +160,7 @@ def test_pressure_temperature_and_deltas() -> None:
     """One participant gives pressure on faces and temperature, the other takes them: du = T alpha - p/E."""
 
     class Wall:
-        """Says what a flow would say, and hears the displacements."""
+        """Sends the data of a flow, and receives the displacements."""
 
         heard: list[float] = []
 
@@ -207,7 +207,7 @@ def test_pressure_temperature_and_deltas() -> None:
     ({"nodes-mesh-with-connectivity": "A", "patch": "HIGH"}, "Connectivity"),
     ({"nodes-mesh": "A", "patch": "NOWHERE"}, "NOWHERE"),
 ])  # fmt: skip
-def test_wrong_configurations_are_told(interface: dict, sentence: str) -> None:
+def test_wrong_configurations_are_reported(interface: dict, sentence: str) -> None:
     """A sentence each."""
     with amontons.Job(text=LOWER) as job, pytest.raises(amontons.UsageError, match=sentence):
         Adapter(job, {"precice-config-file": "here", "participants": {"S": {"interfaces": [interface]}}}, "S",
@@ -215,7 +215,7 @@ def test_wrong_configurations_are_told(interface: dict, sentence: str) -> None:
 
 
 def test_configuration_files(tmp_path: Path) -> None:
-    """JSON; the participant must be there; without preCICE it is told."""
+    """JSON; the participant must be there; without preCICE a message says so."""
     path = tmp_path / "config.json"
     path.write_text(json.dumps({"precice-config-file": "x.xml", "participants": {"S": {"interfaces": []}}}))
     configuration = read_configuration(path)
@@ -228,7 +228,7 @@ def test_configuration_files(tmp_path: Path) -> None:
 
 
 def test_called_as_the_calculix_adapter_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """-i flap -precice-participant Solid: flap.inp and config.yml; what is missing is told with its status."""
+    """-i flap -precice-participant Solid: flap.inp and config.yml; missing parts are reported with their exit codes."""
     monkeypatch.chdir(tmp_path)
     assert main(["-i", "flap", "-precice-participant", "Solid"]) == 7
     assert "flap.inp" in capsys.readouterr().out

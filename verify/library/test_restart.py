@@ -1,4 +1,4 @@
-"""Checkpoints: whatever ends a job, it goes on bitwise from its last checkpoint; and what cannot be used is told.
+"""Checkpoints: whatever ends a job, it resumes bitwise from its last checkpoint; and unusable files are reported.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -78,7 +78,7 @@ def kill_often(program: Path, run: Run, deck: Path, folder: Path, n_kills: int, 
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
-def test_killed_jobs_go_on_bitwise(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, seed: int) -> None:  # noqa: F811
+def test_killed_jobs_resume_bitwise(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, seed: int) -> None:  # noqa: F811
     """kill -9 at random moments, again and again."""
     kill_often(program, run, block, tmp_path, 6, seed, 0.5)
     assert_same(whole, tmp_path)
@@ -108,14 +108,14 @@ def mortar_deck() -> str:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("deck", [points_deck, mortar_deck])
-def test_surfaces_on_surfaces_go_on_bitwise(program: Path, run: Run, tmp_path: Path, deck: Callable[[], str]) -> None:
+def test_surfaces_on_surfaces_resume_bitwise(program: Path, run: Run, tmp_path: Path, deck: Callable[[], str]) -> None:
     """The same where faces lie on faces."""
     kill_over_and_over(program, run, deck(), tmp_path, 4, 7)
 
 
 @pytest.mark.slow
-def test_failed_attempts_go_on_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
-    """A block dragged over facets with mu = 1 fails twice and cuts back: what an attempt leaves behind is nothing to the next."""
+def test_failed_attempts_resume_bitwise(program: Path, run: Run, tmp_path: Path) -> None:
+    """A block dragged over facets with mu = 1 fails twice and cuts back: a failed attempt does not affect the next."""
     from verify.decks.planes import flat_deck, flatten
     from verify.decks.sheets import between, fix, pair, sheet, step
 
@@ -165,7 +165,7 @@ def kill_over_and_over(program: Path, run: Run, text: str, folder: Path, n_kills
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_signals_end_a_job_in_order(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path, number: int) -> None:  # noqa: F811
-    """Exit code 5 with a sentence, files whole, and the job goes on bitwise."""
+    """Exit code 5 with a sentence, files whole, and the job resumes bitwise."""
     job = start(program, "--outdir", tmp_path, block)
     wait_for_increments(tmp_path, 3)
     job.send_signal(number)
@@ -179,7 +179,7 @@ def test_signals_end_a_job_in_order(program: Path, run: Run, block: Path, whole:
     assert_same(whole, tmp_path)
 
 
-def test_status_is_told(program: Path, block: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_status_is_reported(program: Path, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """SIGUSR1 gives a line and does no harm."""
     job = start(program, "--outdir", tmp_path, block)
     wait_for_increments(tmp_path, 2)
@@ -209,7 +209,7 @@ def resume_fails(run: Run, deck: Path, folder: Path, sentence: str) -> None:
 
 @pytest.mark.slow
 def test_checkpoints_that_cannot_be_used(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
-    """Not there, empty, cut off, one bit changed anywhere, of another deck: told, and the files stay as they are."""
+    """Not there, empty, cut off, one bit changed anywhere, of another deck: reported, and the files stay as they are."""
     resume_fails(run, block, tmp_path, "There is no checkpoint")
     stopped(program, block, tmp_path)
     checkpoint = tmp_path / "block.restart"
@@ -237,7 +237,7 @@ def test_checkpoints_that_cannot_be_used(program: Path, run: Run, block: Path, w
 
 @pytest.mark.slow
 def test_result_files_that_do_not_fit(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
-    """Result files that are gone or cut off are told."""
+    """Missing and truncated result files are reported."""
     stopped(program, block, tmp_path)
     results, sta = tmp_path / "block.vtkhdf", tmp_path / "block.sta"
     whole_results, whole_sta = results.read_bytes(), sta.read_bytes()
@@ -270,16 +270,16 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
     assert_same(whole, tmp_path)
 
 
-def test_every_committed_field_is_carried(root: Path) -> None:
-    """Each component of fields_type that is not fixed stands in carry_fields: a forgotten one would be lost by a restart."""
+def test_every_committed_field_is_restored(root: Path) -> None:
+    """Each component of fields_type that is not fixed stands in exchange_fields: a forgotten one would be lost by a restart."""
     state, restart = ((root / "src" / name).read_text() for name in ("state/state.f90", "output/checkpoint.f90"))
     fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
-    carried = re.search(r"subroutine carry_fields(.*?)end subroutine carry_fields", restart, re.S)
-    assert fields and carried
+    routine = re.search(r"subroutine exchange_fields(.*?)end subroutine exchange_fields", restart, re.S)
+    assert fields and routine
     lines = [line for line in fields[1].splitlines() if "fixed" not in line]
     names = re.findall(r"^    (?:real|type|integer|logical)[^!]*?:: (\w+)", "\n".join(lines), re.M)
     assert {"u", "stress", "slaves", "external_work"} <= set(names)
-    assert set(names) == set(re.findall(r"fields%(\w+)", carried[1]))
+    assert set(names) == set(re.findall(r"fields%(\w+)", routine[1]))
 
 
 @pytest.mark.slow

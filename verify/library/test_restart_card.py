@@ -1,4 +1,4 @@
-"""RESTART, WRITE and READ: a job goes on from the restart file of another one, bitwise as one deck with all steps would.
+"""RESTART, WRITE and READ: a job continues from the restart file of another one, bitwise as one deck with all steps would.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -44,7 +44,7 @@ def run_all(run: Run, folder: Path, *jobs: str) -> None:
         assert done.returncode == 0, done.stdout
 
 
-def assert_goes_on(whole: Path, part: Path, n: int) -> None:
+def assert_continues(whole: Path, part: Path, n: int) -> None:
     """The last n frames of both are bitwise the same; so are times, and the work that was done."""
     a, b = frames(whole)[-n:], frames(part)[-n:]
     assert len(a) == len(b) == n
@@ -77,7 +77,7 @@ def test_next_step_bitwise(run: Run, friction: tuple[Path, Parts], tmp_path: Pat
     run_all(run, tmp_path, f"new oldjob={folder}/old")
     n = len(frames(tmp_path / "new.vtkhdf")) - 1
     assert n == 10
-    assert_goes_on(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", n)
+    assert_continues(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", n)
     before, start = frames(folder / "whole.vtkhdf")[-n - 1], frames(tmp_path / "new.vtkhdf")[0]
     assert bits(before["U"]) == bits(start["U"])
     with h5py.File(tmp_path / "new.vtkhdf") as file:
@@ -92,12 +92,12 @@ def test_middle_of_a_step_bitwise(run: Run, friction: tuple[Path, Parts], tmp_pa
     run_all(run, tmp_path, f"new --oldjob {folder}/old.res")
     n = len(frames(tmp_path / "new.vtkhdf")) - 1
     assert n == 20 - increment
-    assert_goes_on(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", n)
+    assert_continues(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", n)
 
 
 @pytest.mark.slow
 def test_chain_of_restarts(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> None:
-    """Old, then a job that goes on and keeps states itself, then a third one: bitwise the whole job; a card in the middle
+    """Old, then a job that continues and keeps states itself, then a third one: bitwise the whole job; a card in the middle
     may include a file, and a third step has a set and an amplitude of the new deck."""
     folder, (model, steps) = friction
     (tmp_path / "sheared.txt").write_text("** nothing\n")
@@ -108,12 +108,12 @@ def test_chain_of_restarts(run: Run, friction: tuple[Path, Parts], tmp_path: Pat
           second="*RESTART, READ\n*RESTART, WRITE, FREQUENCY=3, OVERLAY\n*INCLUDE, INPUT=sheared.txt\n" + steps[1],
           third="*HEADING\nthe third\n*RESTART, READ, STEP=2\n" + extra + third)  # fmt: skip
     run_all(run, tmp_path, "whole", f"second oldjob={folder}/old", "third oldjob=second")
-    assert_goes_on(tmp_path / "whole.vtkhdf", tmp_path / "third.vtkhdf", 10)
+    assert_continues(tmp_path / "whole.vtkhdf", tmp_path / "third.vtkhdf", 10)
 
 
 def test_end_step(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> None:
     """END STEP after 4 of 10 increments: what a step of 4 tenths with 4 tenths of its displacement gives, to rounding; the
-    next step goes on from there."""
+    next step continues from there."""
     folder, (model, steps) = friction
     static = re.search(r"\*STATIC[^\n]*\n([^\n]*)", steps[0])
     assert static
@@ -134,8 +134,8 @@ def test_end_step(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> Non
         assert np.allclose(one["VTKHDF/Steps/Values"][4:], other["VTKHDF/Steps/Values"][:], rtol=1e-12)
 
 
-def test_umat_and_loads_that_stand(run: Run, tmp_path: Path) -> None:
-    """A user's plasticity at finite strain with local axes, STATEV and all, goes on bitwise."""
+def test_umat_and_persistent_loads(run: Run, tmp_path: Path) -> None:
+    """A user's plasticity at finite strain with local axes, STATEV and all, resumes bitwise."""
     deck = solid_deck("C3D8", J2, nlgeom=True, top=(0.05, -0.05))
     deck = deck.replace("*MATERIAL", "*ORIENTATION, NAME=AXES\n2., 1., 0., -1., 2., 0.\n*MATERIAL")
     deck = deck.replace("MATERIAL=STUFF", "MATERIAL=STUFF, ORIENTATION=AXES")
@@ -144,11 +144,11 @@ def test_umat_and_loads_that_stand(run: Run, tmp_path: Path) -> None:
           new="*RESTART, READ, STEP=1, INC=2\n" + steps[1])  # fmt: skip
     routines = f"user={ROUTINES / 'j2.f'}"
     run_all(run, tmp_path, f"whole {routines}", f"old {routines}", f"new oldjob=old {routines}")
-    assert_goes_on(tmp_path / "whole.vtkhdf", tmp_path / "new.vtkhdf", len(frames(tmp_path / "new.vtkhdf")) - 1)
+    assert_continues(tmp_path / "whole.vtkhdf", tmp_path / "new.vtkhdf", len(frames(tmp_path / "new.vtkhdf")) - 1)
 
 
 def test_the_page_of_the_manual(run: Run, tmp_path: Path) -> None:
-    """The two decks that are shown: the second one prints the corner half the way back."""
+    """The two decks that are shown: the second one prints the corner at half of the return."""
     page = (ROOT / "doc" / "manual" / "restart.md").read_text()
     decks = re.findall(r"```(abaqus\S*)\n(.*?)```", page, re.DOTALL)
     assert [kind for kind, _ in decks] == ["abaqus", "abaqus-restart"]
@@ -202,14 +202,14 @@ def test_as_with_calculix(run: Run, friction: tuple[Path, Parts], tmp_path: Path
     run_all(run, tmp_path, "whole", "old")
     shutil.copy(tmp_path / "old.res", tmp_path / "new.rin")
     run_all(run, tmp_path, "new", "over")
-    assert_goes_on(tmp_path / "whole.vtkhdf", tmp_path / "new.vtkhdf", 10)
+    assert_continues(tmp_path / "whole.vtkhdf", tmp_path / "new.vtkhdf", 10)
     write(tmp_path, one="*RESTART, READ, STEP=1\n" + steps[1], five="*RESTART, READ, STEP=1, INC=5\n" + steps[1])
     fails(run, tmp_path, "one oldjob=over", IO, "no state of step 1")
     fails(run, tmp_path, "five oldjob=old", IO, "no state of increment 5")
 
 
 def test_what_cannot_be_read(run: Run, friction: tuple[Path, Parts], tmp_path: Path) -> None:
-    """No file, another file, one bit changed, cut off; cards that would change the model; wrong words. Each is told."""
+    """No file, another file, one bit changed, cut off; cards that would change the model; wrong words. Each is reported."""
     folder, (_, steps) = friction
     write(tmp_path, new="*RESTART, READ, STEP=1\n" + steps[1], plain=steps[1])
     fails(run, tmp_path, "new", IO, r"There is no restart file \S*new.rin. A job writes one")
@@ -242,13 +242,13 @@ def test_a_torn_state_is_passed_over(run: Run, friction: tuple[Path, Parts], tmp
     (tmp_path / "old.res").write_bytes(good[:-1000])
     write(tmp_path, new="*RESTART, READ, STEP=1\n" + steps[1])
     run_all(run, tmp_path, "new oldjob=old")
-    assert_goes_on(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", 11)
+    assert_continues(folder / "whole.vtkhdf", tmp_path / "new.vtkhdf", 11)
 
 
 @pytest.mark.parametrize("overlay", ["", ", OVERLAY"])
 @pytest.mark.slow
 def test_killed_jobs_keep_their_states(program: Path, run: Run, friction: tuple[Path, Parts], tmp_path: Path, overlay: str) -> None:
-    """kill -9 at random moments of a job that goes on and keeps states: resumed, all files are those of one left alone."""
+    """kill -9 at random moments of a job that continues and keeps states: resumed, all files are those of one left alone."""
     folder, (_, steps) = friction
     deck = f"*RESTART, READ\n*RESTART, WRITE, FREQUENCY=2{overlay}\n" + steps[1]
     for place in ("whole", "killed"):

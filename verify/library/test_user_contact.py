@@ -130,7 +130,7 @@ def test_slip_scenarios_under_fric(run: Run, tmp_path: Path) -> None:
 
 
 def test_surfaces_are_by_mortar(run: Run, tmp_path: Path) -> None:
-    """Surface to surface under calculix is at points, for which there is no STATEV: that another method takes their place is told."""
+    """Surface to surface under calculix is at points, for which there is no STATEV: a message says that another method replaces them."""
     deck = rubbed(SOFT_FRIC).replace("*CONTACT PAIR, INTERACTION=I", "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE")
     (tmp_path / "job.inp").write_text(deck)
     assert "by the dual mortar method here" in run(["--explain", "job"], cwd=tmp_path).stdout
@@ -176,7 +176,7 @@ def test_the_example_of_the_manual(run: Run, tmp_path: Path) -> None:
     ],
 )
 def test_cards_that_are_wrong(run: Run, tmp_path: Path, law: str, sentence: str) -> None:
-    """Each is told with its line."""
+    """Each is reported with its line."""
     (tmp_path / "job.inp").write_text(rubbed(law))
     done = run(["job", f"user={ROUTINES}"], cwd=tmp_path)
     assert done.returncode == 3

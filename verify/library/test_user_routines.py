@@ -29,7 +29,7 @@ STRETCH = np.array([0.001, -0.0003, -0.0003])
 
 
 def solid_deck(kind: str, material: str, *, nlgeom: bool = False, top: tuple[float, float] = (0.01, -0.006)) -> str:
-    """A skew block of one kind of element, sheared and pressed, then let go half the way."""
+    """A skew block of one kind of element, sheared and pressed, then unloaded by half."""
     from verify.decks import make_decks, solids
 
     n = 2 if kind in ("C3D8", "C3D8R") else 1
@@ -54,7 +54,7 @@ def solid_deck(kind: str, material: str, *, nlgeom: bool = False, top: tuple[flo
 
 
 def sheet_deck(kind: str, material: str) -> str:
-    """Four elements in the plane, pulled and let go half the way."""
+    """Four elements in the plane, pulled and unloaded by half."""
     nodes = [f"{1 + i + 3 * j}, {1 + 0.5 * i}, {0.5 * j + 0.1 * i * j}" for j in range(3) for i in range(3)]
     corner = [1, 2, 4, 5]
     elements = [f"{k}, {c}, {c + 1}, {c + 4}, {c + 3}" for k, c in enumerate(corner, 1)]
@@ -89,7 +89,7 @@ def assert_equal(ours: Path, theirs: Path, tolerance: float) -> None:
 
 @pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D8R", "C3D10", "C3D15", "C3D20R"])
 def test_plasticity_by_umat_is_plastic(run: Run, tmp_path: Path, kind: str) -> None:
-    """Radial return with linear hardening, loaded and let go: our PLASTIC to 1e-10, SDV1 is PEEQ; small strain, where
+    """Radial return with linear hardening, loaded and unloaded: our PLASTIC to 1e-10, SDV1 is PEEQ; small strain, where
     both integrate the same equations exactly."""
     ours, theirs = run_two(run, tmp_path, solid_deck(kind, PLASTIC), solid_deck(kind, J2), ROUTINES / "j2.f")
     assert_equal(ours, theirs, 1e-10)
@@ -101,7 +101,7 @@ def test_plasticity_by_umat_is_plastic(run: Run, tmp_path: Path, kind: str) -> N
 
 @pytest.mark.parametrize("kind", ["CPE4", "CAX4", "CPS4"])
 def test_umat_in_the_plane(run: Run, tmp_path: Path, kind: str) -> None:
-    """The same in plane strain and around an axis (NTENS = 4); in plane stress with SPATIAL, where the law is asked as in space
+    """The same in plane strain and around an axis (NTENS = 4); in plane stress with SPATIAL, where the law is called as in space
     and the strain across is ours to find."""
     theirs = sheet_deck(kind, J2.replace("CONSTANTS", "SPATIAL, CONSTANTS") if kind == "CPS4" else J2)
     ours, theirs = run_two(run, tmp_path, sheet_deck(kind, PLASTIC), theirs, ROUTINES / "j2.f")
@@ -115,7 +115,7 @@ COMPONENTS = {"C3D8": "3., 3.", "CPE4": "3., 1.", "CPE4R": "3., 1.", "CAX8": "3.
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", COMPONENTS)
 def test_components_of_each_element(run: Run, tmp_path: Path, kind: str) -> None:
-    """A law that is told NDI and NSHR as in Abaqus, and stops if they are others: displacements, reactions and stresses are
+    """A law that gets NDI and NSHR as in Abaqus, and stops if they differ: displacements, reactions and stresses are
     those of ELASTIC, in as many iterations; so the tangent, and what holds elements of one point, are right too."""
     from verify.decks import make_decks  # noqa: F401
 
@@ -250,7 +250,7 @@ def test_volume_stays_where_umat_knows_no_strain_across(run: Run, tmp_path: Path
 
 def test_libraries_on_the_card(run: Run, tmp_path: Path) -> None:
     """LIBRARY= names a file for each material, beside the deck, and counts before that of the command line; two materials may
-    name the same one. Bitwise the same as with the file on the command line; one that is not there, or lacks UMAT, is told."""
+    name the same one. Bitwise the same as with the file on the command line; one that is missing, or lacks UMAT, is reported."""
     folder = tmp_path / "deck"
     folder.mkdir()
     for name in ("j2.f", "neo_hooke.f90"):
@@ -444,7 +444,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_wrong_libraries_are_told(run: Run, tmp_path: Path, name: str) -> None:
+def test_wrong_libraries_are_reported(run: Run, tmp_path: Path, name: str) -> None:
     """Each with its sentence and exit code; no result file is begun."""
     text, code, sentence = WRONG[name]
     if text is not None:
@@ -507,7 +507,7 @@ def test_pnewdt_cuts_back(run: Run, tmp_path: Path) -> None:
 
 
 def test_xit_ends_the_job(run: Run, tmp_path: Path) -> None:
-    """XIT in the second increment: exit code 5, the first increment is on disk, and STDB_ABQERR's sentence is told."""
+    """XIT in the second increment: exit code 5, the first increment is on disk, and STDB_ABQERR's sentence is printed."""
     routines = with_lines("      IF (TIME(2).GT.0.2D0) THEN\n"
                           "      CALL STDB_ABQERR(-1,'Element %I at %R in %S',NOEL,\n     1 TIME(2),CMNAME)\n"
                           "      CALL XIT\n      END IF\n", tmp_path)  # fmt: skip
@@ -520,7 +520,7 @@ def test_xit_ends_the_job(run: Run, tmp_path: Path) -> None:
         assert file["VTKHDF/Steps/Values"][:].ravel().tolist() == [0.0, 0.25]
 
 
-def test_what_umat_is_told(run: Run, tmp_path: Path) -> None:
+def test_arguments_of_umat(run: Run, tmp_path: Path) -> None:
     """Times, numbers, places and names: a routine that stops when one of them is not what it should be."""
     routines = with_lines("""\
       IF (CMNAME.NE.'STUFF') CALL STDB_ABQERR(-3,'CMNAME',0,0.D0,' ')
@@ -554,7 +554,7 @@ def test_routines_and_rollback(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_killed_jobs_with_umat_resume(program: Path, run: Run, tmp_path: Path) -> None:
-    """kill -9 while UMAT runs: the job goes on bitwise, since STATEV are in the checkpoint."""
+    """kill -9 while UMAT runs: the job resumes bitwise, since STATEV are in the checkpoint."""
     slow = with_lines("      IF (KINC.EQ.3) CALL SLEEP(1)\n", tmp_path)
     deck = solid_deck("C3D4", J2)
     for name in ("whole", "killed"):
@@ -589,7 +589,7 @@ def test_killed_jobs_with_umat_resume(program: Path, run: Run, tmp_path: Path) -
     ("*ELASTIC\n1., 0.3\n*HYPERFOAM\n1., 1., 0.\n", "give one"),
 ])  # fmt: skip
 def test_cards_that_are_wrong(run: Run, tmp_path: Path, card: str, sentence: str) -> None:
-    """USER MATERIAL and DEPVAR tell what is wrong, with the line."""
+    """Errors of USER MATERIAL and DEPVAR are reported with the line."""
     import re
 
     (tmp_path / "job.inp").write_text(solid_deck("C3D8", card))
@@ -691,7 +691,7 @@ def test_uamp_is_an_amplitude(run: Run, tmp_path: Path) -> None:
     ("*CLOAD, AMPLITUDE=A\nTOP, 3, 1.", "*AMPLITUDE, NAME=A, DEFINITION=USER", "needs the user routine UAMP"),
 ])  # fmt: skip
 def test_load_routines_that_are_missing(run: Run, tmp_path: Path, load: str, before: str, sentence: str) -> None:
-    """The library holds UMAT alone; without any library the usage is told."""
+    """The library holds UMAT alone; without any library the usage is printed."""
     (tmp_path / "job.inp").write_text(loaded_deck(load, before=before))
     done = run(["job", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
     assert (done.returncode, sentence in done.stdout) == (SETUP, True), done.stdout

@@ -49,7 +49,7 @@ def mixed(array: np.ndarray) -> str:
     return f"{whole:016X}"
 
 
-class Teller:
+class Transcript:
     """What verbs.c and verbs.f90 print."""
 
     def __init__(self) -> None:
@@ -77,10 +77,10 @@ class Teller:
 
 
 @pytest.fixture(scope="module")
-def told(deck: Path) -> list[str]:
-    """The words of the Python package."""
-    tell = Teller()
-    say = tell.lines.append
+def transcript(deck: Path) -> list[str]:
+    """The output of the Python package."""
+    transcript = Transcript()
+    say = transcript.lines.append
     handle = ctypes.c_void_p()
     say(f"another interface: {calls().amontons_open(ctypes.byref(Options(abi=ABI + 1)), ctypes.byref(handle))}")
     calls().amontons_close(handle)
@@ -101,25 +101,25 @@ def told(deck: Path) -> list[str]:
         say(f"{kind}: {' '.join(job.names(kind))}")
     job.advance()
     job.advance_to(0.35)
-    tell.all(job)
+    transcript.all(job)
     job.set("U3", "UPPER_TOP", -0.0011)
     job.set("CF", "LOWER_TOP", [0.0, 0.02, 0.0])
     job.set("P", "LOWER_TOP", 0.5)
     job.set("NT", "UPPER_TOP", 35.0)
     job.set("FRICTION", "RUBBING", 0.25)
     job.try_step(0.2)
-    tell.all(job)
+    transcript.all(job)
     job.rollback()
-    tell.all(job)
+    transcript.all(job)
     job.begin(0.1)
     n = 1
     while (verdict := job.iterate()) is amontons.Verdict.GO_ON:
         n += 1
     say(f"verdict {int(verdict)} after {n}")
     job.commit()
-    tell.all(job)
+    transcript.all(job)
     for name in ("TANGENT", "MAP", "STIFFNESS"):
-        tell.matrix(job, name)
+        transcript.matrix(job, name)
     with pytest.raises(amontons.UsageError) as wrong:
         job.get("NONSENSE")
     say(f"an unknown name: {wrong.value.status}, {wrong.value}")
@@ -127,7 +127,7 @@ def told(deck: Path) -> list[str]:
     say(f"done: {int(job.is_done)}")
     job.run()
     job.finish()
-    tell.all(job)
+    transcript.all(job)
     with pytest.raises(amontons.UsageError) as wrong:
         job.advance()
     say(f"after the end: {wrong.value.status}, {wrong.value}")
@@ -145,26 +145,26 @@ def told(deck: Path) -> list[str]:
         worker.start()
     for worker in workers:
         worker.join()
-    tell.lines += [f"thread {i + 1}: {one}" for i, one in enumerate(found)]
-    return tell.lines
+    transcript.lines += [f"thread {i + 1}: {one}" for i, one in enumerate(found)]
+    return transcript.lines
 
 
-def test_what_python_says_is_right(told: list[str]) -> None:
+def test_what_python_says_is_right(transcript: list[str]) -> None:
     """What is compared below is worth it: quantities move, a rollback brings all of them back but FRICTION, threads agree."""
     n = len(NODAL) + len(NUMBERS) + len(OF_SETS)
-    before, tried, back, after = [told[i : i + n] for i, line in enumerate(told) if line.startswith("NODES of") and told[i + n :]][:4]
+    before, tried, back, after = [transcript[i : i + n] for i, line in enumerate(transcript) if line.startswith("NODES of") and transcript[i + n :]][:4]
     names = [*NODAL, *NUMBERS, *OF_SETS]
     moved = {names[i] for i in range(n) if before[i] != tried[i]}
     assert {"U", "S", "NT", "CNORMF", "CSHEARF", "APPLIED FORCE", "TIME", "FRICTION", ("P", "LOWER_TOP"), ("CF", "LOWER_TOP")} <= moved
     assert [names[i] for i in range(n) if before[i] != back[i]] == ["FRICTION"]
     assert {"U", "TIME", "INCREMENTS"} <= {names[i] for i in range(n) if before[i] != after[i]}
-    assert told[-1].split(": ")[1] == told[-2].split(": ")[1]
-    assert int(told[-3].split(": ")[1]) > 10
-    assert told[0].endswith(": 2")
+    assert transcript[-1].split(": ")[1] == transcript[-2].split(": ")[1]
+    assert int(transcript[-3].split(": ")[1]) > 10
+    assert transcript[0].endswith(": 2")
 
 
-def ask(program: Path, deck: Path) -> list[str]:
-    """What a program says."""
+def transcript_of(program: Path, deck: Path) -> list[str]:
+    """The output of a program."""
     done = subprocess.run([str(program), str(deck)], capture_output=True, text=True, check=False, timeout=300,
                           env=os.environ | {"OMP_NUM_THREADS": "1"})  # fmt: skip
     assert done.returncode == 0, done.stdout[-500:] + done.stderr
@@ -172,20 +172,20 @@ def ask(program: Path, deck: Path) -> list[str]:
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="there is no C compiler")
-def test_c(told: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
+def test_c(transcript: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
     """verbs.c."""
     subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root / 'src' / 'driver'}", str(HERE / "verbs.c"), "-o", "verbs", str(library),
                     f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=tmp_path, check=True)  # fmt: skip
-    assert ask(tmp_path / "verbs", deck) == told
+    assert transcript_of(tmp_path / "verbs", deck) == transcript
 
 
 @pytest.mark.skipif(not shutil.which("gfortran"), reason="there is no Fortran compiler")
-def test_fortran(told: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
+def test_fortran(transcript: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
     """verbs.f90. Another interface cannot be compiled against, so there is no first line."""
     modules = Path(os.environ.get("AMONTONS_UNITS", "build/unit")).parent
     subprocess.run(["gfortran", "-std=f2018", "-fopenmp", f"-I{root / modules}", str(HERE / "verbs.f90"), "-o", "verbs", str(library),
                     f"-Wl,-rpath,{library.parent}"], cwd=tmp_path, check=True)  # fmt: skip
-    assert ask(tmp_path / "verbs", deck) == told[1:]
+    assert transcript_of(tmp_path / "verbs", deck) == transcript[1:]
 
 
 @pytest.mark.skipif(not shutil.which("g++"), reason="there is no C++ compiler")
@@ -195,7 +195,7 @@ def test_header_in_cpp(root: Path, tmp_path: Path) -> None:
     subprocess.run(["g++", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only", f"-I{root / 'src' / 'driver'}", "a.cpp"], cwd=tmp_path, check=True)
 
 
-def test_every_function_of_the_header_is_asked(root: Path) -> None:
+def test_every_function_of_the_header_is_called(root: Path) -> None:
     """The binding has each function of the header, and verbs.c calls each; the manual names each."""
     functions = set(re.findall(r"\b(amontons_[a-z_]+)\(", (root / "src" / "driver" / "amontons.h").read_text()))
     assert functions == set(SIGNATURES)
@@ -206,7 +206,7 @@ def test_every_function_of_the_header_is_asked(root: Path) -> None:
 
 
 def test_quantities_that_are_listed_are_there(deck: Path) -> None:
-    """get knows each name that names("QUANTITIES") tells, and the manual does; STATEV are there with a UMAT alone."""
+    """get knows each name that names("QUANTITIES") lists, and the manual does; STATEV are there with a UMAT alone."""
     page = (HERE.parent.parent / "doc" / "manual" / "library.md").read_text()
     with amontons.Job(deck) as job:
         job.advance()

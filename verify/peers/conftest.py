@@ -1,4 +1,4 @@
-"""The table of deviations of the peers' decks: shown at the end of a run, and a page of the manual if `make verify` asks.
+"""The table of deviations of the peers' decks: shown at the end of a run, and a page of the manual if `make verify` requests it.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -58,8 +58,8 @@ ENTRIES: dict[str, Entry] = {}
 
 
 @pytest.fixture
-def tell(request: pytest.FixtureRequest) -> Callable[[Entry], None]:
-    """Keeps what was found of a deck; it goes to the process that leads the run."""
+def record(request: pytest.FixtureRequest) -> Callable[[Entry], None]:
+    """Keeps the result of a deck and sends it to the controlling process."""
 
     def keep(entry: Entry) -> None:
         request.node.user_properties.append(("deck of a peer", json.dumps(asdict(entry))))

@@ -48,7 +48,7 @@ def times(blocks: list[Block]) -> list[float]:
 
 
 def test_linear_steps_are_whole(tables: Callable[..., list[Block]]) -> None:
-    """A linear step is one increment whatever it asks for, an NLGEOM step is not, and the abaqus dialect keeps increments."""
+    """A linear step is one increment whatever it requests, an NLGEOM step is not, and the abaqus dialect keeps increments."""
     points = "*TIME POINTS, NAME=T\n.3\n"
     load = "*CLOAD\n7, 1, 2.\n*NODE PRINT, NSET=N, TIME POINTS=T\nU\n"
     linear = CUBE + points + LINEAR + f"*STEP\n*STATIC\n.25, 1.\n{load}*END STEP\n"
@@ -58,7 +58,7 @@ def test_linear_steps_are_whole(tables: Callable[..., list[Block]]) -> None:
 
 
 def test_clock(tables: Callable[..., list[Block]]) -> None:
-    """TOTAL TIME AT START sets the clock; TIME RESET turns it back by the length of the step; both carry on from there."""
+    """TOTAL TIME AT START sets the clock; TIME RESET turns it back by the length of the step; both continue from there."""
     out = "*NODE PRINT, NSET=N\nU\n*END STEP\n"
     text = CUBE + LINEAR
     for option, length in ((", TOTAL TIME AT START=2.5", 2), ("", 1), (", TIME RESET", 3), ("", 4)):
@@ -398,7 +398,7 @@ def test_constraints_that_are_not_linear(tables: Callable[..., list[Block]]) -> 
 def test_rope(tables: Callable[..., list[Block]]) -> None:
     """MPC DIST: a spring of 100 along x and beside it a rope of 1.04 over a distance of 1: pulled with 10, with 2, and pushed with 5.
 
-    Taut, the rope holds at 0.04 and carries 6; slack, it carries nothing. It gives way by its force over 1e4 E L.
+    Taut, the rope holds at 0.04 with a force of 6; slack, its force is zero. It stretches by its force over 1e4 E L.
     """
     text = CUBE + LINEAR + "*NODE\n11, 0., 0., 5.\n12, 1., 0., 5.\n13, 0., 0., 5.\n99, 1.04, 0., 0.\n*NSET, NSET=R\n12, 13\n"
     text += "*ELEMENT, TYPE=SPRINGA, ELSET=S\n9, 11, 12\n*SPRING, ELSET=S\n\n100.\n*BOUNDARY\n11, 1, 3\n13, 1, 3\n12, 2, 3\n"
@@ -406,10 +406,10 @@ def test_rope(tables: Callable[..., list[Block]]) -> None:
     end = "*NODE PRINT, NSET=R\nU, RF\n*END STEP\n"
     text += "".join(f"*STEP\n*STATIC\n*CLOAD\n12, 1, {force}\n{end}" for force in (10.0, 2.0, -5.0))
     blocks = tables(text)
-    for i, (moved, carried) in enumerate(((0.04, 6.0), (0.02, 0.0), (-0.05, 0.0))):
+    for i, (moved, force) in enumerate(((0.04, 6.0), (0.02, 0.0), (-0.05, 0.0))):
         displacements, forces = blocks[2 * i : 2 * i + 2]
         assert displacements.rows[(12,)][0] == pytest.approx(moved, abs=2 * 6.0 / 1e7)
-        assert forces.rows[(13,)][0] == pytest.approx(-carried, abs=1e-4)
+        assert forces.rows[(13,)][0] == pytest.approx(-force, abs=1e-4)
 
 
 def test_creep_slows_down_by_the_end_of_the_increment(tables: Callable[..., list[Block]]) -> None:

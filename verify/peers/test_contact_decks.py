@@ -185,7 +185,7 @@ def run_peer(text: str, folder: Path) -> Path | None:
     return folder / "peer.dat" if done.returncode == 0 and "Job finished" in done.stdout else None
 
 
-def told(deviations: list[Deviation]) -> str:
+def listed(deviations: list[Deviation]) -> str:
     """All blocks, a line each."""
     return "\n".join(f"{100 * d.deviation:9.4f} %  {d.title} {d.set_name} t={d.time:g} of {d.largest:.3e} at {d.where}" for d in deviations)
 
@@ -212,4 +212,4 @@ def test_contact(job: Job, run: Callable[..., object], tmp_path: Path) -> None:
               and not (is_plane and "slave node" in b.head)]
     deviations = compare(read_dat(tmp_path / "ours.dat"), blocks, is_plane)
     bad = [d for d in deviations if not d.deviation <= 0.01]
-    assert not bad, "\n" + told(deviations)
+    assert not bad, "\n" + listed(deviations)

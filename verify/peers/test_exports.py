@@ -21,7 +21,7 @@ meshio = pytest.importorskip("meshio")
 
 YOUNG, NU, PRESSURE = 1000.0, 0.3, 10.0
 SIZE = (1.0, 2.0, 3.0)
-DIGITS = 1e-5  # of the largest displacement; the default tolerance of the calculix dialect is not asked for
+DIGITS = 1e-5  # of the largest displacement; the default tolerance of the calculix dialect does not apply
 
 Runner = Callable[..., object]
 
@@ -111,7 +111,7 @@ def test_gmsh_saves_all(run: Runner, tmp_path: Path, box: object, order: int) ->
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_gmsh_groups_of_hexahedra(run: Runner, tmp_path: Path, box: object, order: int) -> None:
-    """Physical groups with names, and node sets that gmsh writes when asked to."""
+    """Physical groups with names, and node sets that gmsh writes on request."""
     box.addBox(0, 0, 0, *SIZE)
     box.synchronize()
     for dim, tag in gmsh.model.getEntities(1):
@@ -467,9 +467,9 @@ def test_freecad_assembly(run: Runner, tmp_path: Path) -> None:
 
 def test_prepomax_compression_only(run: Runner, tmp_path: Path) -> None:
     """PrePoMax's "compression only" support: a gap GAPUNI from a ground node to each node of the face, and a plastic law that makes
-    CalculiX iterate. A bar of 12 x 1 x 2 elements is pushed down near its left end: some nodes carry, the others lift off.
+    CalculiX iterate. A bar of 12 x 1 x 2 elements is pushed down near its left end: some nodes stay in contact, the others lift off.
 
-    The gaps carry the force and its moment about the y axis; none pulls with more than its 0.001, and all that carry touch.
+    The gap elements transmit the force and its moment about the y axis; none pulls with more than its 0.001, and all with a force are closed.
     """
     force, n = 500.0, 12
     nodes = [(float(i), float(j), float(k)) for i in range(n + 1) for j in range(2) for k in range(3)]
@@ -522,11 +522,11 @@ U
     assert done.returncode == 0, done.stdout
     blocks = re.split(r"\n\n", (tmp_path / "job.dat").read_text())
     rows = [{int(line.split()[0]): float(line.split()[3]) for line in block.splitlines()} for block in blocks if re.match(r" +\d", block)]
-    carried, moved = rows
+    forces, moved = rows
     pull = 0.001
-    assert sum(carried.values()) == pytest.approx(2 * force, rel=1e-4)  # Newton's tolerance of the dialect
+    assert sum(forces.values()) == pytest.approx(2 * force, rel=1e-4)  # Newton's tolerance of the dialect
     places = dict(bottom)
-    assert sum(f * places[i - 1000][0] for i, f in carried.items()) == pytest.approx(3.0 * 2 * force, rel=1e-3)
-    assert min(carried.values()) > -1.01 * pull
-    assert all(moved[i - 1000] < 1e-9 for i, f in carried.items() if f > 1.0)
+    assert sum(f * places[i - 1000][0] for i, f in forces.items()) == pytest.approx(3.0 * 2 * force, rel=1e-3)
+    assert min(forces.values()) > -1.01 * pull
+    assert all(moved[i - 1000] < 1e-9 for i, f in forces.items() if f > 1.0)
     assert max(moved.values()) > 1e-4  # the right end has lifted off

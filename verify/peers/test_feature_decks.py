@@ -34,13 +34,13 @@ DIFFERENT: dict[str, str] = {
                     "where the master reaches further (lap-moved)",
     r"lap-moved-n": "CalculiX: a node that its linear law still pulls at, just outside the gap, rubs with the coefficient times the size of that "
                     "tension: 1.2 % of the largest pressure; here friction needs pressure",
-    r"axis-CAX": "CalculiX: faces that touch the axis carry nothing, because there its sector has no width; equal with a bore",
-    r"some-increments-m": "CalculiX: mortar pairs carry too little in the midst of a step and the right force at its end: a motion that grows evenly gives forces "
+    r"axis-CAX": "CalculiX: faces that touch the axis transmit no force, because there its sector has no width; equal with a bore",
+    r"some-increments-m": "CalculiX: mortar pairs transmit too little force in the middle of a step and the right force at its end: a motion that grows evenly gives forces "
                           "that do not",
     r"put-down-s": "CalculiX: a face that comes down and along in one increment has slipped since the start of the increment, here since it touched; "
                    "with finer increments CalculiX comes to our result",
     r"elsewhere-s": "CalculiX: a pair that comes in again has slipped by what its surfaces moved while it was out",
-    r"contact-there-and-back-s": "slip over a long way differs at points where a face meets a new master face; forces agree",
+    r"contact-there-and-back-s": "slip over a long path differs at points where a face meets a new master face; forces agree",
 }
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")

@@ -1,6 +1,6 @@
 """MORTAR against CalculiX itself (ccx), where it is installed: increments of several sizes, and what nodes show.
 
-A beam of C3D8I, held at one end and across, is bent over the edge of a block without friction: an elastic job, whose end does not depend on the way.
+A beam of C3D8I, held at one end and across, is bent over the edge of a block without friction: an elastic job, whose end does not depend on the path.
 CalculiX makes integrals and normals once an increment; its end comes nearer to ours with smaller increments.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -65,7 +65,7 @@ def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> Non
     assert theirs[50][0] == pytest.approx(ours[50][0], rel=0.02)
 
 
-BY_CHANCE = pytest.mark.xfail(strict=False, reason="a snap: the ninth digit of the load decides how many attempts it takes")
+BY_CHANCE = pytest.mark.xfail(strict=False, reason="a snap-through: the ninth digit of the load decides how many attempts it takes")
 FREE = [
     ("C3D10", 9, -0.5), ("C3D8", 6, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5),
     pytest.param("C3D10", 6, -1.0, marks=BY_CHANCE), pytest.param("C3D8", 9, -1.0, marks=BY_CHANCE),
@@ -75,10 +75,10 @@ FREE = [
 
 @pytest.mark.parametrize(("kind", "cells", "tip"), FREE)
 def test_free_across(kind: str, cells: int, tip: float, run: Callable, tmp_path: Path) -> None:
-    """A beam that nothing holds across becomes unstable on its way: the job ends with default settings nevertheless, in at most 8 iterations for
-    each increment asked for. As long as it is stable it goes where CalculiX goes in small increments, within 2 %. (Not of C3D10: there the beam is 0.015 deep in
+    """A beam without lateral support becomes unstable during the step: the job ends with default settings nevertheless, in at most 8 iterations for
+    each requested increment. As long as it is stable it goes where CalculiX goes in small increments, within 2 %. (Not of C3D10: there the beam is 0.015 deep in
     the block's edge in CalculiX, 0.001 in Amontons.) Of beams whose nodes run off the block (9 cells of C3D8 or 6 of C3D10, tip -1) the iterations are no measure: they
-    snap, and how many attempts an increment takes there is decided by the ninth digit of the load.
+    snap-through, and how many attempts an increment takes there is decided by the ninth digit of the load.
     """
     deck = bent(10, kind, cells, tip, "")
     (tmp_path / "job.inp").write_text(deck.replace("0.1, 1., 1.E-6, 0.1", "0.1, 1."))
@@ -107,7 +107,7 @@ def test_free_across(kind: str, cells: int, tip: float, run: Callable, tmp_path:
 
 @pytest.mark.parametrize(("kind", "cells", "tip"), [("C3D8", 9, -1.0), ("C3D8", 9, -1.000000001), ("C3D8", 9, -0.99), ("C3D8", 9, -1.01), ("C3D8I", 8, -1.0), ("C3D8I", 8, -0.99)])
 def test_slides_off(kind: str, cells: int, tip: float, run: Callable, tmp_path: Path) -> None:
-    """A beam that slides off the block sideways comes to the end: its forces fade as its faces leave the block, and none jumps on the way."""
+    """A beam that slides off the block sideways comes to the end: its forces fade as its faces leave the block, and none jumps."""
     (tmp_path / "job.inp").write_text(bent(10, kind, cells, tip, "").replace("0.1, 1., 1.E-6, 0.1", "0.1, 1."))
     done = run(["--dialect=calculix", "job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -24,7 +24,7 @@ from verify.readers.dat_frd_files import Block, Deviation, compare, expand, read
 
 DECKS = Path(os.environ.get("AMONTONS_DECKS", Path(__file__).resolve().parents[3] / "shared" / "decks"))
 
-# References that CalculiX's own release does not reproduce, or that need code compiled into it: told, not judged.
+# References that CalculiX's own release does not reproduce, or that need code compiled into it: listed, not judged.
 NOT_JUDGED = {
     "beampl": "the release itself deviates by 1.1 %",
     "patch_c3d8i": "not reproduced by the release",
@@ -40,7 +40,7 @@ NOT_JUDGED = {
     "resstress3": "needs a subroutine compiled into CalculiX",
 }
 
-# What is not there yet, so that these decks run but do not agree (or do not run): told in the table, expected to fail. A deck that
+# What is not there yet, so that these decks run but do not agree (or do not run): listed in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
 UNFINISHED: dict[str, str] = {}
 
@@ -48,10 +48,10 @@ UNFINISHED: dict[str, str] = {}
 # and would print the end of the step alone: these decks are given CalculiX's increments, and nothing else is changed.
 INCREMENTS = {"beamplane": ("*STATIC\n", "*STATIC\n.25, 1., , .25\n")}
 
-# Why decks that agree are not nearer: told in the table.
+# Why decks that agree are not nearer: listed in the table.
 NOTES = {
     "beampic": "CalculiX's iterative solver stopped at its tolerance; beamidset is the same model by its direct one",
-    "beammrco": "the deck asks for a tolerance of 0.25, at which CalculiX stopped earlier",
+    "beammrco": "the deck requests a tolerance of 0.25, at which CalculiX stopped earlier",
     "beamnh": "CalculiX's last load is that of the iterate before: its stress is 2.004 under a pull of 2",
     "pret2": "the points of CalculiX's wedge stand in turned directions, which gives them the shears xz and yz",
 }
@@ -81,7 +81,7 @@ def marks_of(deck: Path) -> list[pytest.MarkDecorator]:
 
 
 def refusal(text: str) -> str:
-    """The first error that the program tells."""
+    """The first error that the program prints."""
     errors = [line.strip() for line in text.splitlines() if re.search(r"error|not supported|no section", line, re.I)]
     return (errors or ["no message"])[0][:200]
 
@@ -131,7 +131,7 @@ def leave_out_noise(deviations: list[Deviation], stiffness: float = 0.0) -> list
 
 
 def youngs_modulus(deck: Path) -> float:
-    """The first number of *ELASTIC, TYPE=ISO; 0 if there is none."""
+    """The first number of *ELASTIC, TYPE=ISO; 0 without such a card."""
     found = re.search(r"^\*elastic[^\n]*\n\s*([0-9.eEdD+-]+)", deck.read_text(errors="replace"), re.I | re.M)
     return float(found.group(1).upper().replace("D", "E")) if found else 0.0
 
@@ -192,7 +192,7 @@ def row_of(d: Deviation) -> Row:
 
 
 @pytest.mark.parametrize("deck", parameters())
-def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Callable[[Entry], None]) -> None:
+def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, record: Callable[[Entry], None]) -> None:
     """Every block of a deck that runs is within 1 % of its largest value."""
     entry = Entry(f"{deck.parent.name}/{deck.stem}", is_excluded=deck.stem in NOT_JUDGED, reason=NOT_JUDGED.get(deck.stem, ""))
     result = run(["--dialect=calculix", "--outdir", tmp_path, with_increments(deck, tmp_path)])
@@ -203,7 +203,7 @@ def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Call
         trouble = trouble.replace(str(deck), deck.name).replace("*ERROR: ", "")
         trouble = trouble.replace("*", "\\*").replace("|", "\\|")
         entry.reason = entry.reason or trouble
-        tell(entry)
+        record(entry)
         assert result.returncode == 3 or entry.is_excluded, output[-2000:]
         pytest.skip(entry.reason)
     deviations = read_ours(deck, tmp_path)
@@ -215,7 +215,7 @@ def test_deck(deck: Path, run: Callable[..., object], tmp_path: Path, tell: Call
         entry.note = f"its {len(deviations)} blocks are nothing but rounding, in the reference and here"
     else:
         entry.note = UNFINISHED.get(deck.stem, NOTES.get(deck.stem, ""))
-    tell(entry)
+    record(entry)
     if entry.reason:
         pytest.skip(entry.reason)
     bad = [d for d in left if not d.deviation <= AGREES]

@@ -44,7 +44,7 @@ class Block:
 
     @property
     def name(self) -> tuple[str, str, float]:
-        """What tells it from other blocks."""
+        """The key of the block among others."""
         return self.title, self.set_name, round(self.time, 6)
 
 

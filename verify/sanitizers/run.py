@@ -1,4 +1,4 @@
-"""Runs jobs with a program built with sanitizers, and tells what these found: `make sanitize`, `make races`.
+"""Runs jobs with a program built with sanitizers, and reports what these found: `make sanitize`, `make races`.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 
@@ -9,7 +9,7 @@ ThreadSanitizer: two larger blocks come along, one of them large enough for thre
 two jobs in two threads.
 
 With --suite pytest runs the tests that are named behind it with the program, the library and the unit programs of a build with
-BUILD=sanitize, and what was found in any process is told at the end:
+BUILD=sanitize, and the findings of all processes are reported at the end:
 
     make BUILD=sanitize programs
     .venv/bin/python -m verify.sanitizers.run --program build/sanitize/bin/amontons --suite -n 2 verify

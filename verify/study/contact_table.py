@@ -6,8 +6,8 @@
 
 Six small problems: a block sheared on a block and a punch pressed on a slab and drawn (space and plane, small displacements), a block
 dragged over a table, a cylinder pressed into a slab and drawn to and fro (plane), a ball pressed on a table and dragged (space, by nodes
-and surface to surface); the last four under NLGEOM. Friction 0.05, 0.3 and 1; each step in 20, 5 or 1 increments asked for. A run counts
-its Newton iterations, failed attempts included, and the processor's seconds; one that fails, makes more than ten times the increments asked for
+and surface to surface); the last four under NLGEOM. Friction 0.05, 0.3 and 1; each step in 20, 5 or 1 requested increments. A run counts
+its Newton iterations, failed attempts included, and the processor's seconds; one that fails, makes more than ten times the requested increments
 and forty, or takes longer than allowed does not finish. Each run is a row of the file of runs, which is kept: runs that are made again take
 the place of the old ones. --show prints the tables of such a file and runs nothing.
 
@@ -42,7 +42,7 @@ STEEL, SOFT = (210000.0, 0.3), (2000.0, 0.3)
 
 
 def steps(mode: str, n: int, is_nlgeom: bool, *loads: str) -> str:
-    """One step for each load, n increments asked for in each."""
+    """One step for each load, n requested increments in each."""
     text = ""
     for load in loads:
         text += f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC={10 * n + 40}\n*STATIC\n{1 / n:.10g}, 1., 1e-6, {1 / n:.10g}\n"
@@ -120,9 +120,9 @@ class Run:
     direction: str
     problem: str
     mu: float
-    size: int  #: increments asked for in a step
+    size: int  #: requested increments in a step
     mode: str
-    asked: int  #: increments asked for in all
+    requested: int  #: requested increments in all
     is_done: int
     made: int  #: increments
     failed: int  #: attempts
@@ -135,9 +135,9 @@ class Run:
         return self.direction, self.problem, self.mu, self.size
 
     @property
-    def per_asked(self) -> float:
-        """Newton iterations per increment asked for."""
-        return self.iterations / self.asked
+    def per_requested(self) -> float:
+        """Newton iterations per requested increment."""
+        return self.iterations / self.requested
 
 
 def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: str, seconds: float) -> Run:
@@ -156,7 +156,7 @@ def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: st
     spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
     o = count_rows(folder / f"{name}.sta", n_steps * size, done.returncode == 0)
-    return Run(direction, problem, mu, size, mode, o.asked, int(o.is_done), o.made, o.failed, o.iterations, round(spent, 2))
+    return Run(direction, problem, mu, size, mode, o.requested, int(o.is_done), o.made, o.failed, o.iterations, round(spent, 2))
 
 
 def read_runs(file: Path) -> list[Run]:
@@ -194,22 +194,22 @@ def by_case(runs: Iterable[Run], direction: str) -> dict[tuple[str, str, float, 
 
 
 def cases_table(runs: list[Run], direction: str) -> Iterator[str]:
-    """Iterations per increment asked for and failed attempts of each run of a direction."""
+    """Iterations per requested increment and failed attempts of each run of a direction."""
     yield from head("problem", "mu", "increments a step", *MODES)
     for (_, problem, mu, size), row in by_case(runs, direction).items():
-        cells = [f"{r.per_asked:.1f} ({r.failed})" if r.is_done else "-" for r in (row[mode] for mode in MODES)]
+        cells = [f"{r.per_requested:.1f} ({r.failed})" if r.is_done else "-" for r in (row[mode] for mode in MODES)]
         yield f"| {problem} | {mu:g} | {size} | " + " | ".join(cells) + " |"
 
 
 def problems_table(runs: list[Run], direction: str) -> Iterator[str]:
-    """The same by problem and size of the increments: runs finished of three, mean of their iterations per increment asked for."""
+    """The same by problem and size of the increments: runs finished of three, mean of their iterations per requested increment."""
     yield from head("problem", "increments a step", *MODES)
     for problem in PROBLEMS:
         for size in SIZES:
             cells = []
             for mode in MODES:
                 done = [r for r in runs if (r.direction, r.problem, r.size, r.mode, r.is_done) == (direction, problem, size, mode, 1)]
-                cells.append(f"{np.mean([r.per_asked for r in done]):.1f} ({len(done)})" if done else "-")
+                cells.append(f"{np.mean([r.per_requested for r in done]):.1f} ({len(done)})" if done else "-")
             yield f"| {problem} | {size} | " + " | ".join(cells) + " |"
 
 
@@ -264,7 +264,7 @@ def show(runs: list[Run]) -> str:
 
 
 def main() -> int:
-    """Runs what is asked for, or shows the tables of a file of runs."""
+    """Runs the requested cases, or shows the tables of a file of runs."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--outdir", type=Path)
     parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
@@ -289,7 +289,7 @@ def main() -> int:
     for case in cases:
         for mode in options.modes:
             r = kept[*case, mode] = run(options.program, folder, case, mode, options.seconds)
-            print(*case, mode, f"{r.per_asked:.1f} ({r.failed})" if r.is_done else "-", f"{r.seconds:.1f} s", flush=True)
+            print(*case, mode, f"{r.per_requested:.1f} ({r.failed})" if r.is_done else "-", f"{r.seconds:.1f} s", flush=True)
         write_runs(options.runs, kept.values())
     return 0
 

@@ -3,9 +3,9 @@
     python -m verify.study.ironing_table [--outdir DIR] [--line-search TYPE] [--program bin/amontons]
 
 A stiff indenter, its bottom curved or flat with sharp corners, is pressed 0.25 into a soft slab with facets of 0.3 and
-dragged 6 along it, in increments of a half, 1.3 and 2.5 facets. The increments are asked for as the first and the
-largest; the program may cut back. The table says: increments asked for, increments made, failed attempts, Newton iterations
-(failed attempts included), iterations per increment asked for.
+dragged 6 along it, in increments of a half, 1.3 and 2.5 facets. The increments are requested as the first and the
+largest; the program may cut back. The table says: requested increments, increments made, failed attempts, Newton iterations
+(failed attempts included), iterations per requested increment.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -35,16 +35,16 @@ PRESS_DEPTH, DRAG, FACET, GAP = 0.25, 6.0, 0.3, 0.01
 class Outcome:
     """What one run did."""
 
-    asked: int
+    requested: int
     made: int
     failed: int
     iterations: int
     is_done: bool
 
     @property
-    def per_asked(self) -> float:
-        """Newton iterations, failed attempts included, per increment asked for."""
-        return self.iterations / self.asked
+    def per_requested(self) -> float:
+        """Newton iterations, failed attempts included, per requested increment."""
+        return self.iterations / self.requested
 
 
 def ironing_deck(shape: str, mu: float, slide: float, line_search: str = "AUTO") -> str:
@@ -68,7 +68,7 @@ def ironing_deck(shape: str, mu: float, slide: float, line_search: str = "AUTO")
     )
 
 
-def run_case(program: Path, folder: Path, name: str, deck: str, asked: int, seconds: float | None = None) -> Outcome:
+def run_case(program: Path, folder: Path, name: str, deck: str, requested: int, seconds: float | None = None) -> Outcome:
     """Runs one deck, for some seconds of a processor at most, and counts the rows of its .sta file."""
     (folder / f"{name}.inp").write_text(deck)
     command = [program, "--quiet", "--outdir", folder, folder / f"{name}.inp"]
@@ -78,14 +78,14 @@ def run_case(program: Path, folder: Path, name: str, deck: str, asked: int, seco
             resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
 
     done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit)  # noqa: PLW1509 (no threads here)
-    return count_rows(folder / f"{name}.sta", asked, done.returncode == 0)
+    return count_rows(folder / f"{name}.sta", requested, done.returncode == 0)
 
 
-def count_rows(file: Path, asked: int, is_done: bool) -> Outcome:
+def count_rows(file: Path, requested: int, is_done: bool) -> Outcome:
     """Counts the rows of a .sta file: increments made, failed attempts, iterations of both."""
     attempts = read_sta(file)
     failed = sum(attempt.is_failed for attempt in attempts)
-    return Outcome(asked, len(attempts) - failed, failed, sum(attempt.iterations for attempt in attempts), is_done)
+    return Outcome(requested, len(attempts) - failed, failed, sum(attempt.iterations for attempt in attempts), is_done)
 
 
 def main() -> int:
@@ -106,12 +106,12 @@ def main() -> int:
                 name = f"ironing_{shape}_{mu:g}_{slide:g}"
                 if options.only not in name:
                     continue
-                asked = 5 + round(DRAG / slide)
-                o = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, options.line_search), asked)
-                is_good &= o.is_done and o.per_asked <= 12.0
+                requested = 5 + round(DRAG / slide)
+                o = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, options.line_search), requested)
+                is_good &= o.is_done and o.per_requested <= 12.0
                 print(
-                    f"{shape:7s}{mu:4.1f}{slide:7.2f}{slide / FACET:8.1f}{o.asked:7d}{o.made:6d}{o.failed:8d}"
-                    f"{o.iterations:12d}{o.per_asked:11.1f}{'' if o.is_done else '   STOPPED'}",
+                    f"{shape:7s}{mu:4.1f}{slide:7.2f}{slide / FACET:8.1f}{o.requested:7d}{o.made:6d}{o.failed:8d}"
+                    f"{o.iterations:12d}{o.per_requested:11.1f}{'' if o.is_done else '   STOPPED'}",
                     flush=True,
                 )
     return 0 if is_good else 1

@@ -4,7 +4,7 @@
         [--direction EXACT|SYMMETRIC|LAGGED] [--seconds 60] [--figure line_search.png] [--again]
     python -m verify.study.line_search_table --draw doc/study/line_search.md --figure doc/study/line_search.png
 
-The decks are those of ironing_table.py. For each the table says the Newton iterations per increment asked for, failed
+The decks are those of ironing_table.py. For each the table says the Newton iterations per requested increment, failed
 attempts included, and in brackets the failed attempts; a run that did not reach its end is marked by the time it reached (of 2).
 The last rows count over all runs: runs finished, iterations of the finished ones, failed attempts. With --again nothing is run:
 the .sta files that are in DIR are counted. With --draw the figure is made from the table that stands in a page.
@@ -35,7 +35,7 @@ def cell(outcome: Outcome, reached: float) -> str:
     """One run in few characters."""
     if not outcome.is_done:
         return f"stopped at {reached:.2f}"
-    return f"{outcome.per_asked:.1f} ({outcome.failed})"
+    return f"{outcome.per_requested:.1f} ({outcome.failed})"
 
 
 def rows_of(page: str) -> tuple[list[str], dict[str, list[float]]]:
@@ -51,7 +51,7 @@ def rows_of(page: str) -> tuple[list[str], dict[str, list[float]]]:
 
 
 def draw(cases: list[str], bars: dict[str, list[float]], file: Path) -> None:
-    """Bars of iterations per increment asked for, by case and line search."""
+    """Bars of iterations per requested increment, by case and line search."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.5, 3.8))
@@ -99,12 +99,12 @@ def main() -> int:
                 cells = []
                 for mode in MODES:
                     name = f"{mode.lower()}_{shape}_{mu:g}_{slide:g}"
-                    asked = 5 + round(DRAG / slide)
+                    requested = 5 + round(DRAG / slide)
                     if options.again:
                         is_done = time_reached(folder / f"{name}.sta") >= 2.0
-                        outcome = count_rows(folder / f"{name}.sta", asked, is_done)
+                        outcome = count_rows(folder / f"{name}.sta", requested, is_done)
                     else:
-                        outcome = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, f"{mode}, DIRECTION={options.direction}"), asked,
+                        outcome = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, f"{mode}, DIRECTION={options.direction}"), requested,
                                            options.seconds)  # fmt: skip
                     outcomes[mode].append(outcome)
                     cells.append(cell(outcome, time_reached(folder / f"{name}.sta")))
@@ -117,7 +117,7 @@ def main() -> int:
     ):
         print(f"| {title} | | | " + " | ".join(str(count(outcomes[mode])) for mode in MODES) + " |")
     if options.figure:
-        draw(cases, {mode: [o.per_asked for o in outcomes[mode]] for mode in MODES}, options.figure)
+        draw(cases, {mode: [o.per_requested for o in outcomes[mode]] for mode in MODES}, options.figure)
     return 0
 
 

@@ -7,7 +7,7 @@
     python -m verify.study.random_contact --laws --peer ccx  CalculiX runs those in its dialect
 
 Shapes, meshes, element kinds, stiffness, friction, formulation, load and increments are drawn from the seed. The head of the body is led
-along, so that each of these jobs has a balance: one that fails is a fault of the program.
+along, so that each of these jobs has an equilibrium: one that fails is a fault of the program.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -111,7 +111,7 @@ def force_cards(head: list[int], has_law: bool) -> tuple[str, str]:
 
 
 def eased(law: Law, kind: str, shape: str, place: Place) -> tuple[str, str, Place]:
-    """What a law cannot do without, so that there is a balance: element kind, shape and place of the body.
+    """What a law cannot do without, so that an equilibrium exists: element kind, shape and place of the body.
 
     Tied surfaces lie on each other: those of CalculiX are drawn together over a gap. In its dialect C3D8R have no stiffness to speak of against hourglasses
     where one row of nodes is pressed; and each face has a normal of its own, so that no node may stand on the line between two of them.
@@ -125,7 +125,7 @@ def eased(law: Law, kind: str, shape: str, place: Place) -> tuple[str, str, Plac
 
 
 def random_deck(seed: int, has_law: bool = False) -> str:
-    """The deck of a seed; its first line tells what was drawn. With a law the surfaces give, and what is compared with CalculiX is printed."""
+    """The deck of a seed; its first line lists the drawn parameters. With a contact law the surfaces are compliant, and the quantities compared with CalculiX are printed."""
     draw = Random(seed)
     is_space = draw.random() < 0.5
     kinds = (SOLIDS + ["C3D8R"] * has_law) if is_space else PLANES
@@ -158,13 +158,13 @@ def random_deck(seed: int, has_law: bool = False) -> str:
     if is_lifted and not is_force:
         steps.append(f"*BOUNDARY\n{head}, 2, 2, 0.1\n")
     thickness = "" if is_space else "1.\n"
-    told = f"{body.kind} {shape} on {table.kind}, {law.kind.lower() if law else form.lower()}, slave {pair[0]}, E {young:g}, nu {poisson}, mu {mu}, " + (
+    description = f"{body.kind} {shape} on {table.kind}, {law.kind.lower() if law else form.lower()}, slave {pair[0]}, E {young:g}, nu {poisson}, mu {mu}, " + (
         f"{'force' if is_force else 'displacement'}, pressed {depth_pressed}, dragged {drag}, {n_increments} increments a step"
-        f"{', lifted' if is_lifted else ''}{'' if is_finite else ', small displacements'}{f', {law.dialect}, law {law.told}' if law else ''}"
+        f"{', lifted' if is_lifted else ''}{'' if is_finite else ', small displacements'}{f', {law.dialect}, law {law.description}' if law else ''}"
     )
     materials = material_cards("BODY", (young, poisson), "BODY") + thickness + material_cards("TABLE", (YOUNG, 0.3), "TABLE") + thickness
     return (
-        f"** seed {seed}: {told}\n{f'** dialect: {law.dialect}' + chr(10) if law else ''}"
+        f"** seed {seed}: {description}\n{f'** dialect: {law.dialect}' + chr(10) if law else ''}"
         f"{part_cards(body, 'BODY', 0)}{part_cards(table, 'TABLE', 100000)}{head_cards}{materials}"
         + (law.cards(*pair) if law else contact_cards(*pair, mu, form))
         + "".join(f"{start}{step}{PRINTED if law else ''}*END STEP\n" for step in steps)
@@ -176,7 +176,7 @@ class Outcome:
     """What a job did."""
 
     seed: int
-    told: str
+    description: str
     code: int
     increments: int
     failed: int
@@ -186,7 +186,7 @@ class Outcome:
     @property
     def law(self) -> str:
         """The kind and the stiffness of its law."""
-        return self.told.split(", law ")[1] if ", law " in self.told else "HARD"
+        return self.description.split(", law ")[1] if ", law " in self.description else "HARD"
 
 
 def run(seed: int, program: Path, folder: Path, limit: float = 600.0, has_law: bool = False) -> Outcome:
@@ -196,7 +196,7 @@ def run(seed: int, program: Path, folder: Path, limit: float = 600.0, has_law: b
 
 
 def run_peer(seed: int, peer: str, folder: Path, has_law: bool = False) -> Outcome:
-    """The same by CalculiX, which tells at its end whether it got there."""
+    """The same by CalculiX, which says at its end whether it finished."""
     return outcome_of(seed, random_deck(seed, has_law), [peer, "-i", "job"], folder, PEER_LIMIT, lambda done: int("Job finished" not in done.stdout))
 
 
@@ -258,7 +258,7 @@ def main() -> int:
             csv.writer(file).writerows([[f.name for f in fields(Outcome)], *(astuple(o) for o in outcomes)])
     for o in outcomes:
         if o.code != 0 or o.failed > 0:
-            print(f"{o.told}: exit {o.code}, {o.increments} increments, {o.failed} failed attempts, {o.iterations} iterations")
+            print(f"{o.description}: exit {o.code}, {o.increments} increments, {o.failed} failed attempts, {o.iterations} iterations")
     if arguments.laws:
         for law in sorted({o.law for o in outcomes}, key=lambda law: (law.split()[0], *map(float, law.split()[1:]))):
             print(f"{law}: {sums([o for o in outcomes if o.law == law])}")

@@ -20,7 +20,7 @@ MOST_TIED = 0.05  #: bodies that are tied are dragged no farther [length]
 class Law:
     """How the surfaces of a deck act on each other."""
 
-    told: str  #: kind and stiffness
+    description: str  #: kind and stiffness
     dialect: str
     kind: str  #: of the contact pair
     behavior: str  #: the word of *SURFACE BEHAVIOR
@@ -44,18 +44,18 @@ def draw_law(draw: Random, young: float, edge: float, mu: float, kind: str) -> L
     if behavior == "LINEAR":
         ratio = draw.choice(LINEAR_STIFFNESS)
         tension = draw.choice(["", f", {1e-6 * young:.6g}, 1e-3"]) if dialect == "calculix" else ""
-        told, stiffness, data = f"LINEAR {ratio:g}", ratio * unit, f"{ratio * unit:.9g}{tension}"
+        description, stiffness, data = f"LINEAR {ratio:g}", ratio * unit, f"{ratio * unit:.9g}{tension}"
     elif behavior == "EXPONENTIAL":
         c0, p0 = draw.choice([0.05, 0.01, 0.002]), draw.choice([1e-3, 1e-2])
-        told, stiffness, data = f"EXPONENTIAL {c0:g} {p0:g}", math.log(100.0) * p0 / c0 * unit, f"{c0 * edge:.9g}, {p0 * young:.9g}"
+        description, stiffness, data = f"EXPONENTIAL {c0:g} {p0:g}", math.log(100.0) * p0 / c0 * unit, f"{c0 * edge:.9g}, {p0 * young:.9g}"
     elif behavior == "TABULAR":
         ratio, bend = draw.choice(TABLE_STIFFNESS), draw.choice([0.001, 0.01])
-        told, stiffness = f"TABULAR {ratio:g}", ratio * unit
+        description, stiffness = f"TABULAR {ratio:g}", ratio * unit
         rows = [(0.0, 0.0), (ratio * bend, bend), (5.0 * ratio * bend, 2.0 * bend), (5000.0 * ratio * bend, 1000.0 * bend)]
         data = "\n".join(f"{p * young:.9g}, {h * edge:.9g}" for p, h in rows)
     else:
         ratio = draw.choice(TIED_STIFFNESS)
-        told, stiffness, data = f"TIED {ratio:g}", ratio * unit, f"{ratio * unit:.9g}"
+        description, stiffness, data = f"TIED {ratio:g}", ratio * unit, f"{ratio * unit:.9g}"
     slope = draw.choice([*STICK_SHARE, None])
     stick = f", {slope * stiffness:.9g}" if slope and dialect == "calculix" else ""
-    return Law(told, dialect, kind, behavior, data, f"{mu:g}{stick}" if mu > 0.0 else "")
+    return Law(description, dialect, kind, behavior, data, f"{mu:g}{stick}" if mu > 0.0 else "")

@@ -131,8 +131,8 @@ def section(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> str:
         lines += [f"Data lines: {plain(card.data)}.", ""]
     for title, groups in (("Without effect", card.ignored), ("Refused", card.refused)):
         if groups:
-            told = [f"`{'`, `'.join(names)}`" + (f" ({plain(why.rstrip('.'))})" if why else "") for why, names in groups.items()]
-            lines += [f"{title}: " + "; ".join(told) + ".", ""]
+            listed = [f"`{'`, `'.join(names)}`" + (f" ({plain(why.rstrip('.'))})" if why else "") for why, names in groups.items()]
+            lines += [f"{title}: " + "; ".join(listed) + ".", ""]
     return "\n".join(lines + example_of(card, examples))
 
 

@@ -1,4 +1,4 @@
-"""Puts the white space of the Fortran files in order: fprettify, and the habits of this house that it does not know.
+"""Puts the white space of the Fortran files in order: fprettify, and the project's own rules that it does not know.
 
 Continuation lines and comments keep their place, `//` and `.not.` have a blank before them, products in types too, a procedure may be
 called `read`, two blank lines stand between procedures.
@@ -78,7 +78,7 @@ def is_kept(old: str, new: str) -> bool:
 
 
 def lay_out(path: Path) -> str:
-    """The file as this house would have it."""
+    """The file in the project's layout."""
     old = path.read_text().splitlines()
     lines = keep_place(old, [space_operators(line) for line in run_fprettify(path).splitlines()])
     return "\n".join(part_procedures(lines)) + "\n"

@@ -148,7 +148,7 @@ def check_statement(module: Module, statement: Statement) -> None:
 
 
 def check_frozen(module: Module, statement: Statement) -> None:
-    """After its set-up nobody changes the model."""
+    """No code changes the model after its set-up."""
     if MODEL_CHANGED.search(statement.text) or MODEL_ASSIGNED.search(statement.text):
         module.complain(statement.line, "this can change the model, which is frozen after its set-up")
 

@@ -1,4 +1,4 @@
-"""The layers of src hold, and lint.py and layout.py find what they are there to find."""
+"""The layers of src are respected, and lint.py and layout.py find what they are there to find."""
 
 import subprocess
 import sys

@@ -17,7 +17,7 @@ def test_unit(name: str, tmp_path: Path) -> None:
     program = PROGRAMS / name
     assert program.exists(), f"{program} is not there; `make unit` builds it."
     done = subprocess.run([program], cwd=tmp_path, capture_output=True, text=True, timeout=TIME_LIMIT)
-    told = f"{done.stdout[-4000:]}\n{done.stderr[-4000:]}"
-    assert done.returncode == 0, f"{name} ended with {done.returncode}:\n{told}"
+    output = f"{done.stdout[-4000:]}\n{done.stderr[-4000:]}"
+    assert done.returncode == 0, f"{name} ended with {done.returncode}:\n{output}"
     last_line = (done.stdout.splitlines() or [""])[-1]
-    assert last_line.strip().endswith("passed, 0 failed"), f"{name} did not come to its end:\n{told}"
+    assert last_line.strip().endswith("passed, 0 failed"), f"{name} did not come to its end:\n{output}"

@@ -136,7 +136,7 @@ def make_report(job: Job, cards: str = "") -> str:
             f'<script type="application/json" id="job">{data}</script><script>{script}</script></body></html>\n')  # fmt: skip
 
 
-def ask_cards(program: str | None) -> str:
+def explained_cards(program: str | None) -> str:
     """What `amontons --cards` prints; nothing if the program is not there."""
     places = [program, shutil.which("amontons"), str(HERE.parents[2] / "bin" / "amontons")]
     for place in places:
@@ -151,7 +151,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="amontons-report", description="One self-contained HTML page of a job.")
     parser.add_argument("result", type=Path, help="job.vtkhdf")
     parser.add_argument("--output", type=Path, help="default: job.html beside it")
-    parser.add_argument("--program", help="the program amontons, asked for what each card does (default: the one on the PATH)")
+    parser.add_argument("--program", help="the program amontons, which explains each card (default: the one on the PATH)")
     wanted = parser.parse_args(arguments)
     path = wanted.result if wanted.result.suffix else wanted.result.with_suffix(".vtkhdf")
     try:
@@ -160,7 +160,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"*ERROR: {error}", file=sys.stderr)
         return 7
     output = wanted.output or path.with_suffix(".html")
-    page = make_report(job, ask_cards(wanted.program))
+    page = make_report(job, explained_cards(wanted.program))
     whole = output.with_name(output.name + ".new")  # an old page stays until the new one is whole
     try:
         whole.write_text(page, encoding="utf-8")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-#: Colours that a colour-blind reader tells apart.
+#: Colours that a colour-blind reader can distinguish.
 COLOURS = ["#2166ac", "#d95f02", "#1b9e77", "#7b3294", "#a6761d", "#666666"]
 VIRIDIS = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"]
 STATUS = ["#dfe4e8", "#2f6db3", "#f28e2b"]

@@ -46,18 +46,18 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]], kind: str = "")
 
 def verdict(job: Job) -> tuple[bool, str]:
     """Whether the job is done, in a sentence."""
-    asked = float(np.sum(job.steps["period"]))
+    requested = float(np.sum(job.steps["period"]))
     done = float(job.times[-1]) if len(job.times) else 0.0
     rows = job.attempts()
     failed = int(np.sum(job.history["is_converged"][rows] == 0))
     reached = float(np.max(job.history["total_time"][rows & (job.history["is_converged"] == 1)], initial=0.0))
-    if reached >= asked * (1 - 1e-9):
+    if reached >= requested * (1 - 1e-9):
         n = len(job.steps["period"])
         steps = "The step is done" if n == 1 else f"All {n} steps are done"
         attempts = "no attempt was" if failed == 0 else "1 attempt was" if failed == 1 else f"{failed} attempts were"
         return True, f"{steps}, to time {number(reached)}; {attempts} cut back."
     reason = next((str(r) for r in reversed(job.history["reason"].tolist()) if str(r)), "") if "reason" in job.history else ""
-    return False, f"The job stands at time {number(max(reached, done))} of {number(asked)}. {reason}"
+    return False, f"The job is at time {number(max(reached, done))} of {number(requested)}. {reason}"
 
 
 def model_summary(job: Job) -> str:
@@ -77,7 +77,7 @@ def model_summary(job: Job) -> str:
     laws = material_cards(job.deck)
     parts.append("<h3>Materials</h3>" + table(
         ("material", "its cards", "Young's modulus", "Poisson's ratio", "density"),
-        ((str(name), laws.get(str(name).upper(), "in an included file"), *(told(float(m[part][i])) for part in ("youngs_modulus", "poissons_ratio", "density")))
+        ((str(name), laws.get(str(name).upper(), "in an included file"), *(printed(float(m[part][i])) for part in ("youngs_modulus", "poissons_ratio", "density")))
          for i, name in enumerate(m["name"]))))  # fmt: skip
     p = job.pairs
     if len(p["slave"]):
@@ -88,8 +88,8 @@ def model_summary(job: Job) -> str:
     return "".join(parts)
 
 
-def told(value: float) -> object:
-    """A number that was given; 0 stands for one that was not."""
+def printed(value: float) -> object:
+    """A number; 0 means that it is not given."""
     return value or "-"
 
 
@@ -112,7 +112,7 @@ def material_cards(deck: str) -> dict[str, str]:
 
 
 def deck_cards(text: str) -> Counter[str]:
-    """How often each card stands in the deck."""
+    """How often each card occurs in the deck."""
     found: Counter[str] = Counter()
     for line in text.splitlines():
         match = re.match(r"\*([A-Za-z][^,*]*)", line.strip())
@@ -149,7 +149,7 @@ def honesty(job: Job, cards: str) -> str:
         rows.append((f"*{card}", count, f'<b class="{"good" if status == "used" else "quiet"}">{status or "accepted"}</b>', sentence))
     text = table(("card", "times", "status", "what it does"), rows)
     if not known:
-        text += ('<p class="note">The program was not found, so the table tells no more than which cards there are: name it by '
+        text += ('<p class="note">The program was not found, so the table only lists the cards: name it by '
                  "<code>--program</code>. Cards that are not supported end a job before it starts.</p>")  # fmt: skip
     s = job.steps
     text += "<h3>Steps, as they were taken</h3>" + table(
@@ -192,7 +192,7 @@ def convergence(job: Job) -> str:
             ((int(h["step"][i]), int(h["increment"][i]), int(h["attempt"][i]), float(h["total_time"][i]), float(h["dt"][i]),
               int(h["n_iterations"][i]), str(h["reason"][i])) for i in bad[:60]))  # fmt: skip
     if len(bad) and not good[-1]:
-        text += '<p class="note">The terminal told the worst nodes and a remedy; the page "Messages" of the manual has a paragraph on each reason.</p>'
+        text += '<p class="note">The terminal shows the worst nodes and a remedy; the page "Messages" of the manual has a paragraph on each reason.</p>'
     return text
 
 
@@ -237,7 +237,7 @@ def ledger(job: Job) -> str:
     text += "<h3>Energy at the end of each step</h3>" + table(
         ("step", "time", "external work", "strain energy", "friction", "stored in contact", "damping", "the rest"),
         ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work),
-          told_zero(float(work[0][i] - sum(w[i] for w in work[1:])), max(abs(float(w[i])) for w in work))) for i in last))  # fmt: skip
+          printed_zero(float(work[0][i] - sum(w[i] for w in work[1:])), max(abs(float(w[i])) for w in work))) for i in last))  # fmt: skip
     text += ('<p class="note">The rest is what plasticity and creep took, and the error of the '
              "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
     n = int(job.times[0] == 0)   # nothing has happened at time 0
@@ -268,14 +268,14 @@ def set_reactions(job: Job) -> dict[str, Floats]:
 
 def by_set(job: Job) -> str:
     """Reactions of the node sets that are held, at the last frame."""
-    rows = [(name, len(job.node_sets[name]), *(told_zero(float(v), float(np.abs(f).max())) for v in f[-1])) for name, f in set_reactions(job).items()]
+    rows = [(name, len(job.node_sets[name]), *(printed_zero(float(v), float(np.abs(f).max())) for v in f[-1])) for name, f in set_reactions(job).items()]
     if not rows:
         return ""
     note = '<p class="note">Twelve sets with the largest.</p>' if len(rows) > 12 else ""
     return "<h3>Reactions of the node sets at the last frame</h3>" + table(("set", "nodes", "x", "y", "z"), rows[:12]) + note
 
 
-def told_zero(value: float, size: float) -> float:
+def printed_zero(value: float, size: float) -> float:
     """Rounding beside a size is 0."""
     return value if abs(value) > 1e-9 * size else 0.0
 
@@ -300,7 +300,7 @@ def maps(job: Job) -> str:
 
 
 def pair_sums(job: Job) -> str:
-    """What each pair carries: forces, area and centre at the last increment, and the sizes of the forces over time."""
+    """Forces of each pair: forces, area and centre at the last increment, and the sizes of the forces over time."""
     h = job.pair_history
     if not h or not len(h["pair"]):
         return ""
@@ -320,7 +320,7 @@ def pair_sums(job: Job) -> str:
             over_time = np.linalg.norm(h[key][mine], axis=1)
             if len(curves) < 6 and over_time.max() > 1e-9 * largest:
                 curves.append(Series(f"{name}, {what}", h["total_time"][mine], over_time))
-    text = "<h3>What each pair carries</h3>" + table(
+    text = "<h3>Forces of each pair</h3>" + table(
         ("pair", "open / stick / slip", "force of the pressure on the slave", "of the friction", "moment about the origin", "area in contact",
          "centre of the pressure"), rows)
     return text + (charts.lines(curves, "time", "size of the force") if curves else "")
@@ -344,8 +344,8 @@ def pair_maps(job: Job, nodes: Ints, pair: int) -> str:
     areas = np.array([area(c) for _, c in rings])
     if np.linalg.norm(areas.sum(axis=0)) < 0.5 * np.linalg.norm(areas, axis=1).sum() and len(closed):
         touching = np.array([np.isin(c, closed).sum() for _, c in rings])
-        way = (touching[:, None] * areas).sum(axis=0)
-        keep = (touching > 0) & (areas @ way > 0.3 * np.linalg.norm(areas, axis=1) * np.linalg.norm(way))
+        direction = (touching[:, None] * areas).sum(axis=0)
+        keep = (touching > 0) & (areas @ direction > 0.3 * np.linalg.norm(areas, axis=1) * np.linalg.norm(direction))
         if keep.any():
             rings, areas = [ring for ring, k in zip(rings, keep, strict=True) if k], areas[keep]
     normal = areas.sum(axis=0)
@@ -382,7 +382,7 @@ def pair_curves(job: Job, nodes: Ints, closed: Ints, shear: Floats, slip: Floats
 def worst_nodes(job: Job) -> str:
     """The nodes with the largest values at the last frame."""
     last = {name: values[-1] for name, values in job.fields.items()}
-    ways: list[tuple[str, str, Callable[[], Floats]]] = [
+    sources: list[tuple[str, str, Callable[[], Floats]]] = [
         ("displacement", "U", lambda: np.linalg.norm(last["U"], axis=1)),
         ("Mises stress", "S_mises", lambda: last["S_mises"]),
         ("reaction", "RF", lambda: np.linalg.norm(last["RF"], axis=1)),
@@ -392,7 +392,7 @@ def worst_nodes(job: Job) -> str:
         ("plastic strain", "PEEQ", lambda: last["PEEQ"]),
     ]
     rows = []
-    for name, source, values in ways:
+    for name, source, values in sources:
         if source not in last:
             continue
         size = values()

@@ -78,7 +78,7 @@ TIE = "*TIE, NAME=CS, CYCLIC SYMMETRY\nSA, SB\n*CYCLIC SYMMETRY MODEL, N={}, TIE
 def test_turning_ring(run_deck: Run, tmp_path: Path, n: int, along: float, is_turned: bool) -> None:
     """A thin ring turns: 8 E u / (rho w^2 r) = (3 + nu) ((1 - nu) (a^2 + b^2) + (1 + nu) a^2 b^2 / r^2) - (1 - nu^2) r^2.
 
-    Whichever side depends, and whichever way the axis points. Timoshenko and Goodier, Theory of Elasticity, sec. 32.
+    Whichever side depends, and whichever direction the axis points. Timoshenko and Goodier, Theory of Elasticity, sec. 32.
     """
     omega2 = 0.3
     text, x = sector(n, 0.3, (4, 2 if n > 3 else 6), is_turned)
@@ -148,7 +148,7 @@ U
     assert u[6] == pytest.approx([0, 0.25 * 0.01, -0.01], abs=1e-9)
 
 
-@pytest.mark.parametrize(("cards", "code", "told"), [
+@pytest.mark.parametrize(("cards", "code", "message"), [
     ("*TIE, NAME=CS, CYCLIC SYMMETRY\nSA, SB\n", 3, "no *CYCLIC SYMMETRY MODEL, TIE=CS"),
     ("*CYCLIC SYMMETRY MODEL, N=4, TIE=CS\n0,0,0,0,0,1\n", 3, "There is no *TIE, NAME=CS, CYCLIC SYMMETRY"),
     (TIE.format(1, 1.0), 3, "must be at least 2"),
@@ -156,12 +156,12 @@ U
     (TIE.format(5, 1.0), 4, "have no partner"),
     ("*TIE, NAME=CS, MULTISTAGE\nSA, SB\n", 3, "Model the whole body"),
 ])
-def test_refused_sectors(run_deck: Run, cards: str, code: int, told: str) -> None:
+def test_refused_sectors(run_deck: Run, cards: str, code: int, message: str) -> None:
     """Cards that do not fit together, and a wrong number of sectors."""
     text, _ = sector(4, 0.0, (1, 1))
     done = run_deck(f"{text}{cards}*STEP\n*STATIC\n*END STEP\n")
     assert done.returncode == code, done.stdout
-    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
 CUBE = unit_cube(low="BOTTOM", high="TOP") + """*NODE, NSET=ALL
@@ -186,16 +186,16 @@ def test_kinematic_coupling(run_deck: Run, tmp_path: Path) -> None:
     assert rows_of(tmp_path)[7][0] > 1e-4, "only the third direction is bound"
 
 
-@pytest.mark.parametrize(("row", "told"), [
+@pytest.mark.parametrize(("row", "message"), [
     ("", "needs data lines"),
     ("TOP, 4, 6\n", "must be 1 to 3"),
     ("NOWHERE\n", "There is no node or node set"),
 ])
-def test_refused_kinematic_coupling(run_deck: Run, row: str, told: str) -> None:
-    """What its rows must not say."""
+def test_refused_kinematic_coupling(run_deck: Run, row: str, message: str) -> None:
+    """Invalid rows."""
     done = run_deck(f"{CUBE}*KINEMATIC COUPLING, REF NODE=90\n{row}*STEP\n*STATIC\n*END STEP\n")
     assert done.returncode == 3
-    assert told in done.stdout + done.stderr
+    assert message in done.stdout + done.stderr
 
 
 TRUSS = """*NODE, NSET=ALL
@@ -231,17 +231,17 @@ def test_pretension_of_a_truss(run_deck: Run, tmp_path: Path) -> None:
     assert rf[3][:2] == pytest.approx([6.0, 8.0], rel=DIGITS)
 
 
-@pytest.mark.parametrize(("deck", "told"), [
+@pytest.mark.parametrize(("deck", "message"), [
     (f"{TRUSS}*PRE-TENSION SECTION, NODE=9\n", "needs either SURFACE or ELEMENT"),
     (f"{TRUSS}*PRE-TENSION SECTION, NODE=9, ELEMENT=7\n", "must name one truss"),
     (f"{TRUSS}*PRE-TENSION SECTION, NODE=9, ELEMENT=ROD\n", "must name one truss"),
     (f"{CUBE}*PRE-TENSION SECTION, NODE=90, ELEMENT=1\n", "must name one truss"),
 ])
-def test_refused_pretension(run_deck: Run, deck: str, told: str) -> None:
+def test_refused_pretension(run_deck: Run, deck: str, message: str) -> None:
     """What cannot be cut."""
     done = run_deck(f"{deck}*STEP\n*STATIC\n*END STEP\n")
     assert done.returncode == 3
-    assert told in done.stdout + done.stderr
+    assert message in done.stdout + done.stderr
 
 
 def test_data_in_files(run_deck: Run, tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Constraints against closed forms: nodes without elements, transforms, rigid bodies, couplings, ties, pre-tension, MPCs.
 
 Where the answer is in the space of the shape functions the tolerance is that of the solver. Non-linear constraints
-must converge quadratically: the tests ask for few iterations of large rotations.
+must converge quadratically: the tests allow few iterations for large rotations.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -206,7 +206,7 @@ IN_THE_PLANE = {
 
 
 def plane_job(card: str, kind: str) -> str:
-    """A square on two supports with a reference node above it, which is pushed to the side and down; nothing holds it along z."""
+    """A square on two supports with a reference node above it, which is pushed to the side and down; it has no support along z."""
     loads = "*BOUNDARY\n1, 1, 2\n2, 1, 2\n*CLOAD\n9, 1, 5.\n9, 2, -3.\n"
     step = f"*STEP\n*STATIC\n{TIGHT}{loads}{PRINT.replace('SHOWN', 'ALL')}*END STEP\n"
     return f"{PLANE_CUBE % kind}{IN_THE_PLANE[card]}{MATERIAL}1.\n{step}"
@@ -249,7 +249,7 @@ def test_tie(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_tie_too_far(run_deck: Run) -> None:
-    """Surfaces farther apart than the tolerance: told, nothing is run."""
+    """Surfaces farther apart than the tolerance: reported, nothing runs."""
     cards = two_cubes(0.01) + "*TIE, NAME=T, POSITION TOLERANCE=.001\nLOW, UP\n"
     done = run_deck(job(cards, "*BOUNDARY\nBOTTOM, 1, 3\nHEAD, 1, 3\n"))
     assert done.returncode == 4
@@ -313,7 +313,7 @@ def cut_deck(kind: str, has_wall: bool) -> str:
 @pytest.mark.parametrize("has_wall", [False, True])
 @pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D10", "C3D15", "C3D20"])
 def test_pretension_parts_all_elements(run_deck: Run, tmp_path: Path, kind: str, has_wall: bool) -> None:
-    """Elements that touch the cut with no more than an edge or a corner stand on their side of it too: nothing else carries, and the
+    """Elements that touch the cut with no more than an edge or a corner belong to their side of it too: nothing else transmits force, and the
     overlap is L (F / A + nu p) / E. A surface that crosses the cut has the nodes on both sides of it."""
     text = cut_deck(kind, has_wall)
     done = run_deck(text if has_wall else text.replace("*NSET, NSET=FAR\n\n", ""))
@@ -326,15 +326,15 @@ def test_pretension_parts_all_elements(run_deck: Run, tmp_path: Path, kind: str,
 
 def test_pretension_as_calculix_has_it(run_deck: Run, tmp_path: Path) -> None:
     """The calculix dialect parts the elements of the faces alone, as CalculiX does (compared with it in verify/peers), and says how many
-    others carry load past the section: less than the force is left in the bar."""
+    others transmit load past the section: less than the force is left in the bar."""
     done = run_deck(cut_deck("C3D4", has_wall=False).replace("*NSET, NSET=FAR\n\n", ""), "--dialect=calculix")
     assert done.returncode == 0, done.stdout + done.stderr
-    told = re.search(r"(\d+) elements beside the section", done.stdout + done.stderr)
+    message = re.search(r"(\d+) elements beside the section", done.stdout + done.stderr)
     body = as_kind(block([0, 1, 2], [0, 1, 2], range(5), "COLUMN"), "C3D4")
     above = (body.nodes[body.elements, 2] >= 2).all(axis=1)
     on_cut = (body.nodes[body.elements, 2] == 2).sum(axis=1)
-    assert told
-    assert int(told[1]) == (above & (on_cut > 0) & (on_cut < 3)).sum()
+    assert message
+    assert int(message[1]) == (above & (on_cut > 0) & (on_cut < 3)).sum()
     assert 1.0 < -sum(row[2] for row in read_rows(tmp_path, "forces").values()) < 4.0
 
 
@@ -344,7 +344,7 @@ def test_pretension_as_calculix_has_it(run_deck: Run, tmp_path: Path) -> None:
 def test_contact_pushes_across_a_cut(run_deck: Run, tmp_path: Path, kind: str, slaves: str, form: str) -> None:
     """The slave surface crosses the cut, or ends at it on either side, against a wall with other nodes: both nodes of a place at the cut
     go along the wall together and are pushed as one. The pressure passes evenly, so the overlap is L (F / A + nu p) / E, and the
-    wall carries all of it; a surface that ends at the cut is pressed half as high up, and the bar bends."""
+    wall takes all of it; a surface that ends at the cut is pressed half as high up, and the bar bends."""
     text = cut_deck(kind, has_wall=True).replace("FRONT, SIDE", "SIDE, FRONT").replace(", TYPE=SURFACE TO SURFACE", form)
     if slaves != "all":
         body = as_kind(join([block([0, 1, 2], [0, 1, 2], range(5), "COLUMN"), block([2, 3], [0, 1, 2], [0, 1, 3, 4], "WALL")]), kind)
@@ -364,7 +364,7 @@ def test_contact_pushes_across_a_cut(run_deck: Run, tmp_path: Path, kind: str, s
 
 
 def test_pretension_in_part_of_a_body(run_deck: Run) -> None:
-    """A cut that ends inside the body is told: elements on its two sides hang together around its edge."""
+    """A cut that ends inside the body is reported: elements on its two sides are connected around its edge."""
     text = cut_deck("C3D8", has_wall=False).replace("*NSET, NSET=FAR\n\n", "")
     cut = re.search(r"NAME=CUT\n(.*\n)", text)
     assert cut
@@ -406,7 +406,7 @@ def test_mean_rotation(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_time_delay_and_shift(run_deck: Run, tmp_path: Path) -> None:
-    """A delayed and shifted amplitude: at the end of the step of length 1 the table stands at 1 - .25 + .5."""
+    """A delayed and shifted amplitude: at the end of the step of length 1 the table is at 1 - .25 + .5."""
     cards = "*AMPLITUDE, NAME=A, SHIFTX=-.5, SHIFTY=1.\n0., 0., 2., 2.\n"
     loads = "*BOUNDARY\nBOTTOM, 1, 3\n*BOUNDARY, AMPLITUDE=A, TIME DELAY=.25\nTOP, 3, 3, .01\n"
     done = run_deck(job(cards, loads))
@@ -415,7 +415,7 @@ def test_time_delay_and_shift(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_constraint_conflict(run_deck: Run) -> None:
-    """A rigid body whose nodes are prescribed apart is told with its line."""
+    """A rigid body with contradictory prescribed displacements is reported with its line."""
     cards = "*NODE, NSET=ALL\n90, .5, .5, 1.\n*RIGID BODY, NSET=TOP, REF NODE=90\n"
     loads = "*BOUNDARY\nBOTTOM, 1, 3\n5, 1, 3\n6, 1, 3\n7, 1, 3\n8, 1, 1, .1\n8, 2, 3\n"
     done = run_deck(job(cards, loads))
@@ -423,8 +423,8 @@ def test_constraint_conflict(run_deck: Run) -> None:
     assert re.search(r"RIGID BODY of line \d+ contradicts", done.stdout + done.stderr)
 
 
-def test_constraint_conflict_on_the_way(run_deck: Run, tmp_path: Path) -> None:
-    """Supports that a rigid body allows to first order alone: under NLGEOM the conflict is found on the way, and is told with its line.
+def test_constraint_conflict_during_the_step(run_deck: Run, tmp_path: Path) -> None:
+    """Supports that a rigid body allows to first order alone: under NLGEOM the conflict appears during the step, and is reported with its line.
 
     An edge turns about its end by prescribed displacements that would stretch it by sqrt(1.09) - 1.
     """
@@ -433,8 +433,8 @@ def test_constraint_conflict_on_the_way(run_deck: Run, tmp_path: Path) -> None:
     deck = job(cards, loads, "*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n")
     done = run_deck(deck)
     line = 1 + deck.splitlines().index("*RIGID BODY, NSET=TOP, REF NODE=90")
-    told = done.stdout + done.stderr
-    assert done.returncode == 5, told
-    assert f"CONSTRAINTS: The *RIGID BODY of line {line} contradicts the boundary conditions of its nodes" in told
-    assert "Remedy: release a support or an equation" in told
+    message = done.stdout + done.stderr
+    assert done.returncode == 5, message
+    assert f"CONSTRAINTS: The *RIGID BODY of line {line} contradicts the boundary conditions of its nodes" in message
+    assert "Remedy: release a support or an equation" in message
     assert "CONSTRAINTS: The *RIGID BODY" in (tmp_path / "job.cvg").read_text()

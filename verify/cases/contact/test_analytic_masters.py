@@ -67,7 +67,7 @@ def test_hertz(proof: Proof, kind: str) -> None:
     for n in (8, 16):
         ground = half_space(n)
         deck = flat_deck([(ground, (YOUNG, NU))], kind, rigid("SEGMENTS", arc, "0., 10.") + pair("GROUND_TOP", "TOOL") + step(cards, 4))
-        job = case.run(deck, f"{n} cells", asked=4)
+        job = case.run(deck, f"{n} cells", requested=4)
         slaves = ground.along("GROUND_TOP")
         x, p = job.points[slaves, 0], job.last("CPRESS")[slaves]
         a, peak = ellipse(x, p)
@@ -101,7 +101,7 @@ def test_hertz_ball_in_space(proof: Proof) -> None:
     sides = {"XSIDE": np.flatnonzero(ground.nodes[:, 0] < 1e-9), "YSIDE": np.flatnonzero(ground.nodes[:, 1] < 1e-9)}
     profile = f"0., 0., {radius:g}, 0., 0., {radius + 1:g}\nSTART, {radius:g}, 0.\nCIRCL, 0., {-radius:g}, 0., 0.\n"
     held = fix("GROUND_BOTTOM, 1, 3", "XSIDE, 1", "YSIDE, 2", "REFERENCE, 1, 2", "REFERENCE, 4, 6") + f"*CLOAD\nREFERENCE, 3, {-force / 4:.15g}\n"
-    job = case.run(solid_deck([(ground, (YOUNG, NU))], rigid("REVOLUTION", profile, "0., 0., 100.") + pair("GROUND_TOP", "TOOL"), step(held, 2), sides), asked=2)
+    job = case.run(solid_deck([(ground, (YOUNG, NU))], rigid("REVOLUTION", profile, "0., 0., 100.") + pair("GROUND_TOP", "TOOL"), step(held, 2), sides), requested=2)
     slaves = ground.node_sets["GROUND_TOP"]
     r, p = np.linalg.norm(job.points[slaves, :2], axis=1), job.last("CPRESS")[slaves]
     a, peak = ellipse(r, p)
@@ -125,7 +125,7 @@ def test_surface_is_shown(proof: Proof) -> None:
     cube = block(between(0, 1, 1), between(0, 1, 1), between(-1, 0, 1), "CUBE")
     profile = "0.5, 0.5, 3.5, 0.5, 0.5, 4.5\nSTART, 3., 0.\nCIRCL, 0., -3., 0., 0.\n"
     moves = fix("CUBE_BOTTOM, 1, 3", "REFERENCE, 1, 1, 0.1", "REFERENCE, 2, 2, 0.2", "REFERENCE, 3, 5", "REFERENCE, 6, 6, 0.5")
-    job = case.run(solid_deck([(cube, (YOUNG, NU))], rigid("REVOLUTION", profile, "2., 0., 3.") + pair("CUBE_TOP", "TOOL"), step(moves, 2, True)), asked=2)
+    job = case.run(solid_deck([(cube, (YOUNG, NU))], rigid("REVOLUTION", profile, "2., 0., 3.") + pair("CUBE_TOP", "TOOL"), step(moves, 2, True)), requested=2)
     first = 8 + 1 + 1 + 4
     shown, u = job.points[first:], job.last("U")[first:]
     case.true("points of the surface", len(shown) > 500, why="5 degrees a cell", place="the drawn surface", time="the end")
@@ -212,7 +212,7 @@ def test_ball_in_a_part(proof: Proof, blank: str) -> None:
     deck = IN_A_PART.replace("NAME=SKIN\n", f"NAME=SKIN\n{blank}")
     plain = deck.split("*PART, NAME=BALL")[0].replace("*PART, NAME=CUBE\n", "").replace("*END PART\n", "") + "*NODE\n900, 0.5, 0.5, 7.\n" + PLAIN_BALL
     plain += deck.split("*END ASSEMBLY\n")[1].replace("C1.", "").replace("BALL-1.RP", "900").replace("BALL-1.", "")
-    forces = [case.run(text, name, asked=2).last("RF")[8] for name, text in (("part", deck), ("plain", plain))]
+    forces = [case.run(text, name, requested=2).last("RF")[8] for name, text in (("part", deck), ("plain", plain))]
     case.near("force", forces[0], forces[1], 1e-10, why="the same model", place="reference node of the ball", time="the end")
     case.done()
 
@@ -232,7 +232,7 @@ def stone(angle: float) -> Plane:
 
 
 def test_block_slides_on_inclined_plane(proof: Proof) -> None:
-    """Above the critical angle a spring along the slope carries what friction does not."""
+    """Above the critical angle a spring along the slope takes the force beyond the friction limit."""
     beta, mu, stiffness = 0.5, 0.3, 50.0
     case = proof(
         "incline-analytic-slip",
@@ -254,7 +254,7 @@ def test_block_slides_on_inclined_plane(proof: Proof) -> None:
     profile = f"START, {far[0]}, {far[1]}\nLINE, {far[2]}, {far[3]}\n"
     loads = "*CLOAD\n" + f"STONE, 2, {-WEIGHT / len(plane.nodes):.15g}\n"
     cards = spring + rigid("SEGMENTS", profile, "0., -1.") + pair("STONE_BOTTOM", "TOOL", mu) + step(fix("ANCHOR, 1, 3", "REFERENCE, 1, 2", "REFERENCE, 6") + loads, 5)
-    job = case.run(flat_deck([(plane, (1e5, NU))], "CPE4", cards), asked=5)
+    job = case.run(flat_deck([(plane, (1e5, NU))], "CPE4", cards), requested=5)
     u = job.last("U")[corner, :2] @ along
     case.near("force of the spring", -stiffness * u, WEIGHT * (np.sin(beta) - mu * np.cos(beta)), 1e-5, why="the tolerance of Newton's method",
               place="spring", time="the end")  # fmt: skip
@@ -268,7 +268,7 @@ def test_block_slides_on_inclined_plane(proof: Proof) -> None:
 
 
 def test_tilting_table(proof: Proof) -> None:
-    """A table that turns about a distant reference node carries a block that sticks through space."""
+    """A block sticks to a table that turns about a distant reference node."""
     angle, mu = 0.2, 0.3
     case = proof(
         "tilting-table",
@@ -284,7 +284,7 @@ def test_tilting_table(proof: Proof) -> None:
     first = step(fix("REFERENCE, 1, 2", "REFERENCE, 6") + loads, 1, True)
     then = step(fix("REFERENCE, 1, 1, 1.", "REFERENCE, 2, 2, 2.", f"REFERENCE, 6, 6, {angle:g}"), 6, True)
     cards = rigid("SEGMENTS", "START, -10., 0.\nLINE, 10., 0.\n", "-3., 1.") + pair("STONE_BOTTOM", "TOOL", mu) + first + then
-    job = case.run(flat_deck([(plane, (1e5, NU))], "CPE4", cards), asked=7)
+    job = case.run(flat_deck([(plane, (1e5, NU))], "CPE4", cards), requested=7)
     n = len(plane.nodes)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     centre = np.array([-3.0, 1.0])
@@ -321,7 +321,7 @@ def test_capstan(proof: Proof) -> None:
         "capstan-analytic",
         title="Capstan on an analytic drum",
         model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed analytic drum of radius 100, 100 CPE4 along it, small displacements, mu = 0.3. Its ends are "
-        "held along it while it settles (1 increment), then one is drawn by 1 (60 increments) while the other gives way by 0.9, so that all of it slides.",
+        "held along it while contact is established (1 increment), then one is drawn by 1 (60 increments) while the other yields by 0.9, so that all of it slides.",
         formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R))",
         source="Euler (1769), Eytelwein (1808)",
         proves="Friction along an analytic arc.",
@@ -332,7 +332,7 @@ def test_capstan(proof: Proof) -> None:
     supports = fix("REFERENCE, 1, 2", "REFERENCE, 6", "PULLED, 1", "GIVEN, 2")
     steps = step(supports, 1) + step(fix("PULLED, 1, 1, -1.", "GIVEN, 2, 2, 0.9"), 60)
     drum = rigid("SEGMENTS", "START, 0., 100.\nCIRCL, 100., 0., 0., 0.\n", "0., 0.")
-    job = case.run(flat_deck([(strap, (1000.0, 0.0))], "CPE4", drum + pair("STRAP_BOTTOM", "TOOL", 0.3) + steps), asked=61)
+    job = case.run(flat_deck([(strap, (1000.0, 0.0))], "CPE4", drum + pair("STRAP_BOTTOM", "TOOL", 0.3) + steps), requested=61)
     force = job.last("RF")
     found = force[strap.node_sets["PULLED"], 0].sum() / force[strap.node_sets["GIVEN"], 1].sum()
     case.near("T2/T1", found, np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200)), 0.01, why="linear elements bend too stiffly, as on a meshed drum",
@@ -384,7 +384,7 @@ def test_against_meshed_master(proof: Proof) -> None:
     )
     block_under = flatten(ground())
     contact = pair("BLOCK_TOP", "TOOL", 0.3) + roll(2, 6, f"{REFERENCE}, 1, 1, 0.2")
-    exact = case.run(flat_deck([(block_under, (YOUNG, NU))], "CPE4", ROLLER + contact), "analytic", asked=8)
+    exact = case.run(flat_deck([(block_under, (YOUNG, NU))], "CPE4", ROLLER + contact), "analytic", requested=8)
     n = len(block_under.nodes)
     wanted = exact.last("RF")[n][:2]
     errors = []
@@ -392,7 +392,7 @@ def test_against_meshed_master(proof: Proof) -> None:
         tool = meshed_roller(cells)
         body = f"*NODE\n{REFERENCE}, 0., {RADIUS:g}\n*RIGID BODY, ELSET=ROLLER, REF NODE={REFERENCE}\n"
         deck = flat_deck([(block_under, (YOUNG, NU)), (tool, (YOUNG, NU))], "CPE4", body + contact.replace("BLOCK_TOP, TOOL", "BLOCK_TOP, ROLLER_BOTTOM"))
-        job = case.run(deck, f"{cells} cells", asked=8)
+        job = case.run(deck, f"{cells} cells", requested=8)
         errors.append(float(np.linalg.norm(job.last("RF")[n + len(tool.nodes)][:2] - wanted) / np.linalg.norm(wanted)))
     order = observed_order([errors[0], errors[2]], 4.0)
     case.near("force of the finest meshed roller, error", errors[2], 0.0, 0.01, why="h^2/(8 R) of 80 cells is 0.2 % of the depth", scale=1.0,
@@ -412,7 +412,7 @@ def test_turning_roller(proof: Proof) -> None:
         proves="Normals of an analytic arc are exact: the same on a meshed roller holds to a per cent.",
     )
     block_under = flatten(ground())
-    job = case.run(flat_deck([(block_under, (YOUNG, NU))], "CPE4", ROLLER + pair("BLOCK_TOP", "TOOL", 0.3) + roll(2, 6, f"{REFERENCE}, 6, 6, 0.2")), asked=8)
+    job = case.run(flat_deck([(block_under, (YOUNG, NU))], "CPE4", ROLLER + pair("BLOCK_TOP", "TOOL", 0.3) + roll(2, 6, f"{REFERENCE}, 6, 6, 0.2")), requested=8)
     n = len(block_under.nodes)
     normal = np.linalg.norm(job.last("CNORMF")[:n], axis=1).sum()
     case.near("moment over mu R N", abs(moment_of(job, n)) / (0.3 * RADIUS * normal), 1.0, 1e-6, why="the tolerance of Newton's method",
@@ -424,7 +424,7 @@ def test_turning_roller(proof: Proof) -> None:
 
 
 def test_clamped_by_a_force(proof: Proof) -> None:
-    """A sheet between a die, a punch and a holder that only the contact holds: the force goes through."""
+    """A sheet between a die, a punch and a holder that only contact supports: the force goes through."""
     force, mu = 50.0, 0.1
     case = proof(
         "analytic-clamped",
@@ -433,7 +433,7 @@ def test_clamped_by_a_force(proof: Proof) -> None:
         f"An analytic holder (x >= 26.5) is pressed on it by a force of {force:g} in 5 increments, NLGEOM, mu = {mu:g}.",
         formula="The die bears what holder and punch press; under the holder the sheet gets thinner by p t (1 - nu^2)/E, p = F/33.5, where its ends are far.",
         source="Equilibrium; Hooke's law in plane strain",
-        proves="A rigid tool without any stiffness of its own is part of the interface, so contact settles ahead: without that the nodes between punch and die chatter and no increment converges.",
+        proves="A rigid tool without any stiffness of its own is part of the interface, so the contact subproblem is solved first: otherwise the nodes between punch and die chatter and no increment converges.",
     )
     sheet_between = flatten(sheet("SHEET", between(0, 60, 90), between(0, 1, 3)))
     die = rigid("SEGMENTS", "START, 26.5, -60.\nLINE, 26.5, 0.\nLINE, 100., 0.\n", "26., 0.", "DIE", ", FILLET RADIUS=5.")
@@ -442,7 +442,7 @@ def test_clamped_by_a_force(proof: Proof) -> None:
     tools = "".join(text.replace(str(REFERENCE), str(REFERENCE + k)) for k, text in enumerate((die, punch, holder)))
     pairs = pair("SHEET_BOTTOM", "DIE", mu) + pair("SHEET_TOP", "PUNCH", mu) + pair("SHEET_TOP", "HOLDER", mu)
     held = fix("SHEET_LEFT, 1", *(f"{REFERENCE + k}, 1, 6" for k in (0, 1)), f"{REFERENCE + 2}, 1", f"{REFERENCE + 2}, 6")
-    job = case.run(flat_deck([(sheet_between, (70000.0, NU))], "CPE4", tools + pairs + step(f"{held}*CLOAD\n{REFERENCE + 2}, 2, {-force:g}\n", 5, True)), asked=5)
+    job = case.run(flat_deck([(sheet_between, (70000.0, NU))], "CPE4", tools + pairs + step(f"{held}*CLOAD\n{REFERENCE + 2}, 2, {-force:g}\n", 5, True)), requested=5)
     pressed = job.last("CNORMF")[sheet_between.node_sets["SHEET_BOTTOM"]][:, 1].sum()
     above = job.last("CNORMF")[sheet_between.node_sets["SHEET_TOP"]][:, 1].sum()
     case.near("die and what is above, the difference", pressed + above, 0.0, 1e-6, why="Newton's tolerance", scale=force, place="all slave nodes", time="the end")
@@ -464,12 +464,12 @@ def test_drawn_equals_flat(proof: Proof) -> None:
         proves="Local axes, generator and weights in space.",
     )
     flat = flatten(ground())
-    plane = case.run(flat_deck([(flat, (YOUNG, NU))], "CPE4", ROLLER + pair("BLOCK_TOP", "TOOL", 0.3) + roll(2, 6, f"{REFERENCE}, 1, 1, 0.2")), "plane", asked=8)
+    plane = case.run(flat_deck([(flat, (YOUNG, NU))], "CPE4", ROLLER + pair("BLOCK_TOP", "TOOL", 0.3) + roll(2, 6, f"{REFERENCE}, 1, 1, 0.2")), "plane", requested=8)
     sheet_under = ground()
     drawn = rigid("CYLINDER", "0., 0., 0., 1., 0., 0.\n0., 1., 0.\n" + ARC, f"0., 0., {RADIUS:g}")
     steps = roll(3, 5, f"{REFERENCE}, 1, 1, 0.2").replace("*STATIC", "*STATIC", 1)
     steps = steps.replace(f"{REFERENCE}, 5\n", f"{REFERENCE}, 2\n{REFERENCE}, 4, 6\n", 1)
-    solid = case.run(plane_deck([(sheet_under, (YOUNG, NU))], drawn + pair("BLOCK_TOP", "TOOL", 0.3), steps), "solids", asked=8)
+    solid = case.run(plane_deck([(sheet_under, (YOUNG, NU))], drawn + pair("BLOCK_TOP", "TOOL", 0.3), steps), "solids", requested=8)
     keep = np.flatnonzero(np.abs(sheet_under.nodes[:, 1]) < 1e-9)
     case.near("displacement", solid.last("U")[keep][:, [0, 2]], plane.last("U")[: len(flat.nodes), :2], 1e-6, why="the tolerance of Newton's method",
               place="all nodes", time="the end")  # fmt: skip

@@ -156,8 +156,8 @@ FORMS = pytest.mark.parametrize("form", ["", ", TYPE=SURFACE TO SURFACE"], ids=[
 @pytest.mark.parametrize("kind", ["C3D8", "C3D8I"])
 @pytest.mark.parametrize("direction", [1, 3])
 def test_operating_load(run_deck: Run, tmp_path: Path, kind: str, form: str, direction: int) -> None:
-    """Sheared by three quarters of the slip force of the seam, or pried at the end: the support carries the load, the bolt is tightened to what
-    was asked for. Three iterations in each increment are enough."""
+    """Sheared by three quarters of the slip force of the seam, or pried at the end: the support takes the load, the bolt is tightened to the
+    prescribed force. Three iterations in each increment are enough."""
     force = (0.75 * MU * TENSION, 0.0, 1500.0)[direction - 1]
     done = run_deck(joint_deck(kind, form, lambda n: f"PULL, {direction}, {force / n}\n"))
     assert done.returncode == 0, done.stdout + done.stderr
@@ -178,8 +178,8 @@ def test_operating_load(run_deck: Run, tmp_path: Path, kind: str, form: str, dir
     pytest.param("C3D10", ", TYPE=SURFACE TO SURFACE", marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_slips_into_bearing(run_deck: Run, tmp_path: Path, kind: str, form: str) -> None:
-    """Dragged by more than the clearance of both holes. Before the bolt bears, the seam and the way over head, bolt and nut carry mu times the
-    force in the bolt each. In bearing they carry more; the support carries what is pulled with."""
+    """Dragged by more than the clearance of both holes. Before the bolt bears, the seam and the path over head, bolt and nut each transmit mu times the
+    force in the bolt. In bearing they transmit more; the support takes the applied force."""
     done = run_deck(joint_deck(kind, form, lambda _n: "*BOUNDARY\nPULL, 1, 1, 1.4\n"))
     assert done.returncode == 0, done.stdout + done.stderr
     increments, failed, iterations = effort(tmp_path)

@@ -85,7 +85,7 @@ def test_flat_punch(proof: Proof, nu: float, mu: float, kind: str) -> None:
     forces = []
     for n in (10, 20):
         deck, slaves = punch_in_space(n // 2, nu, mu) if kind == "C3D8" else punch_revolved(n, nu, mu)
-        r, p, force = judge_punch(case, case.run(deck, f"{n} elements", asked=5), slaves, nu, mu, n)
+        r, p, force = judge_punch(case, case.run(deck, f"{n} elements", requested=5), slaves, nu, mu, n)
         forces.append(force / (wanted.force * YOUNG / (2 * (1 + nu)) * DEPTH))
     case.near("force", forces[1], 1.0, 0.03, why=f"an edge in steps of a/20, a half space of {FAR:g} a", time="20 elements", scale=1.0,
               place="all slave nodes", order=f"{observed_order([abs(f - 1) for f in forces]):.1f}")  # fmt: skip
@@ -173,7 +173,7 @@ def test_cattaneo_mindlin_balls(proof: Proof) -> None:
     steps = step(still, 3) + "".join(step(fix(f"UPPER_TOP, 1, 1, {u}"), n) for u, n in ((SIDE, 5), (-SIDE, 10), (SIDE, 10)))
     young = 2 * SHEAR * (1 + NU)
     deck = solid_deck([(upper, (young, NU)), (lower, (young, NU))], pair("UPPER_BOTTOM", "LOWER_TOP", MU), steps)
-    job = case.run(deck, asked=28)
+    job = case.run(deck, requested=28)
     slaves = np.unique(upper.elements[upper.element_sets["UPPER_NEAR"]][:, :4])
     force = 2 * job.field("RF")[:, upper.node_sets["UPPER_TOP"]].sum(axis=1)
     first = job.frame(1.0)

@@ -94,7 +94,7 @@ def test_patch(order: int, nlgeom: str, run_deck: Run, tmp_path: Path) -> None:
     """Every stress in the pressed block is -p, the pressure at every point p, and the energies are those of the springs.
 
     With NLGEOM the slave does not grow sideways (nu = 0), so that the nominal pressure is the true one. A master face stays flat only if
-    the whole lower block is held: what it gives is asked of its top alone.
+    the whole lower block is held: its compliance comes from its top alone.
     """
     prints = "*CONTACT PRINT, TOTALS=YES\nCSTR, CDIS, CELS\n*EL PRINT, ELSET=UP\nS\n*END STEP\n"
     load = "".join(f"{e}, P2, {PRESSURE}\n" for e in range(7, 13))
@@ -127,18 +127,18 @@ def test_ramp(run_deck: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("order", [8, pytest.param(20, marks=pytest.mark.slow)])
 def test_slip(order: int, run_deck: Run, tmp_path: Path) -> None:
-    """The block is pushed along: up to mu p the shear is the stick slope times the way, whatever the faces that the points meet; then mu p."""
-    mu, slope, way = 0.4, 2.0e3, 2.0e-3
+    """The block is pushed along: up to mu p the shear is the stick slope times the displacement, whatever the faces that the points meet; then mu p."""
+    mu, slope, displacement = 0.4, 2.0e3, 2.0e-3
     text = deck(order, "*STATIC, DIRECT\n.125, 1.\n", friction=f"*FRICTION\n{mu}, {slope}\n", gap=-PRESSURE / STIFFNESS)
     text += "*BOUNDARY\nLOWER, 1, 3\nUPPER, 2, 3\n*CONTACT PRINT\nCSTR\n*END STEP\n"
-    text += f"*STEP\n*STATIC, DIRECT\n.125, 1.\n*BOUNDARY\nUPPER, 1, 1, {way}\n*CONTACT PRINT\nCSTR\n*END STEP\n"
+    text += f"*STEP\n*STATIC, DIRECT\n.125, 1.\n*BOUNDARY\nUPPER, 1, 1, {displacement}\n*CONTACT PRINT\nCSTR\n*END STEP\n"
     text = text.replace("UPPER, 2, 3\n", "UPPER, 1, 3\n")
     assert run_deck(text).returncode == 0
     tables = blocks(tmp_path / "job.dat")["contact stress"][8:]
     assert len(tables) == 8
     for k, table in enumerate(tables, 1):
         assert table[:, 2] == pytest.approx(PRESSURE, rel=1e-6)
-        assert np.abs(table[:, 3]) == pytest.approx(min(slope * way * k / 8, mu * PRESSURE), rel=1e-5)
+        assert np.abs(table[:, 3]) == pytest.approx(min(slope * displacement * k / 8, mu * PRESSURE), rel=1e-5)
 
 
 @pytest.mark.parametrize("pair", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
@@ -162,7 +162,7 @@ def test_touching_without_load(order: int, pair: str, run_deck: Run, tmp_path: P
 
 def test_tilting_on_a_dented_master(run_deck: Run) -> None:
     """A block is pressed by the mortar method on a face whose edge has sunk in, and tilts: it may end with a reason, but contact that had
-    settled somewhere else on the way is as it is here again (its rows once held no node).
+    converged elsewhere during the attempt is as it is here again (its rows once held no node).
     """
     mesh = Mesh(20)
     mesh.block((0.0, 0.0, -1.0), (1.0, 1.0, 0.0), (1, 1, 1), 1)

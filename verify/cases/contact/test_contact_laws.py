@@ -119,7 +119,7 @@ def test_linear(bench: Bench) -> None:
 
 
 def test_linear_without_tension(bench: Bench) -> None:
-    """Where no tension is given there is none under the abaqus dialect: K h, and nothing at a gap within CalculiX's reach of 0.001 sqrt(A)."""
+    """No tension is allowed by default under the abaqus dialect: K h, and nothing at a gap within CalculiX's reach of 0.001 sqrt(A)."""
     lifted = step("*BOUNDARY, OP=NEW\nLOWER, 1, 3\nUPPER, 1, 2\nUPPER, 3, 3, 2e-4\n*DLOAD, OP=NEW")
     answer = bench.solve("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n2.e4", step(pressed(10.0)) + lifted, dialect="abaqus")
     assert answer.pressure[1] == pytest.approx(10.0, rel=1e-7)
@@ -145,10 +145,10 @@ def test_exponential_ends_gently(bench: Bench) -> None:
 
 @pytest.mark.parametrize("dialect", ["calculix", "abaqus"])
 def test_steep_law_is_in_balance(bench: Bench, dialect: str) -> None:
-    """A cube whose top is moved on into a steep law: its pressure is that of a bar, p = E (u - gap - h)/L, with u the way of the top and h the overclosure.
+    """A cube whose top is moved on into a steep law: its pressure is that of a bar, p = E (u - gap - h)/L, with u the displacement of the top and h the overclosure.
 
-    Each increment begins where its nodes go on with their velocity, some twenty c0 deep: the law has 1e10 p0 there. That is no force by which a
-    balance may be measured: it ended with 52.3 in place of 44.6. 5e-4 is the tolerance of the calculix dialect.
+    Each increment begins with the predictor from the last velocity, some twenty c0 deep: the law has 1e10 p0 there. That is no force by which a
+    equilibrium may be measured: it ended with 52.3 in place of 44.6. 5e-4 is the tolerance of the calculix dialect.
     """
     law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL\n0.0005, 1."
     moved = "*STEP, INC=1000\n*STATIC\n0.2, 1., , 0.2\n*BOUNDARY\nUPPER, 1, 1\nTOP, 3, 3, -0.05\n*END STEP\n"
@@ -174,7 +174,7 @@ def test_table_that_begins_before_touch(bench: Bench) -> None:
 
 
 def test_tied_pulls(bench: Bench) -> None:
-    """A spring both ways, from where the surfaces were; it shears with the stick slope and never slips."""
+    """A spring in tension and compression, from where the surfaces were; it shears with the stick slope and never slips."""
     law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e4\n*FRICTION\n0.1, 500."
     answer = bench.solve(law, step(pressed(-10.0, 0.02)), gap=0.001)
     assert answer.gap[-1] == pytest.approx(0.001, rel=1e-6)
@@ -237,7 +237,7 @@ def test_rough_never_slips(bench: Bench) -> None:
 
 @pytest.mark.parametrize("words", ["SLIP TOLERANCE=0.005", "ELASTIC SLIP=1e-3", "LAGRANGE"])
 def test_sticking_is_exact(bench: Bench, words: str) -> None:
-    """Whatever slip the deck would allow: below mu p the foot does not move at all, and bitwise as without the word; beyond, it carries mu p."""
+    """Whatever slip the deck would allow: below mu p the foot does not move at all, and bitwise as without the word; beyond, it transmits mu p."""
     steps = step("*BOUNDARY\nTOP, 1, 1\n*DLOAD\n2, P2, 100.") + step("*BOUNDARY\nTOP, 1, 1, 0.01", "0.25, 1.")
     plain, answer = bench.solve("*FRICTION\n0.2", steps), bench.solve(f"*FRICTION, {words}\n0.2", steps)
     assert np.all(answer.status[-1] == 1)
@@ -375,6 +375,6 @@ def test_contact_print_of_some(bench: Bench) -> None:
 
 @pytest.mark.parametrize("wrong", ["NSET=NONE", "SLAVE=NONE", "MASTER=NONE"])
 def test_contact_print_of_nothing(bench: Bench, wrong: str) -> None:
-    """Names that are not there are told."""
+    """Undefined names are reported."""
     with pytest.raises(AssertionError, match="There is no .* 'NONE'"):
         bench.solve("", step(pressed(10.0) + f"\n*CONTACT PRINT, {wrong}\nCSTR"))

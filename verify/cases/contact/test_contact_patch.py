@@ -60,7 +60,7 @@ def test_matching(proof: Proof, mu: float) -> None:
         proves="Forces pass from node to node without loss where the meshes match.",
     )
     deck, n = stack(3, 3, mu)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     stress = job.last("S")
     case.near("stress", stress, np.tile([0, 0, -10.0, 0, 0, 0], (len(stress), 1)), 1e-6, why="in the space of the elements",
               place="all nodes", time="the end")  # fmt: skip
@@ -78,11 +78,11 @@ def test_not_matching(proof: Proof, upper: int, lower: int) -> None:
         formula="Stress sigma_zz = -10 everywhere. Node-to-surface contact cannot: forces at slave nodes are not the consistent "
         "forces of a uniform pressure on the master. The sum of the forces is exact. (CalculiX: -12.7 to -8.4 with a fine slave.)",
         source="Taylor and Papadopoulos (1991); El-Abbasi and Bathe (2001)",
-        proves="The known limit of node-to-surface contact, so that nobody is surprised: use matching meshes or a mortar method where local "
+        proves="The known limit of node-to-surface contact, as a warning: use matching meshes or a mortar method where local "
         "pressures across an interface matter.",
     )
     deck, n = stack(upper, lower, 0.0)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     total = job.last("CNORMF")[:, 2].sum()
     case.near("total contact force", total, 10.0, 1e-9, why="equilibrium", place="all slave nodes", time="the end")
     worst = float(np.abs(job.last("S")[:, 2] + 10).max() / 10)

@@ -1,4 +1,4 @@
-"""Contact decks as an engineer writes them, with default settings: they finish, in at most 8 iterations per increment asked for.
+"""Contact decks as an engineer writes them, with default settings: they finish, in at most 8 iterations per requested increment.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -92,19 +92,19 @@ def gasket_at_edges() -> tuple[Parts, str, str, int, list[str]]:
 
 @pytest.mark.parametrize("make", [pin_in_bush, cold_fit, gaskets, in_a_corner, wedge, gasket_at_edges], ids=lambda make: make.__name__)
 def test_defaults(proof: Proof, make: Callable[[], tuple[Parts, str, str, int, list[str]]]) -> None:
-    """It finishes, in balance, within the iterations that every case is allowed."""
-    parts, kind, cards, asked, held = make()
+    """It finishes in equilibrium within the iterations that every case is allowed."""
+    parts, kind, cards, requested, held = make()
     name = make.__name__.replace("_", "-")
     case = proof(
         f"defaults-{name}",
         title=f"Default settings: {name.replace('-', ' ')}",
-        model=f"{make.__doc__} {kind}, NLGEOM, {asked} increments asked for.",
-        formula="The reactions of all supports are in balance; 8 iterations per increment asked for are enough.",
+        model=f"{make.__doc__} {kind}, NLGEOM, {requested} requested increments.",
+        formula="The reactions of all supports are in equilibrium; 8 iterations per requested increment are enough.",
         source="statics",
         proves="Contact as an engineer writes it converges without a setting.",
     )
     planes = [(flatten(part), elastic) for part, elastic in parts]
-    job = case.run(flat_deck(planes, kind, cards), asked=asked)
+    job = case.run(flat_deck(planes, kind, cards), requested=requested)
     whole = join_planes([plane for plane, _ in planes])
     nodes = np.unique(np.concatenate([whole.node_sets[side] for side in held]))
     force = job.last("RF")[nodes, 1]

@@ -64,13 +64,13 @@ def test_nafems_r0094_1(proof: Proof) -> None:
         proves="Normal contact of curved bodies of different materials, driven by a force from one touching node to twenty. "
         "a/R = 0.12, so Hertz himself is 1 to 2 % off.",
     )
-    jobs = {mu: case.run(r0094_1(force, mu), f"mu={mu:g}", asked=10) for mu in (0.0, 0.1)}
+    jobs = {mu: case.run(r0094_1(force, mu), f"mu={mu:g}", requested=10) for mu in (0.0, 0.1)}
     mesh = join(list(r0094_parts()))
     slaves, middle = rows_of(mesh, "CYLINDER_BOTTOM"), rows_of(mesh, "BLOCK_TOP")[0]
     x, p = jobs[0.0].points[slaves, 0], jobs[0.0].last("CPRESS")[slaves]
     found_a, found_p0 = fitted(x, p)
     case.near("peak pressure p0", found_p0, p0, 0.03, why="Hertz is 1 to 2 % off at a/R = 0.12", place="x = 0", time="the end")
-    coarse = case.run(r0094_1(force, 0.0, 1.2), "elements of a/5", asked=10)
+    coarse = case.run(r0094_1(force, 0.0, 1.2), "elements of a/5", requested=10)
     lines = rows_of(join(list(r0094_parts(1.2))), "CYLINDER_BOTTOM")
     errors = [abs(fitted(coarse.points[lines, 0], coarse.last("CPRESS")[lines])[0] / a - 1), abs(found_a / a - 1)]
     case.near("half width a", found_a, a, 0.03, why="as p0", place="x = a", time="the end", order=f"{observed_order(errors):.1f}")
@@ -131,9 +131,9 @@ def test_hertz_point(proof: Proof) -> None:
         source="Hertz (1882)",
         proves="Contact of a doubly curved face, in three dimensions.",
     )
-    coarse = ball_pressures(case.run(hertz_deck(1.5), "elements of 1.5", asked=5), hertz_deck(1.5), radius, modulus)
+    coarse = ball_pressures(case.run(hertz_deck(1.5), "elements of 1.5", requested=5), hertz_deck(1.5), radius, modulus)
     text = (ROOT / "input" / "hertz_octant.inp").read_text()
-    r, p, force, a, p0 = ball_pressures(case.run(text, "elements of 0.75", asked=5), text, radius, modulus)
+    r, p, force, a, p0 = ball_pressures(case.run(text, "elements of 0.75", requested=5), text, radius, modulus)
     case.within("P over Hertz's", force / (4 / 3 * modulus * np.sqrt(radius) * 0.5**1.5), (1.0, 1.1), why="the equator is near",
                 place="equator", time="the end")  # fmt: skip
     inner = r < 0.5 * a

@@ -44,7 +44,7 @@ HELD = fix("LOWER_BOTTOM, 1, 3", "UPPER_TOP, 1, 3")
 
 @pytest.mark.parametrize("options", ["", ", TYPE=SURFACE TO SURFACE"])
 def test_end_is_that_of_one_increment(options: str, run_deck: Run, tmp_path: Path) -> None:
-    """Without friction the end does not depend on the way there: the overclosure let go in four increments, or pressed out at once."""
+    """Without friction the end does not depend on the path: the overclosure released in four increments, or pressed out at once."""
     ends = []
     for cards, n in ((SHRINK, 4), ("", 1)):
         job = solve(run_deck, tmp_path, deck(0.0, step(HELD + cards, n, is_nlgeom=True), options))
@@ -56,7 +56,7 @@ def test_end_is_that_of_one_increment(options: str, run_deck: Run, tmp_path: Pat
 
 @pytest.mark.parametrize("options", ["", ", TYPE=SURFACE TO SURFACE"])
 def test_then_it_is_drawn(options: str, run_deck: Run, tmp_path: Path) -> None:
-    """With friction nodes stick while the master turns under them: no overclosure is left at the end, friction is bounded, forces balance."""
+    """With friction nodes stick while the master turns under them: no overclosure remains, friction is bounded, forces are in equilibrium."""
     steps = step(HELD + SHRINK, 4, is_nlgeom=True) + step(fix("UPPER_TOP, 1, 1, 0.05"), 4, is_nlgeom=True)
     job = solve(run_deck, tmp_path, deck(0.4, steps, options))
     normal, shear = job.last("CNORMF"), job.last("CSHEARF")

@@ -1,4 +1,4 @@
-"""Surface-to-surface contact by the dual mortar method: patch tests of every element kind, balance of forces and moments.
+"""Surface-to-surface contact by the dual mortar method: patch tests of every element kind, equilibrium of forces and moments.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -141,7 +141,7 @@ def test_patch(proof: Proof, name: str) -> None:
         proves="The integrals of the mortar method are exact on flat interfaces; node-to-surface contact fails this test.",
     )
     deck, nodes, n_upper = stack(kinds, cells, **options)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     soft = PRESSURE / 1e7 if "behavior" in options else 0.0   # the overclosure of a law that gives: the stress falls by soft E/2
     tolerance = 1e-8 + 2 * soft * YOUNG / PRESSURE
     stress = job.last("S")
@@ -217,7 +217,7 @@ def test_plane_patch(proof: Proof, kinds: tuple[str, str]) -> None:
         + "*SURFACE INTERACTION, NAME=I\n*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\nSLAVE, MASTER\n"
         + "*STEP\n*STATIC\n1., 1.\n*BOUNDARY\n" + held + "*END STEP\n"
     )
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     stress = job.last("S")
     expected = np.array([0.0, -PRESSURE, -NU * PRESSURE if is_strain else 0.0, 0.0, 0.0, 0.0])
     case.near("stress", stress, np.tile(expected, (len(stress), 1)), 1e-8, why="in the space of the elements", place="all nodes", time="the end")
@@ -255,7 +255,7 @@ def over(overhang: float) -> tuple[str, Floats, int]:
 
 @pytest.mark.parametrize("overhang", [0.4, 0.02])
 def test_overhang(proof: Proof, overhang: float) -> None:
-    """Facets that are covered in part: 0.4 leaves large parts and small ones, 0.02 leaves slivers bare."""
+    """Facets that are covered in part: 0.4 gives large parts and small ones, 0.02 gives bare slivers."""
     case = proof(
         f"mortar-overhang-{overhang:g}".replace(".", ""),
         title=f"A stiff block overhangs a soft one by {overhang:g}, surface to surface",
@@ -266,7 +266,7 @@ def test_overhang(proof: Proof, overhang: float) -> None:
         proves="Duals made on the covered part of a facet pass a uniform pressure where the slave overhangs.",
     )
     deck, nodes, n_upper = over(overhang)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     points = job.integration_points("S")[-1]
     soft = points[12 * 8 :]
     case.near("stress of the soft block", soft, np.tile(STRESS, (len(soft), 1)), 1e-6, why="E of the stiff block is finite, and its size costs digits",
@@ -334,7 +334,7 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
     held = ("INNER_LEFT, 1", "OUTER_LEFT, 1", "INNER_RIGHT, 3", "OUTER_RIGHT, 3", "INNER_FRONT, 2", "OUTER_FRONT, 2")
     steps = test_sliding.step(test_sliding.fix(*held) + "*CONTACT INTERFERENCE, SHRINK\nINNER_TOP, OUTER_BOTTOM\n", 2, True)
     pairs = test_sliding.pair("INNER_TOP", "OUTER_BOTTOM", 0.2, ", TYPE=SURFACE TO SURFACE")
-    job = case.run(test_sliding.solid_deck(parts, pairs, steps), asked=2)
+    job = case.run(test_sliding.solid_deck(parts, pairs, steps), requested=2)
     slaves = inner.node_sets["INNER_TOP"]
     angle = np.round(np.degrees(np.arctan2(inner.nodes[slaves, 2], inner.nodes[slaves, 0])), 6)
     order = np.lexsort((inner.nodes[slaves, 1], angle))
@@ -384,12 +384,12 @@ def test_bent_over_edge(proof: Proof) -> None:
         "no friction. Exact contact; the lower face of the beam is the slave.",
         formula="Elastic bodies without friction: the end does not depend on the increments. The block bears what contact brings: its reactions have force and "
         "moment of the pair.",
-        source="uniqueness of a path without dissipation; balance",
+        source="uniqueness of a path without dissipation; equilibrium",
         proves="What contact is near the edge of a master is the same whatever the increments, and forces act where the sums over the pair say.",
     )
     deck = bent(5)
-    job = case.run(deck, asked=5)
-    finer = case.run(bent(20), name="finer", asked=20)
+    job = case.run(deck, requested=5)
+    finer = case.run(bent(20), name="finer", requested=20)
     displacement = job.last("U")
     case.near("displacement", displacement, finer.last("U"), 2e-3, scale=1.0, why="the tolerance of Newton's method, 5e-3 of the force", place="all nodes", time="1")
     case.true("it touches", bool(job.last("CPRESS").max() > 0.0), why="the tip is 1 lower", place="all slave nodes", time="1")

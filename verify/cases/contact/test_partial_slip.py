@@ -13,7 +13,7 @@ from scipy.special import ellipk
 
 from verify.cases.proof import Case, Job
 from verify.decks.make_decks import Mesh, graded, join
-from verify.decks.sheets import Floats, both_ways, fix, pair, plane_deck, rows_of, sheet, step
+from verify.decks.sheets import Floats, both_directions, fix, pair, plane_deck, rows_of, sheet, step
 
 Proof = Callable[..., Case]
 
@@ -23,7 +23,7 @@ FAR = 1000.0  #: size of a half space, over the half width of the punch
 
 def cylinders(fine: float) -> tuple[Mesh, Mesh]:
     """Two equal arcs, one above the other, touching in the origin; grid lines of both meet."""
-    s, t = both_ways(graded(4.0, fine, round(0.8 / fine), 8)), graded(1.0, fine / 6, 5, 10)
+    s, t = both_directions(graded(4.0, fine, round(0.8 / fine), 8)), graded(1.0, fine / 6, 5, 10)
 
     def above(x: Floats, w: Floats) -> tuple[Floats, Floats]:
         return x, (RADIUS - np.sqrt(RADIUS**2 - x**2)) * (1 - w) + 6.0 * w
@@ -37,7 +37,7 @@ def cylinders(fine: float) -> tuple[Mesh, Mesh]:
 def mindlin(x: Floats, a: float, peak: float, turns: list[float]) -> Floats:
     """Shear over the peak of mu p after a history of f = Q/(mu P): the load turns at turns[:-1] and is now turns[-1].
 
-    Loading is Cattaneo's; each turn adds twice Cattaneo's solution of half the change, the other way (Mindlin and
+    Loading is Cattaneo's; each turn adds twice Cattaneo's solution of half the change, in the opposite direction (Mindlin and
     Deresiewicz 1953). Valid while each branch stays inside the one before.
     """
 
@@ -84,7 +84,7 @@ def shear_errors(case: Case, fine: float) -> list[float]:
     press = fix("LOWER_BOTTOM, 1, 3", "UPPER_TOP, 1", "UPPER_TOP, 3, 3, -0.15")
     steps = step(press, 5, True) + "".join(step(fix(f"UPPER_TOP, 1, 1, {u}"), n, True) for _, (u, n) in TURNS)
     parts = [(upper, (YOUNG, NU)), (lower, (YOUNG, NU))]
-    job = case.run(plane_deck(parts, pair("UPPER_BOTTOM", "LOWER_TOP", MU), steps), f"elements of {fine:g}", asked=30)
+    job = case.run(plane_deck(parts, pair("UPPER_BOTTOM", "LOWER_TOP", MU), steps), f"elements of {fine:g}", requested=30)
     mesh = join([upper, lower])
     slaves = rows_of(mesh, "UPPER_BOTTOM")
     turns: list[float] = []
@@ -180,10 +180,10 @@ def test_spence(proof: Proof, nu: float, mu: float, expected: float) -> None:
         source="Spence, Proc. R. Soc. A 305 (1968) 55; Johnson, Contact Mechanics (1985) ch. 5",
         proves="Friction under a pressing load: sticking and slipping side by side from the first increment on, self-similar.",
     )
-    coarse = case.run(punch(nu, mu, n // 2, 5), f"{n // 2} elements", asked=5)
+    coarse = case.run(punch(nu, mu, n // 2, 5), f"{n // 2} elements", requested=5)
     case.near("c/a", stick_edge(coarse, n // 2, 5), expected, 2.0 / n, why="one element of the coarser mesh, first order", time="the end", scale=1.0,
               place="edge of the stick zone")  # fmt: skip
-    job = case.run(punch(nu, mu, n, 5), asked=5)
+    job = case.run(punch(nu, mu, n, 5), requested=5)
     slaves = ground_top(n)
     x, status = job.points[slaves, 0], job.last("CSTATUS")[slaves]
     for frame in (1, 3, 5):
@@ -234,7 +234,7 @@ def test_flat_punch(proof: Proof) -> None:
     )
     errors, curves = [], []
     for n in (20, 40):
-        job = case.run(punch(0.3, 0.0, n, 5), f"{n} elements", asked=5)
+        job = case.run(punch(0.3, 0.0, n, 5), f"{n} elements", requested=5)
         ground = sheet("GROUND", graded(FAR, 1 / n, n + 4, 22), -graded(FAR, 1 / n, n // 4, 24)[::-1])
         slaves = rows_of(ground, "GROUND_TOP")
         x, p = job.points[slaves, 0], job.last("CPRESS")[slaves]

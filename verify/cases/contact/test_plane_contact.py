@@ -49,7 +49,7 @@ def test_patch(proof: Proof, kind: str, inner: float) -> None:
         proves="Areas, forces and reactions of edges.",
     )
     parts, cards = stack(kind, 3, 3, inner)
-    job = case.run(flat_deck(parts, kind, cards, thickness), asked=1)
+    job = case.run(flat_deck(parts, kind, cards, thickness), requested=1)
     slaves = parts[0][0].node_sets["ABOVE_BOTTOM"]
     area = np.pi * ((inner + 1) ** 2 - inner**2) if kind.startswith("CAX") else thickness
     case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
@@ -82,7 +82,7 @@ def test_hertz_line(proof: Proof, kind: str) -> None:
     load = f"*DSLOAD\nCYLINDER_TOP, P, {force / 2 / 40:.15g}\n"
     supports = fix("BLOCK_BOTTOM, 1, 2", "CYLINDER_LEFT, 1", "BLOCK_LEFT, 1")
     cards = pair("CYLINDER_BOTTOM", "BLOCK_TOP") + step(supports + load, 10)
-    job = case.run(flat_deck([(cylinder, (210000, 0.3)), (block, (70000, 0.3))], kind, cards), asked=10)
+    job = case.run(flat_deck([(cylinder, (210000, 0.3)), (block, (70000, 0.3))], kind, cards), requested=10)
     slaves = cylinder.along("CYLINDER_BOTTOM")
     slaves = slaves[slaves < cylinder.elements[:, :4].max() + 1]
     x, p = job.points[slaves, 0], job.last("CPRESS")[slaves]
@@ -114,7 +114,7 @@ def test_hertz_axisymmetric(proof: Proof) -> None:
         plate = flatten(sheet("PLATE", [0.0, 10.0, 20.0, 30.0, 41.0], [-1.0, 0.0]))
         supports = fix("PLATE_BOTTOM, 1, 2", "PLATE_TOP, 1, 2", "BALL_LEFT, 1", f"BALL_TOP, 2, 2, {-depth}").replace("BALL", "CYLINDER")
         cards = pair("CYLINDER_BOTTOM", "PLATE_TOP") + step(supports, 5)
-        job = case.run(flat_deck([(ball, (young, nu)), (plate, (young, nu))], "CAX4", cards), f"elements of {fine:g}", asked=5)
+        job = case.run(flat_deck([(ball, (young, nu)), (plate, (young, nu))], "CAX4", cards), f"elements of {fine:g}", requested=5)
         force = -job.last("RF")[ball.node_sets["CYLINDER_TOP"], 1].sum()
         a = (3 * force * radius / (4 * young / (1 - nu**2))) ** (1 / 3)
         p0 = 3 * force / (2 * np.pi * a**2)
@@ -152,7 +152,7 @@ def test_cattaneo_mindlin(proof: Proof) -> None:
     press = fix("LOWER_BOTTOM, 1, 2", "UPPER_TOP, 1", "UPPER_TOP, 2, 2, -0.15")
     steps = step(press, 5, True) + step(fix("UPPER_TOP, 1, 1, 0.023"), 5, True)
     parts = [(upper, (YOUNG, NU)), (lower, (YOUNG, NU))]
-    job = case.run(flat_deck(parts, "CPE4", pair("UPPER_BOTTOM", "LOWER_TOP", MU) + steps), asked=10)
+    job = case.run(flat_deck(parts, "CPE4", pair("UPPER_BOTTOM", "LOWER_TOP", MU) + steps), requested=10)
     force = job.last("RF")[upper.node_sets["UPPER_TOP"]].sum(axis=0)
     P, Q = -float(force[1]), float(force[0])
     slaves = upper.along("UPPER_BOTTOM")
@@ -186,7 +186,7 @@ def test_flat_punch(proof: Proof) -> None:
     tool.node_sets["ALL_TOOL"] = np.arange(len(tool.nodes))
     cards = fix("GROUND_BOTTOM, 1, 2", "GROUND_LEFT, 1", "ALL_TOOL, 1", "ALL_TOOL, 2, 2, -0.001")
     deck = flat_deck([(ground, (1000.0, nu)), (tool, (1000.0, nu))], "CPE4", pair("GROUND_TOP", "TOOL_BOTTOM", mu) + step(cards, 5))
-    job = case.run(deck, asked=5)
+    job = case.run(deck, requested=5)
     slaves = ground.along("GROUND_TOP")
     x = job.points[slaves, 0]
     for frame in (1, 3, 5):
@@ -202,8 +202,8 @@ def test_capstan(proof: Proof) -> None:
         "capstan-plane",
         title="Capstan by CPE4",
         model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed drum of radius 100, 120 elements along it, CPE4, small "
-        "displacements, mu = 0.3. Its ends are held along it while it settles (1 increment), then one is drawn by 1 (60 increments) while the other gives "
-        "way by 0.9, so that all of it slides.",
+        "displacements, mu = 0.3. Its ends are held along it while contact is established (1 increment), then one is drawn by 1 (60 increments) while the other yields "
+        "by 0.9, so that all of it slides.",
         formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R)).",
         source="Euler (1769), Eytelwein (1808)",
         proves="Friction along a curved edge.",
@@ -214,7 +214,7 @@ def test_capstan(proof: Proof) -> None:
     supports = fix("DRUM_BOTTOM, 1, 2", "DRUM_TOP, 1, 2", "PULLED, 1", "GIVEN, 2")
     steps = step(supports, 1) + step(fix("PULLED, 1, 1, -1.", "GIVEN, 2, 2, 0.9"), 60)
     parts = [(strap, (1000.0, 0.0)), (drum, (1e5, 0.0))]
-    job = case.run(flat_deck(parts, "CPE4", pair("STRAP_BOTTOM", "DRUM_TOP", 0.3) + steps), asked=61)
+    job = case.run(flat_deck(parts, "CPE4", pair("STRAP_BOTTOM", "DRUM_TOP", 0.3) + steps), requested=61)
     force = job.last("RF")
     found = force[strap.node_sets["PULLED"], 0].sum() / force[strap.node_sets["GIVEN"], 1].sum()
     expected = np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200))
@@ -260,7 +260,7 @@ def test_ironing_equals_solids(proof: Proof, mu: float) -> None:
         else:
             parts = [(flatten(upper), materials[0]), (flatten(lower), materials[1])]
             deck = flat_deck(parts, "CPE4", contact + steps)
-        jobs[name] = case.run(deck, name, asked=18)
+        jobs[name] = case.run(deck, name, requested=18)
     solids, plane = jobs["solids"], jobs["plane"]
     layer = np.flatnonzero(np.abs(solids.points[:, 1]) < 1e-9)
     case.true("as many increments", len(solids.times) == len(plane.times), why="the same problem", place="whole job", time="the end")
@@ -291,7 +291,7 @@ def test_lap_of_rings(proof: Proof) -> None:
     inner = flatten(sheet("INNER", between(ri, rm + d, 6), between(0, 0.5, 2)))
     outer = flatten(sheet("OUTER", between(rm, ro, 6), between(0, 0.5, 2)))
     cards = pair("INNER_RIGHT", "OUTER_LEFT") + step(fix("INNER_BOTTOM, 2", "OUTER_BOTTOM, 2"), 1)
-    job = case.run(flat_deck([(inner, (young, 0.0)), (outer, (young, 0.0))], "CAX4", cards), asked=1)
+    job = case.run(flat_deck([(inner, (young, 0.0)), (outer, (young, 0.0))], "CAX4", cards), requested=1)
     slaves = inner.node_sets["INNER_RIGHT"]
     force = np.linalg.norm(job.last("CNORMF")[slaves], axis=1).sum()
     case.near("mean pressure", force / (2 * np.pi * rm * 0.5), p, 0.005, why="six elements through the walls",

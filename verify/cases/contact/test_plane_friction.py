@@ -50,10 +50,10 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
         "wall, in which it hangs with k = 50; and alone.",
         formula="Sticks if mu > tan 20. Else slip = W (sin 20 - mu cos 20)/k with the spring, and no equilibrium without it.",
         source="Coulomb (1785); Ansys VM29; code_aster SSNV503",
-        proves="The limit of friction in the plane, exactly; and that a body that goes is told, not computed.",
+        proves="The limit of friction in the plane, exactly; and that an unsupported sliding body is reported, not computed.",
     )
     weight = 2 * DENSITY * GRAVITY
-    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
+    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", requested=5)
     far = float(np.abs(stuck.last("U")).max())
     case.within("largest displacement", far, (0.0, 1e-6), why="only elastic: W/(G A) = 2e-8 (near its limit some nodes may slip so far)",
                 place="all nodes", time="the end, 20 degrees")  # fmt: skip
@@ -61,7 +61,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("contact force", total, weight * np.array([-np.sin(SLOPE), np.cos(SLOPE)]), 1e-6, why="equilibrium",
               place="all slave nodes", time="the end")  # fmt: skip
     mu = 0.8 * np.tan(SLOPE)
-    hung = case.run(slope_deck(mu, True), "with a spring", asked=5)
+    hung = case.run(slope_deck(mu, True), "with a spring", requested=5)
     slip = weight * (np.sin(SLOPE) - mu * np.cos(SLOPE)) / SOFT
     touching = np.abs(hung.last("CNORMF")[:, 1]) > 0
     case.near("slip", hung.last("U")[touching, 0], slip, 1e-5, why="the block itself is 2e7 times as stiff as the spring",
@@ -69,7 +69,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N", place="all slave nodes", time="the end")
     (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
     done = run(["gone"], cwd=tmp_path)
-    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block", place="the job without a spring", time="the end")
+    case.true("exit code 5 alone", done.returncode == 5, why="the block has no support", place="the job without a spring", time="the end")
     case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason", place="the job without a spring", time="the end")
     case.done()
 
@@ -87,7 +87,7 @@ def test_pull_out(proof: Proof) -> None:
         "shrink-fit-pull-out-axisymmetric",
         title="Shrink fit with pull-out, axisymmetric: Lame",
         model="Two rings, radii 1.25, 1.516 and 1.75 m, 0.5 m long, E = 206 GPa, nu = 0, mu = 0.1, CAX4, 4 along, 3 and 6 through each; the inner one is 2 mm "
-        "too large. Step 1 lets them settle (1 increment), step 2 pulls the inner face of the inner ring by 20 mm along the axis (10 increments), small "
+        "too large. Step 1 establishes contact (1 increment), step 2 pulls the inner face of the inner ring by 20 mm along the axis (10 increments), small "
         "displacements.",
         formula=f"Lame with the rings' own radii: p = {p:.5g} Pa; pull-out force mu p 2 pi R L = {mu * p * 2 * np.pi * rm * length:.5g} N.",
         source="Lame (1852)",
@@ -100,7 +100,7 @@ def test_pull_out(proof: Proof) -> None:
         inner = flatten(sheet("INNER", between(ri, ru, cells), between(0, length, 4)))
         outer = flatten(sheet("OUTER", between(rm, ro, cells), between(0, length, 4)))
         deck = flat_deck([(inner, (young, 0.0)), (outer, (young, 0.0))], "CAX4", pair("INNER_RIGHT", "OUTER_LEFT", mu) + steps)
-        job = case.run(deck, f"{cells} elements", asked=11)
+        job = case.run(deck, f"{cells} elements", requested=11)
         slaves = inner.node_sets["INNER_RIGHT"]
         normal = np.linalg.norm(job.field("CNORMF")[:, slaves], axis=2).sum(axis=1)
         errors.append(abs(normal[job.frame(1.0)] / (area * p) - 1))
@@ -141,10 +141,10 @@ def test_drawn_slab(proof: Proof, kind: str) -> None:
     if kind == "CPE4":
         parts = [(flatten(part), m) for part, m in zip((slab, plane), materials, strict=True)]
         slaves, share = parts[0][0].along("SLAB_BOTTOM"), 1.0
-        job = case.run(flat_deck(parts, kind, cards + steps), asked=10)
+        job = case.run(flat_deck(parts, kind, cards + steps), requested=10)
     else:
         slaves, share = rows_of(slab, "SLAB_BOTTOM"), 0.5
-        job = case.run(plane_deck(list(zip((slab, plane), materials, strict=True)), cards, steps), asked=10)
+        job = case.run(plane_deck(list(zip((slab, plane), materials, strict=True)), cards, steps), requested=10)
     x = job.points[slaves, 0]
     p, q = job.last("CPRESS")[slaves], job.last("CSHEARF")[slaves, 0] / np.abs(job.last("CNORMF")[slaves, y - 1])
     q *= p
@@ -210,7 +210,7 @@ def test_rounded_punch(proof: Proof) -> None:
         model="A steel punch (diameter and height 100 mm, edge rounded by 10 mm, E = 210 GPa) on an aluminium foundation (diameter and height 200 mm, E = 70 "
         "GPa, bottom held), nu = 0.3, CAX4 of 0.5 mm at the edge; 100 MPa on the punch in 10 increments, small displacements; mu = 0.1 and 0.",
         formula="Displacements of the foundation's surface by Marc, read from the published curves: quadratic elements for mu = 0.1; those for mu = 0 "
-        "are of linear ones, as their uz tells. Pressure on the axis by code_aster: 88.7 and 91.1 MPa. (The published curves of pressure say 70 "
+        "are of linear ones, as their uz shows. Pressure on the axis by code_aster: 88.7 and 91.1 MPa. (The published curves of pressure say 70 "
         "there, and their peak at the edge depends on the mesh: not judged.)",
         source="NAFEMS R0094 (Konter 2006), benchmark 2",
         proves="Friction below a press: it drags the surface outwards, and the sign of the radial displacement near the axis turns with it.",
@@ -218,7 +218,7 @@ def test_rounded_punch(proof: Proof) -> None:
     jobs: dict[float, Job] = {}
     for mu in (0.1, 0.0):
         deck, surface = rounded_punch(mu)
-        job = jobs[mu] = case.run(deck, f"mu = {mu:g}", asked=10)
+        job = jobs[mu] = case.run(deck, f"mu = {mu:g}", requested=10)
         r, u = job.points[surface, 0], job.last("U")[surface]
         column, near = 2 if mu else 3, np.isin(PUNCH[:, 0], [10, 30, 50])
         allowed, why = (5e-4, "read from curves") if mu else (8e-4, "read from curves; linear and quadratic elements differ by 3e-4 at mu = 0.1")

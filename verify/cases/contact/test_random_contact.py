@@ -16,9 +16,9 @@ MOST_PER_INCREMENT = 3.0  # iterations, failed attempts included
 
 
 def test_random_contact_finishes(program: Path, tmp_path: Path) -> None:
-    """Bodies that are led along a table: each of these jobs has a balance in each increment."""
+    """Bodies that are guided along a table: each of these jobs has an equilibrium in each increment."""
     outcomes = [run(seed, program, tmp_path) for seed in SEEDS]
-    assert [o.told for o in outcomes if o.code != 0] == []
+    assert [o.description for o in outcomes if o.code != 0] == []
     assert sum(o.failed for o in outcomes) <= MOST_FAILED
     assert sum(o.iterations for o in outcomes) <= MOST_PER_INCREMENT * sum(o.increments for o in outcomes)
 
@@ -26,6 +26,6 @@ def test_random_contact_finishes(program: Path, tmp_path: Path) -> None:
 def test_random_laws_finish(program: Path, tmp_path: Path) -> None:
     """The same with surfaces that give, by laws from one to 100000 times the stiffness of an element, in both dialects."""
     outcomes = [run(seed, program, tmp_path, has_law=True) for seed in SEEDS]
-    assert [o.told for o in outcomes if o.code != 0] == []
+    assert [o.description for o in outcomes if o.code != 0] == []
     assert sum(o.failed for o in outcomes) <= MOST_FAILED
     assert sum(o.iterations for o in outcomes) <= MOST_BY_LAWS * sum(o.increments for o in outcomes)

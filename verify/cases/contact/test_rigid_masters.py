@@ -56,7 +56,7 @@ def test_indentation_by_a_rigid_body(proof: Proof) -> None:
     for name, moved, turn in (("rigid", f"{REFERENCE}", f"{REFERENCE}, 6"), ("prescribed", "TOOL", "")):
         held = fix("BLOCK_BOTTOM, 1, 2", f"{moved}, 1", f"{moved}, 2, 2, -0.1", *([turn] if turn else []))
         steps = step(held, 4, True) + step(fix(f"{moved}, 1, 1, 0.2"), 4, True)
-        jobs[name] = case.run(deck(steps, name == "rigid"), name, asked=8)
+        jobs[name] = case.run(deck(steps, name == "rigid"), name, requested=8)
     block, tool = parts()
     n = len(block.nodes)
     rigid, free = jobs["rigid"], jobs["prescribed"]
@@ -87,7 +87,7 @@ def test_turning_rigid_body(proof: Proof) -> None:
     )
     held = fix("BLOCK_BOTTOM, 1, 2", f"{REFERENCE}, 1", f"{REFERENCE}, 2, 2, -0.05", f"{REFERENCE}, 6")
     steps = step(held, 2, True) + step(fix(f"{REFERENCE}, 6, 6, 0.2"), 4, True)
-    job = case.run(deck(steps, True), asked=6)
+    job = case.run(deck(steps, True), requested=6)
     block, tool = parts()
     n = len(block.nodes)
     x = job.points[:n, :2] + job.last("U")[:n, :2]

@@ -1,7 +1,7 @@
-"""Surfaces that never slip (*FRICTION, ROUGH) and that are pulled until they let go.
+"""Surfaces that never slip (*FRICTION, ROUGH) and that are pulled until they separate.
 
-A node that sticks can be drawn off its master by its own friction, and be pressed into it as soon as it is let go: no status of
-the two then is a balance. It has lost its grip, slides to where it is in balance without friction, and sticks there again.
+A node that sticks can be drawn off its master by its own friction, and be pressed into it as soon as it is released: no status of
+the two is then an equilibrium. It is released, slides to the frictionless equilibrium, and sticks there again.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -86,11 +86,11 @@ def step(along: float, increment: float) -> str:
 @pytest.mark.parametrize(("drag", "increment", "place", "force"), [
     (0.1, 1.0, 0.0, 0.05),             # it sticks: N = K_zz p - K_xz s
     (0.1, 0.25, 0.0, 0.05),
-    (0.3, 1.0, 0.3 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # it lost its grip: N = (K_zz - K_xz^2/K_xx) p
+    (0.3, 1.0, 0.3 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # released from sticking: N = (K_zz - K_xz^2/K_xx) p
     (0.2, 0.5, 0.2 - ACROSS / ALONG * PRESSED, LOST * PRESSED),   # sticks at s = 0.1; in the second increment it loses it
-    (-0.3, 1.0, 0.0, 0.45),            # drawn the other way it is pressed the more
+    (-0.3, 1.0, 0.0, 0.45),            # drawn in the opposite direction it is pressed more
 ])  # fmt: skip
-def test_grip_is_lost(run_deck: Run, tmp_path: Path, drag: float, increment: float, place: float, force: float) -> None:
+def test_release_from_sticking(run_deck: Run, tmp_path: Path, drag: float, increment: float, place: float, force: float) -> None:
     """A node on springs that pull it up as they are drawn along: where N would be negative it slides to where T is 0."""
     done = run_deck("** dialect: abaqus\n" + NODE_ON_PLATE + step(0.0, 1.0) + step(drag, increment))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -49,7 +49,7 @@ def test_stacked_blocks(proof: Proof) -> None:
     load = "*DSLOAD\nUPPER_TOP, P, 10.\n"
     cards = outline + pair("UPPER_BOTTOM", "ALL_MIDDLE", 0.2) + pair("MIDDLE_BOTTOM", "LOWER_TOP", 0.2)
     cards += step(fix("LOWER_BOTTOM, 2", *sides) + load, 1)
-    job = case.run(flat_deck([(part, SOFT) for part in parts], "CPE4", cards), asked=1)
+    job = case.run(flat_deck([(part, SOFT) for part in parts], "CPE4", cards), requested=1)
     case.near("stress yy", job.last("S")[:, 1], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
     n = len(parts[0].nodes)
     pressed = np.concatenate([parts[0].node_sets["UPPER_BOTTOM"], n + parts[1].node_sets["MIDDLE_BOTTOM"]])
@@ -68,12 +68,12 @@ def test_chain(proof: Proof, kind: str, form: str) -> None:
     case = proof(
         f"chain-wall-{kind.lower()}" + ("-s2s" if form else ""),
         title=f"A block on a block that leans on a wall, {kind}" + TITLES[form],
-        model="An upper block 1 x 1 on a lower one, both 3 x 3 cells, E = 1000, nu = 0.3, the lower one on a roller floor between a roller and a fixed wall that it "
+        model="An upper block 1 x 1 on a lower one, both 3 x 3 cells, E = 1000, nu = 0.3, the lower one on a roller support between a roller and a fixed wall that it "
         "touches with its right side; a pressure of 10 on the top, frictionless, one increment. The top right node of the lower block is slave at the "
-        "wall and carries nodes of the upper block.",
+        "wall and is master of nodes of the upper block.",
         formula="Upper block: stress yy = -10 alone. Lower block: yy = -10, xx = -10 nu/(1 - nu), contact pressure at the wall the same.",
         source="plane strain; without friction the two blocks slide on each other",
-        proves="The force on a slave is found from the balance of its node with what other pairs bring there.",
+        proves="The force on a slave is found from the equilibrium of its node with what other pairs bring there.",
     )
     is_quadratic = kind == "CPE8"
     upper, lower = (flatten(sheet(name, between(0, 1, 3), between(y, y + 1, 3)), is_quadratic) for name, y in (("UPPER", 1), ("LOWER", 0)))
@@ -83,7 +83,7 @@ def test_chain(proof: Proof, kind: str, form: str) -> None:
     wall.node_sets["FIXED"] = np.arange(len(wall.nodes))
     load = "*DSLOAD\nUPPER_TOP, P, 10.\n"
     cards = pair("LOWER_RIGHT", "WALL_LEFT", options=options) + pair("UPPER_BOTTOM", "LOWER_TOP", options=options) + step(floor + load, 1)
-    job = case.run(flat_deck([(upper, SOFT), (lower, SOFT), (wall, SOFT)], kind, cards), asked=1)
+    job = case.run(flat_deck([(upper, SOFT), (lower, SOFT), (wall, SOFT)], kind, cards), requested=1)
     at_wall = len(upper.nodes) + lower.node_sets["LOWER_RIGHT"]
     total = job.last("CNORMF")[at_wall, 0].sum()
     case.near("force on the wall", -total, 10 * NU / (1 - NU), 1e-6, why="in the space of the elements", place="wall", time="the end")
@@ -127,7 +127,7 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
     load = "*DSLOAD\nBODY_TOP, P, 10.\nBODY_RIGHT, P, 10.\n"
     cards = pair("BODY_BOTTOM", "FLOOR_TOP", options=options) + pair("BODY_LEFT", "WALL_RIGHT", options=options)
     cards += step(fix("FLOOR_ALL, 1, 2", "WALL_ALL, 1, 2") + load, 1)
-    job = case.run(flat_deck([(body, SOFT), (floor, SOFT), (wall, SOFT)], "CPE4", cards), asked=1)
+    job = case.run(flat_deck([(body, SOFT), (floor, SOFT), (wall, SOFT)], "CPE4", cards), requested=1)
     stress = job.last("S")[: len(body.nodes)]
     case.near("stress xx, yy", stress[:, :2], -10.0, 1e-6, why="in the space of the elements", place="all nodes", time="the end")
     case.near("stress xy", stress[:, 3], 0.0, 1e-6, why="in the space of the elements", scale=10.0, place="all nodes", time="the end")
@@ -140,10 +140,10 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
 
 
 def test_corner_of_three_walls(proof: Proof) -> None:
-    """A cube in the corner of a room."""
+    """A cube in the corner of three walls."""
     case = proof(
         "corner-room",
-        title="A cube in the corner of a room",
+        title="A cube in the corner of three walls",
         model="A cube of 3 x 3 x 3 C3D8, E = 1000, nu = 0.3, touches three fixed walls; a pressure of 10 on its three other faces, frictionless, one "
         "increment. The nodes at its edges are slaves in two pairs, the node in the corner in three.",
         formula="Stress -10 in all directions, contact pressure 10 everywhere.",
@@ -166,7 +166,7 @@ def test_corner_of_three_walls(proof: Proof) -> None:
     load = "*DSLOAD\nCUBE_TOP, P, 10.\nCUBE_X1, P, 10.\nCUBE_Y1, P, 10.\n"
     pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE") + pair("CUBE_X0", "WALLX_SIDE") + pair("CUBE_Y0", "WALLY_SIDE")
     supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
-    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, step(supports + load, 1)), asked=1)
+    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, step(supports + load, 1)), requested=1)
     n = len(cube.nodes)
     case.near("normal stresses", job.last("S")[:n, :3], -10.0, 1e-6, why="in the space of the elements",
               place="all nodes of the cube", time="the end")  # fmt: skip
@@ -183,7 +183,7 @@ def hertz(case: Case, name: str, pairs: str, cylinder: Plane, below: Plane, is_n
     load = f"*DSLOAD\nCYLINDER_TOP, P, {35000 / 2 / 40:.15g}\n"
     supports = fix("BLOCK_BOTTOM, 1, 2", "CYLINDER_LEFT, 1", "BLOCK_LEFT, 1")
     cards = pairs + step(supports + load, 10, is_nlgeom)
-    job = case.run(flat_deck([(cylinder, (210000, 0.3)), (below, (70000, 0.3))], "CPE4", cards), name, asked=10)
+    job = case.run(flat_deck([(cylinder, (210000, 0.3)), (below, (70000, 0.3))], "CPE4", cards), name, requested=10)
     return job, float(job.last("U")[cylinder.along("CYLINDER_TOP")[0], 1])
 
 
@@ -198,7 +198,7 @@ def test_symmetric_pair(proof: Proof, mu: float, is_nlgeom: bool) -> None:
         f"increments, {'NLGEOM' if is_nlgeom else 'small displacements'}, mu = {mu:g}: the cylinder slave, the block slave, and both pairs together.",
         formula="The same displacement of the top and the same force whichever side is slave.",
         source="both one-sided results are those of one problem, up to the meshes",
-        proves="The rule by which one side gives way node by node: nothing is held twice, nothing is left out.",
+        proves="The rule that drops one side of the constraint node by node: no node is constrained twice, none is left out.",
     )
     cylinder = flatten(arc(50.0, 40.0, 50.0, 0.6, 16, 14))
     below = flatten(slab(100.0, 200.0, 1.0, 10, 14))
@@ -238,7 +238,7 @@ def test_coarse_side_first(proof: Proof) -> None:
     steps = step(fix("LOWER_BOTTOM, 1, 2", "UPPER_TOP, 1", "UPPER_TOP, 2, 2, -0.02"), 4, True) + step(fix("UPPER_TOP, 1, 1, 0.5"), 20, True)
     force = {}
     for name, pairs in (("coarse slave", coarse), ("fine slave", fine), ("coarse first", coarse + fine), ("fine first", fine + coarse)):
-        job = case.run(flat_deck([(upper, (3000.0, 0.3)), (lower, (1000.0, 0.3))], "CPE4", pairs + steps), name, asked=24)
+        job = case.run(flat_deck([(upper, (3000.0, 0.3)), (lower, (1000.0, 0.3))], "CPE4", pairs + steps), name, requested=24)
         force[name] = job.field("RF")[:, upper.node_sets["UPPER_TOP"], :2].sum(axis=1)
         if name == "coarse first":
             fine_nodes = len(upper.nodes) + lower.node_sets["LOWER_TOP"]
@@ -255,7 +255,7 @@ def test_coarse_side_first(proof: Proof) -> None:
 
 @pytest.mark.parametrize("form", ["", "s2s"])
 def test_groove(proof: Proof, form: str) -> None:
-    """A cube drawn along the edge of floor and wall: friction where both leave a direction free."""
+    """A cube drawn along the edge of floor and wall: friction where both constrain no motion along it."""
     mu, options = 0.2, TYPES[form]
     case = proof(
         "corner-groove" + ("-s2s" if form else ""),
@@ -282,7 +282,7 @@ def test_groove(proof: Proof, form: str) -> None:
     pairs = pair("CUBE_BOTTOM", "FLOOR_SIDE", mu, options) + pair("CUBE_X0", "WALL_SIDE", mu, options)
     supports = fix("FLOOR_ALL, 1, 3", "WALL_ALL, 1, 3", "HANDLE, 2")
     steps = step(supports + "*DSLOAD\nCUBE_TOP, P, 10.\nCUBE_X1, P, 10.\n", 1) + step(fix("HANDLE, 2, 2, 0.1"), 5)
-    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, steps), asked=6)
+    job = case.run(solid_deck([(cube, SOFT), *((wall, SOFT) for wall in walls)], pairs, steps), requested=6)
     with h5py.File(job.path) as file:
         contact = file["AMONTONS/contact"]
         node, of_pair = contact["node"][:], contact["pair"][:]
@@ -323,11 +323,11 @@ def pressed_cube(kind: str, walls: str, pairs: str, sides: dict[str, Callable[[s
 
 
 @pytest.mark.parametrize("kind", ["C3D4", "C3D10", "C3D20"])
-def test_room_by_surfaces(proof: Proof, kind: str) -> None:
-    """A cube of other elements in the corner of a room, by surface to surface."""
+def test_corner_by_surfaces(proof: Proof, kind: str) -> None:
+    """A cube of other elements in the corner of three walls, by surface to surface."""
     case = proof(
         f"corner-room-{kind.lower()}-s2s",
-        title=f"A cube of {kind} in the corner of a room, surface to surface",
+        title=f"A cube of {kind} in the corner of three walls, surface to surface",
         model=f"As corner-room: a cube of 3 x 3 x 3 cells of {kind}, the walls meshed otherwise, TYPE=SURFACE TO SURFACE.",
         formula="Stress -10 in all directions, contact pressure 10 everywhere.",
         source="equilibrium",
@@ -343,7 +343,7 @@ def test_room_by_surfaces(proof: Proof, kind: str) -> None:
         pairs += pair(f"CUBE_{name}", f"{name}_SIDE", options=TYPES["s2s"])
     supports = fix("FLOOR_ALL, 1, 3", "WALLX_ALL, 1, 3", "WALLY_ALL, 1, 3")
     deck, nodes = pressed_cube(kind, walls, pairs, sides, [(0, 1.0), (1, 1.0), (2, 1.0)], supports)
-    job = case.run(deck, asked=1)
+    job = case.run(deck, requested=1)
     case.near("normal stresses", job.last("S")[: len(nodes), :3], -10.0, 1e-6, why="in the space of the elements",
               place="all nodes of the cube", time="the end")  # fmt: skip
     case.near("shear stresses", job.last("S")[: len(nodes), 3:], 0.0, 1e-6, why="in the space of the elements", scale=10.0,
@@ -381,7 +381,7 @@ def test_seam(proof: Proof, kind: str, divided: str) -> None:
     supports = fix(*(f"{name}_ALL, 1, 3" for name in names), "X0, 1", "Y0, 2")
     deck, nodes = pressed_cube(kind, walls, pairs, sides, [(2, 1.0)], supports)
     held = "".join(solids.node_set(name, np.flatnonzero(np.abs(nodes[:, axis]) < 1e-9)) for name, axis in (("X0", 0), ("Y0", 1)))
-    job = case.run(deck.replace("*STEP\n", held + "*STEP\n", 1), asked=1)
+    job = case.run(deck.replace("*STEP\n", held + "*STEP\n", 1), requested=1)
     n = len(nodes)
     case.near("stress", job.last("S")[:n], [0.0, 0.0, -10.0, 0.0, 0.0, 0.0], 1e-6, why="in the space of the elements", scale=10.0,
               place="all nodes of the upper body", time="the end")  # fmt: skip
@@ -411,7 +411,7 @@ def test_symmetric_surfaces(proof: Proof) -> None:
 
 
 def test_mixed_types_share_no_mid_sides(run_deck: Callable[..., subprocess.CompletedProcess[str]]) -> None:
-    """Quadratic slave faces of one body in a pair of each type, with an edge in common: told, and what to do."""
+    """Quadratic slave faces of one body in a pair of each type, with a common edge: reported, with a remedy."""
     walls, pairs, n, sides = "", "", 5000, {}
     for axis, name, options in ((2, "FLOOR", ""), (0, "WALL", TYPES["s2s"])):
         spans = [np.array([-0.5, 0.0]) if k == axis else np.array([-0.5, 1.5]) for k in range(3)]

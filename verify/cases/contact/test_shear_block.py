@@ -45,7 +45,7 @@ def test_contact_holds(checks: list[IncrementCheck]) -> None:
 
 
 def test_sticks_and_slips(checks: list[IncrementCheck]) -> None:
-    """On the way some nodes stick while others slip; at the end all slip."""
+    """During loading some nodes stick while others slip; at the end all slip."""
     drag = [c.pairs[0] for c in checks if c.step == 2]
     assert any(p.n_stick >= 10 and p.n_slip >= 10 for p in drag)
     assert drag[-1].n_stick == 0 and drag[-1].n_slip > 0

@@ -44,7 +44,7 @@ def cost(output: str) -> tuple[int, int, int]:
 
 @pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
 @pytest.mark.parametrize("pair", PAIRS)
-def test_a_pair_that_never_meets(run_deck: Run, tmp_path: Path, pair: str, dialect: str) -> None:
+def test_a_pair_that_never_touches(run_deck: Run, tmp_path: Path, pair: str, dialect: str) -> None:
     """A beam that bends by several times its height does so at the same cost with a die far below it as without one.
 
     (The line search once looked at the imbalance alone, which bending raises a hundredfold; no increment was short enough.)
@@ -63,7 +63,7 @@ def test_a_pair_that_never_meets(run_deck: Run, tmp_path: Path, pair: str, diale
 @pytest.mark.parametrize("kind", ["C3D8I", pytest.param("C3D10", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("pair", PAIRS)
 def test_a_beam_that_comes_to_lie_on_a_die(run_deck: Run, tmp_path: Path, pair: str, kind: str) -> None:
-    """It does so without a cut-back and in at most three iterations an increment; clamp and die carry all of the load."""
+    """It does so without a cut-back and in at most three iterations an increment; clamp and die take all of the load."""
     result = run_deck(beam_on_die(pair, 0.1, kind), "--dialect=calculix")
     assert result.returncode == 0, result.stdout + result.stderr  # type: ignore[attr-defined]
     made, failed, iterations = cost(result.stdout)  # type: ignore[attr-defined]

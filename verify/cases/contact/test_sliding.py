@@ -76,10 +76,10 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
         "between its back and a wall, in which it hangs with k = 50; and alone.",
         formula="Sticks if mu > tan 20. Else slip = W (sin 20 - mu cos 20)/k with the spring, and no equilibrium without it.",
         source="Coulomb (1785); Ansys VM29; code_aster SSNV503",
-        proves="The limit of friction, exactly; and that a body that goes is told, not computed.",
+        proves="The limit of friction, exactly; and that an unsupported sliding body is reported, not computed.",
     )
     weight = 2 * DENSITY * GRAVITY
-    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", asked=5)
+    stuck = case.run(slope_deck(1.0001 * np.tan(SLOPE), False), "sticks", requested=5)
     far = float(np.abs(stuck.last("U")).max())
     case.within("largest displacement", far, (0.0, 1e-6), why="only elastic: W/(G A) = 2e-8 (near its limit some nodes may slip so far)",
                 place="all nodes", time="the end")  # fmt: skip
@@ -87,7 +87,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     expected = weight * np.array([-np.sin(SLOPE), 0, np.cos(SLOPE)])
     case.near("contact force", total, expected, 1e-6, why="equilibrium", place="all slave nodes", time="the end")
     mu = 0.8 * np.tan(SLOPE)
-    hung = case.run(slope_deck(mu, True), "with a spring", asked=5)
+    hung = case.run(slope_deck(mu, True), "with a spring", requested=5)
     slip = weight * (np.sin(SLOPE) - mu * np.cos(SLOPE)) / SOFT
     body = np.abs(hung.last("CNORMF")[:, 2]) > 0
     case.near("slip", hung.last("U")[body, 0], slip, 1e-5, why="the block itself is 2e7 times as stiff as the spring",
@@ -95,7 +95,7 @@ def test_block_on_a_slope(proof: Proof, run: Run, tmp_path: Path) -> None:
     case.near("friction", hung.last("CSHEARF")[:, 0].sum(), -mu * weight * np.cos(SLOPE), 1e-5, why="mu N", place="all slave nodes", time="the end")
     (tmp_path / "gone.inp").write_text(slope_deck(mu, False))
     done = run(["gone"], cwd=tmp_path)
-    case.true("exit code 5 alone", done.returncode == 5, why="nothing holds the block", place="the job without a spring", time="the end")
+    case.true("exit code 5 alone", done.returncode == 5, why="the block has no support", place="the job without a spring", time="the end")
     case.true("and it says FREE BODY", "FREE BODY" in done.stdout, why="a clear reason", place="the job without a spring", time="the end")
     case.done()
 
@@ -120,7 +120,7 @@ def test_reversal(proof: Proof) -> None:
     supports = fix("TABLE_TOP, 1, 3", "TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2", f"BODY_TOP, 3, 3, {-press}")
     steps = step(supports, 2) + "".join(step(fix(f"BODY_TOP, 1, 1, {u}"), 10) for u in (drag, -drag, drag))
     deck = solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", mu), steps)
-    job = case.run(deck, asked=32)
+    job = case.run(deck, requested=32)
     normal, shear = job.field("CNORMF")[:, :, 2].sum(axis=1), job.field("CSHEARF")[:, :, 0].sum(axis=1)
     case.near("N", normal[job.frame(1.0)], 1000 * press / 0.5, 1e-9, why="uniform pressure, nu = 0", time="1", place="all slave nodes")
     for time, sign in ((2.0, -1), (3.0, 1), (4.0, -1)):
@@ -177,11 +177,11 @@ def test_capstan(proof: Proof) -> None:
         "capstan",
         title="Capstan",
         model="A strap (t = 0.5, E = 1000, nu = 0) is shrunk by 0.05 on a quarter of a fixed drum of radius 100, 120 and 240 elements along "
-        "it, plane strain, C3D8, small displacements, mu = 0.3. Its ends are held along it (not at the nodes that touch) while it settles (1 "
-        "increment), then one is drawn by 1 (60 increments) while the other gives way by 0.9, so that all of it slides.",
+        "it, plane strain, C3D8, small displacements, mu = 0.3. Its ends are held along it (not at the nodes that touch) while contact is established (1 "
+        "increment), then one is drawn by 1 (60 increments) while the other yields by 0.9, so that all of it slides.",
         formula="T2/T1 = exp(mu theta'), theta' = theta/(1 + t/(2 R)) because friction acts at the drum and tension in the middle of the strap.",
         source="Euler (1769), Eytelwein (1808)",
-        proves="Friction along a curved master, where each node's pressure is carried by the friction of all nodes before it.",
+        proves="Friction along a curved master, where the pressure at each node depends on the friction of all nodes before it.",
     )
     expected = np.exp(0.3 * np.pi / 2 / (1 + 0.5 / 200))
     errors = []
@@ -191,7 +191,7 @@ def test_capstan(proof: Proof) -> None:
             name: np.setdiff1d(strap.node_sets[f"STRAP_{side}"], strap.node_sets["STRAP_BOTTOM"])
             for name, side in (("PULLED", "LEFT"), ("GIVEN", "RIGHT"))
         }
-        job = case.run(capstan_deck(n, ends), f"{n} elements", asked=61)
+        job = case.run(capstan_deck(n, ends), f"{n} elements", requested=61)
         force = job.last("RF")
         found = force[ends["PULLED"], 0].sum() / force[ends["GIVEN"], 2].sum()
         errors.append(abs(found / expected - 1))
@@ -243,7 +243,7 @@ def test_shrink_fit(proof: Proof) -> None:
         "shrink-fit",
         title="Shrink fit with pull-out: Lame",
         model="Two whole rings, radii 1.25, 1.516 and 1.75 m, 0.5 m long, E = 206 GPa, nu = 0, mu = 0.1, C3D8, 64 around, 2 along, 4 through "
-        "each; the inner ring is 0.02 m too large. Step 1 lets them settle (1 increment), step 2 pulls the inner face of one end of the inner "
+        "each; the inner ring is 0.02 m too large. Step 1 establishes contact (1 increment), step 2 pulls the inner face of one end of the inner "
         "ring by 20 mm along the axis (10 increments), small displacements.",
         formula="Lame for each ring with its own radii: p = E d/[R (Ro^2 + R^2)/(Ro^2 - R^2) + R (Ru^2 + Ri^2)/(Ru^2 - Ri^2)], Ru = R + d, p "
         f"on the outer ring; {p:.5g} Pa. (Both with the radius R: {nominal:.5g} Pa, the number of VM292.) Pull-out force mu p 2 pi R L.",
@@ -257,7 +257,7 @@ def test_shrink_fit(proof: Proof) -> None:
     steps = step(supports, 1) + step(fix("HANDLE, 2, 2, 0.02"), 10)
     parts = [(inner, (young, 0.0)), (outer, (young, 0.0))]
     deck = solid_deck(parts, pair("INNER_OUT", "OUTER_IN", mu), steps, {"HANDLE": handle, "GRIP": grip})
-    job = case.run(deck, asked=11)
+    job = case.run(deck, requested=11)
     slaves = inner.node_sets["INNER_OUT"]
     middle = slaves[np.abs(inner.nodes[slaves, 1] - length / 2) < 1e-9]
     normal = np.linalg.norm(job.field("CNORMF")[:, slaves], axis=2).sum(axis=1)
@@ -282,7 +282,7 @@ def test_shallow_ironing(proof: Proof) -> None:
         title="Shallow ironing: Fischer and Wriggers",
         model="A block (x 0.2 to 1.4, flat top at z = 5.4, bottom an arc of radius 0.75 with its pole at 4.2, E = 6896) is pressed by 1 into "
         "a foundation 12 x 4 (E = 689.6), nu = 0.32, mu = 0.3, plane strain, 60 x 15 and 12 x 6 C3D8, then drawn along by 10; NLGEOM. 20 "
-        "increments are asked for the press, 200 for the drag. Neo-Hooke's law as published, C10 = G/2 and D1 = 2/K.",
+        "increments are requested for the press, 200 for the drag. Neo-Hooke's law as published, C10 = G/2 and D1 = 2/K.",
         formula="Six published codes disagree: V(1) 268 to 332, V(1.5) 337 to 421, H/V(1.5) 0.30 to 0.53; the curves are smooth.",
         source="Fischer and Wriggers, Comput. Methods Appl. Mech. Engrg. 195 (2006) 5020, and five later authors",
         proves="Finite sliding over fifty facets with friction.",
@@ -298,7 +298,7 @@ def test_shallow_ironing(proof: Proof) -> None:
     press = fix("GROUND_BOTTOM, 1, 3", "IRON_TOP, 1", "IRON_TOP, 3, 3, -1.")
     steps = step(press, 20, True) + step(fix("IRON_TOP, 1, 1, 10."), 200, True)
     deck = plane_deck([(iron, (6896.0, 0.32)), (ground, (689.6, 0.32))], pair("IRON_BOTTOM", "GROUND_TOP", 0.3), steps)
-    job = case.run(re.sub(r"\*ELASTIC\n(.*), (.*)\n", neo_hooke, deck), asked=220)
+    job = case.run(re.sub(r"\*ELASTIC\n(.*), (.*)\n", neo_hooke, deck), requested=220)
     force = job.field("RF")[:, join([iron, ground]).node_sets["IRON_TOP"]].sum(axis=1)
     v, h = -force[:, 2], force[:, 0]
     at = [int(np.argmin(np.abs(job.times - t))) for t in (1.0, 1.5)]
@@ -363,7 +363,7 @@ def test_stuck_block_turns(proof: Proof, degrees: float) -> None:
         rows = [f"{i + 1}, {d}, {d}, {u[d - 1]:.15g}" for i, u in zip(held, turned, strict=True) for d in (1, 3)]
         steps += step(fix(*rows), 1, True)
     deck = plane_deck([(upper, (1000.0, 0.3)), (lower, (1000.0, 0.3))], pair("UPPER_BOTTOM", "LOWER_TOP", 0.5), steps)
-    job = case.run(deck, asked=2 + n_steps)
+    job = case.run(deck, requested=2 + n_steps)
     first = job.frame(1.0)
     forces = job.field("CNORMF") + job.field("CSHEARF")
     scale = float(np.abs(forces[first]).max())
@@ -404,7 +404,7 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
     outer = ring_sector("OUTER", 1.516, 1.75, 90, 12, 2)
     supports = fix("INNER_LEFT, 1", "OUTER_LEFT, 1", "INNER_RIGHT, 3", "OUTER_RIGHT, 3")
     parts = [(inner, (206e9, 0.0)), (outer, (206e9, 0.0))]
-    job = case.run(plane_deck(parts, pair("INNER_TOP", "OUTER_BOTTOM", 0.1), step(supports, 1)), asked=1)
+    job = case.run(plane_deck(parts, pair("INNER_TOP", "OUTER_BOTTOM", 0.1), step(supports, 1)), requested=1)
     slaves = inner.node_sets["INNER_TOP"]
     radial = np.linalg.norm((inner.nodes + job.last("U")[: len(inner.nodes)])[slaves][:, [0, 2]], axis=1)
     case.near("radius of the fit", radial, radial.mean(), 1e-9, why="every sector is a mirror image of the next", place="all slave nodes",
@@ -426,8 +426,8 @@ def test_led_by_supports(proof: Proof) -> None:
         model="A block 1 x 1 (E = 2000, nu = 0, plane strain, 4 x 4 C3D8) is pressed sideways by 0.01 on a fixed wall, flat and in facets of "
         "0.3 (1 increment), then all its nodes are drawn up by 1 (4 increments), the touching ones too; mu = 0.3, NLGEOM.",
         formula="Nothing is left for friction: the force on the wall stays what it was, and every node that touches slides.",
-        source="the balance of one block",
-        proves="A node is not held where it first touched if supports move it on: stick would ask for both.",
+        source="equilibrium of one block",
+        proves="A node is not held where it first touched if supports move it on: stick would require both.",
     )
     body = sheet("BODY", between(0, 1, 4), between(0, 1, 4))
     wall = sheet("WALL", between(-0.5, 0, 1), between(-0.5, 2.5, 10))
@@ -435,7 +435,7 @@ def test_led_by_supports(proof: Proof) -> None:
     press = fix("WALL, 1, 3", "BODY, 3", "BODY_RIGHT, 1, 1, -0.01")
     steps = step(press, 1, True) + step(fix("BODY, 3, 3, 1."), 4, True)
     sets = {"WALL": np.arange(len(wall.nodes)) + len(body.nodes), "BODY": np.arange(len(body.nodes))}
-    job = case.run(plane_deck(parts, pair("BODY_LEFT", "WALL_RIGHT", 0.3), steps, sets), asked=5)
+    job = case.run(plane_deck(parts, pair("BODY_LEFT", "WALL_RIGHT", 0.3), steps, sets), requested=5)
     force = job.field("CNORMF")[:, :, 0].sum(axis=1)
     expected = 2000 * -np.log(0.99) / 0.99
     case.near("force on the wall", force[job.frame(1.0)], expected, 1e-6, why="uniaxial, Kirchhoff's stress by Hencky's strain", time="1",
@@ -454,7 +454,7 @@ def test_slope_drawn_under_a_held_block(proof: Proof) -> None:
         model="A block (E = 2000, nu = 0, 2 x 1 x 2 C3D8 of 1 x 1 x 1) stands on a slope of tan = 0.4 in x, z, in facets of 0.3 and as wide in y; "
         "the nodes that touch are held in x. Forces of 1 press its upper nodes down (1 increment), then all nodes of the slope are drawn "
         "by -0.3 in x and 0.1 in y (2 increments); mu = 0.3, NLGEOM.",
-        formula="Nothing pulls in y: friction sticks, and the block goes along by 0.1. In x the slope goes on below it and lifts it by 0.3 tan.",
+        formula="Nothing pulls in y: friction sticks, and the block goes along by 0.1. In x the slope moves on below it and lifts it by 0.3 tan.",
         source="geometry",
         proves="A node that sticks while its master slides where a support holds it stays on its master's surface, not at the height where it first touched.",
     )
@@ -469,18 +469,18 @@ def test_slope_drawn_under_a_held_block(proof: Proof) -> None:
     load = "*CLOAD\nBODY_TOP, 3, -1.\n"
     steps = step(supports + load, 1, True) + step(fix("TABLE, 1, 1, -0.3", "TABLE, 2, 2, 0.1"), 2, True)
     sets = {"TABLE": np.arange(len(table.nodes)) + len(body.nodes)}
-    job = case.run(solid_deck([(body, (2000.0, 0.0)), (table, (2000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.3), steps, sets), asked=3)
+    job = case.run(solid_deck([(body, (2000.0, 0.0)), (table, (2000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.3), steps, sets), requested=3)
     moved = (job.last("U") - job.field("U")[job.frame(1.0)])[: len(body.nodes)]
-    way = np.array([0.0, 0.1, 0.3 * slope])
+    displacement = np.array([0.0, 0.1, 0.3 * slope])
     for i, name in enumerate("xyz"):
-        case.near(f"way in {name}", moved[:, i], way[i], 1e-8, why="a rigid body; gaps are closed to 1e-9 of an edge", place="block", time="2",
+        case.near(f"displacement in {name}", moved[:, i], displacement[i], 1e-8, why="a rigid body; gaps are closed to 1e-9 of an edge", place="block", time="2",
                   scale=0.1)  # fmt: skip
     sticks = job.last("CSTATUS")[body.node_sets["BODY_BOTTOM"]] == 1
     case.true("all that touch stick", bool(sticks.all()), why="nothing pulls in y", time="2", place="all slave nodes")
     case.done()
 
 
-# ------------------------------------------------------------------------------- the whole way in one increment
+# ------------------------------------------------------------------------------- the whole displacement in one increment
 
 
 @pytest.mark.parametrize(("what", "make", "mu", "steps"), [("block", drag, 0.3, 2), ("cylinder", cylinder, 1.0, 3)], ids=["block", "cylinder"])
@@ -490,16 +490,16 @@ def test_dragged_at_once(proof: Proof, what: str, make: Callable[[float, str, in
         f"{what}-dragged-at-once",
         title=f"A {what} dragged over many facets in one increment",
         model=f"The {what} of the study over all contact cases (verify/study/contact_table.py), plane strain, CPE4, NLGEOM, mu = {mu}: pressed on its base, "
-        + ("then dragged by 2, eight facets" if what == "block" else "drawn by 1 one way, then by 2 the other way")
+        + ("then dragged by 2, eight facets" if what == "block" else "drawn by 1 in one direction, then by 2 in the opposite direction")
         + ", each step in one increment.",
         formula="All that touches slides: the friction on the base is mu times the pressure on it, against the motion.",
         source="Coulomb's law",
-        proves="Where contact does not settle at the end of a direction, it does in portions of the way.",
+        proves="Where the contact subproblem of a full Newton step has no solution, portions of the step solve it.",
     )
-    job = case.run(make(mu, "AUTO", 1), asked=steps)
+    job = case.run(make(mu, "AUTO", 1), requested=steps)
     case.true("increments made", job.last("CSTATUS").size > 0 and len(job.field("U")) == steps + 1, why="no attempt failed", place="the job", time="the end")
     touches = job.last("CSTATUS") > 0
-    case.true("all that touch slide", bool((job.last("CSTATUS")[touches] == 2).all() and touches.any()), why="the way is many times that of sticking",
+    case.true("all that touch slide", bool((job.last("CSTATUS")[touches] == 2).all() and touches.any()), why="the displacement is many times the elastic stick displacement",
               place="all slave nodes", time="the end")  # fmt: skip
     pressing, shearing = (np.linalg.norm(job.last(name), axis=1).sum() for name in ("CNORMF", "CSHEARF"))
     case.near("friction over pressure", shearing / pressing, mu, 1e-6, why="Newton's tolerance", place="all slave nodes", time="the end")
@@ -523,7 +523,7 @@ def test_mortar_slides_in_any_step(proof: Proof, is_nlgeom: bool) -> None:
     disc.node_sets["CORE"] = np.flatnonzero(np.linalg.norm(disc.nodes - [0.13, 2.0], axis=1) < 1.0)
     law = "*SURFACE INTERACTION, NAME=SMOOTH\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.05e7, 0.\n*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=MORTAR\nDISC_SKIN, TABLE_TOP\n"
     steps = step(fix("TABLE_BOTTOM, 1, 2", "CORE, 1", "CORE, 2, 2, -0.02"), 2, is_nlgeom) + step(fix("CORE, 1, 1, 1.5"), 5, is_nlgeom)
-    job = case.run("** dialect: calculix\n" + flat_deck([(part, (210000.0, 0.3)) for part in (disc, table)], "CPE4", law + steps), asked=7)
+    job = case.run("** dialect: calculix\n" + flat_deck([(part, (210000.0, 0.3)) for part in (disc, table)], "CPE4", law + steps), requested=7)
     force = job.field("RF")[:, len(disc.nodes) + table.node_sets["TABLE_BOTTOM"]].sum(axis=1)
     pressed = force[2, 1]
     case.within("force along the table over force across", force[-1, 0] / pressed, (-1e-6, 1e-6), why="Newton's tolerance", place="the table", time="the end")
@@ -547,14 +547,14 @@ def roller(name: str, x: float) -> Plane:
 
 @pytest.mark.parametrize(("kind", "n"), [("NODE TO SURFACE", 30), ("SURFACE TO SURFACE", 10)], ids=["nodes", "surfaces"])
 def test_rollers_between_plates(proof: Proof, kind: str, n: int) -> None:
-    """Three bodies that nothing but contact holds roll between two plates: nodes come and go at both sides."""
-    way, mu = 1.47, 0.2
+    """Three bodies that only contact supports roll between two plates: nodes come and go at both sides."""
+    displacement, mu = 1.47, 0.2
     case = proof(
         f"rollers-{kind.lower().replace(' ', '-')}",
         title=f"Rollers between two plates, {kind.lower()}",
         model="Three discs of radius 2 (40 CPE4 round the rim, E = 210000, nu = 0.3), 6 apart, between two plates 23 x 2 of the same steel: pressed together by 0.02 in 10 increments, then the upper "
-        f"plate goes by {way:g} in {n}, NLGEOM, mu = {mu:g}; the rims are slaves of both plates.",
-        formula="Each centre goes half the way of the upper plate: turned by half a turn about it, and seen from it, the motion is the same.",
+        f"plate goes by {displacement:g} in {n}, NLGEOM, mu = {mu:g}; the rims are slaves of both plates.",
+        formula="Each centre moves by half the displacement of the upper plate: turned by half a turn about it, and seen from it, the motion is the same.",
         source="Symmetry; rolling without slip at both plates",
         proves="Nodes that come into contact and leave it while bodies roll; bodies without any support.",
     )
@@ -564,11 +564,11 @@ def test_rollers_between_plates(proof: Proof, kind: str, n: int) -> None:
         f"*CONTACT PAIR, INTERACTION=STEEL, TYPE={kind}\nR{k}_SKIN, {plate}\n" for k in range(3) for plate in ("LOW_TOP", "UP_BOTTOM")
     )
     parts = [*rollers, low, up]
-    steps = step(fix("LOW_BOTTOM, 1, 2", "UP_TOP, 1", "UP_TOP, 2, 2, -0.02"), 10, True) + step(fix(f"UP_TOP, 1, 1, {way}"), n, True)
-    job = case.run(flat_deck([(part, (210000.0, 0.3)) for part in parts], "CPE4", pairs + steps), asked=10 + n)
+    steps = step(fix("LOW_BOTTOM, 1, 2", "UP_TOP, 1", "UP_TOP, 2, 2, -0.02"), 10, True) + step(fix(f"UP_TOP, 1, 1, {displacement}"), n, True)
+    job = case.run(flat_deck([(part, (210000.0, 0.3)) for part in parts], "CPE4", pairs + steps), requested=10 + n)
     for k, disc in enumerate(rollers):
         at = sum(len(other.nodes) for other in rollers[:k]) + int(np.argmin(np.linalg.norm(disc.nodes - [6.0 * k, 2.0], axis=1)))
-        case.near(f"way of the centre of roller {k + 1}", job.last("U")[at][0], 0.5 * way, 0.01, why="the plates end, and rims are polygons that dig in by 0.01", place="centre", time="the end")
+        case.near(f"displacement of the centre of roller {k + 1}", job.last("U")[at][0], 0.5 * displacement, 0.01, why="the plates end, and rims are polygons that dig in by 0.01", place="centre", time="the end")
     case.done()
 
 
@@ -583,7 +583,7 @@ def test_cubes_under_a_law(proof: Proof, slope: float, stick: float) -> None:
         title=f"Cubes sheared to and fro, slope {slope:.0e}",
         model="A cube of 1 (4 x 4 x 4 C3D8, E = 210000, nu = 0.3) on a larger block, meshes that do not match, pressed by 0.01, sheared by 0.05 and then by "
         f"-0.05, NLGEOM, 5 increments each; LINEAR with {slope:.0e} per unit of length, mu = 0.3 with the stick slope {stick:.0e}, node to surface.",
-        formula="All slide at the end of each way: the friction on the cube is mu times the pressure on it, and turns round with the motion.",
+        formula="All slide at the end of each stroke: the friction on the cube is mu times the pressure on it, and turns round with the motion.",
         source="Coulomb's law",
         proves="Compliant contact, soft and stiff, takes the iterations of exact contact.",
     )
@@ -593,11 +593,11 @@ def test_cubes_under_a_law(proof: Proof, slope: float, stick: float) -> None:
     loads = [press, fix("BODY_TOP, 1, 1, 0.05"), fix("BODY_TOP, 1, 1, -0.05")]
     law = pair("BODY_BOTTOM", "TABLE_TOP", 0.3).replace("*FRICTION\n0.3\n", f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{slope}\n*FRICTION\n0.3, {stick}\n")
     parts = [(body, (210000.0, 0.3)), (table, (210000.0, 0.3))]
-    job = case.run("** dialect: calculix\n" + solid_deck(parts, law, "".join(step(load, 5, True) for load in loads)), asked=15)
+    job = case.run("** dialect: calculix\n" + solid_deck(parts, law, "".join(step(load, 5, True) for load in loads)), requested=15)
     pressing, shearing = job.field("CNORMF")[:, :, 2].sum(axis=1), job.field("CSHEARF")[:, :, 0].sum(axis=1)
-    way = job.frame(2.0)
-    for time, frame, sign in (("2", way, -1.0), ("3", -1, 1.0)):
+    reversal = job.frame(2.0)
+    for time, frame, sign in (("2", reversal, -1.0), ("3", -1, 1.0)):
         case.near("friction over pressure", shearing[frame] / pressing[frame], sign * 0.3, 2e-3, why="faces that tilt by up to 0.05", place="cube", time=time)
-    case.true("no attempt fails", bool((job.history["is_converged"] != 0).all()), why="the law is taken where it meets the bodies", place="the job", time="the end")
+    case.true("no attempt fails", bool((job.history["is_converged"] != 0).all()), why="the law is solved together with the compliance of the bodies", place="the job", time="the end")
     case.within("iterations", float(job.n_iterations), (15.0, 30.0), why="exact contact takes 28 on these meshes", place="the job", time="the end")
     case.done()

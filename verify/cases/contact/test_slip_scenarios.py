@@ -57,7 +57,7 @@ def test_sliding_at_taumax(bench: Bench, search: str) -> None:  # noqa: F811
     assert np.mean(answer.shear[-1]) == pytest.approx(-1.5, rel=1e-6)
     found = iterations_of(bench.folder / "job.vtkhdf")
     sliding = found.step == 2
-    assert found.scenario[sliding, :2].sum() > 0, "it slips by scenario I or II on the way"
+    assert found.scenario[sliding, :2].sum() > 0, "it slips by scenario I or II during the step"
     assert not found.scenario[sliding, 2:].any(), "it never backs up"
     assert found.balanced[-1] == found.status[-1, 2] == 4, "sliding steadily, an increment begins and ends with slip in equilibrium"
     with h5py.File(bench.folder / "job.vtkhdf") as file:

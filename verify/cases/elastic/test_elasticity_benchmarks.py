@@ -75,7 +75,7 @@ def test_thick_cylinder(proof: Proof, kind: str, tolerance: float, order: float)
         inside = np.flatnonzero(np.abs(r - INNER) < 1e-6)
         cards = node_set("X", body.where(0, 0.0)) + node_set("Z", body.where(2, 0.0))
         load = fix("X, 1", "Z, 3", "NODES, 2") + pressure_on(body.outer_faces(inside), PRESSURE)
-        job = case.run(whole_deck(body, (YOUNG, NU), cards, step(load, 1)), f"{n} cells", asked=1)
+        job = case.run(whole_deck(body, (YOUNG, NU), cards, step(load, 1)), f"{n} cells", requested=1)
         u = (job.last("U")[:, [0, 2]] * body.nodes[:, [0, 2]]).sum(axis=1) / r
         errors.append(float(np.abs(u - exact(r)).max() / exact(np.array([INNER]))[0]))
     found = observed_order(errors)
@@ -109,7 +109,7 @@ def test_thick_sphere(proof: Proof, kind: str, tolerance: float, order: float) -
         inside = np.flatnonzero(np.abs(r - INNER) < 1e-6)
         cards = "".join(node_set(f"P{axis}", body.where(axis, 0.0)) for axis in range(3))
         load = fix("P0, 1", "P1, 2", "P2, 3") + pressure_on(body.outer_faces(inside), PRESSURE)
-        job = case.run(whole_deck(body, (YOUNG, NU), cards, step(load, 1)), f"{n} cells", asked=1)
+        job = case.run(whole_deck(body, (YOUNG, NU), cards, step(load, 1)), f"{n} cells", requested=1)
         u = (job.last("U") * body.nodes).sum(axis=1) / r
         errors.append(float(np.abs(u - exact(r)).max() / exact(np.array([INNER]))[0]))
     found = observed_order(errors)
@@ -193,7 +193,7 @@ def test_cook(proof: Proof) -> None:
         source="Cook (1974); CoFEA benchmark 02",
         proves="Bending and shear of a tapered panel.",
     )
-    found = [tip_of(case.run(cook_c3d8(1 / 3, n), f"{n} x {n}", asked=1)) for n in (8, 16, 32)]
+    found = [tip_of(case.run(cook_c3d8(1 / 3, n), f"{n} x {n}", requested=1)) for n in (8, 16, 32)]
     case.near("tip", found[2], 32.0, 0.01, why="32 x 32 linear elements", place="(48, 60)", time="32 x 32", order=f"{observed_order(np.abs(np.diff(found))):.1f}")
     case.within("change from 16 to 32", abs(found[2] / found[1] - 1), (0.0, 0.02), why="convergence", place="(48, 60)", time="the end")
     case.done()
@@ -211,10 +211,10 @@ def test_cook_incompressible(proof: Proof) -> None:
         source="Cook (1974)",
         proves="Mean dilatation: no volumetric locking of C3D8 as nu goes to 1/2.",
     )
-    tips = [tip_of(case.run(cook_c3d8(0.499995, n), f"C3D8 {n} x {n}", asked=1)) for n in (8, 16, 32)]
+    tips = [tip_of(case.run(cook_c3d8(0.499995, n), f"C3D8 {n} x {n}", requested=1)) for n in (8, 16, 32)]
     order = f"{observed_order(np.abs(np.diff(tips))):.1f}"
     coarse, fine = tips[1:]
-    quadratic = tip_of(case.run(cook_c3d20r(0.499995, 32), "C3D20R", asked=1))
+    quadratic = tip_of(case.run(cook_c3d20r(0.499995, 32), "C3D20R", requested=1))
     case.near("tip", fine, quadratic, 0.005, why="both are 1 % from their limit", place="(48, 60)", time="C3D8 against C3D20R", order=order)
     case.within("change from 16 to 32", abs(fine / coarse - 1), (0.0, 0.02), why="a locking element changes by factors",
                 place="(48, 60)", time="the end")  # fmt: skip
@@ -254,7 +254,7 @@ def test_le10(proof: Proof, kind: str, tolerance: float) -> None:
         cards += node_set("X", body.where(0, 0.0)) + node_set("Y", np.flatnonzero(np.abs(body.nodes[:, 1]) < 1e-9))
         top = body.outer_faces(body.where(2, 300.0))
         load = fix("OUTER, 1, 2", "MIDDLE, 3", "X, 1", "Y, 2") + pressure_on(top, 1.0)
-        job = case.run(whole_deck(body, (210000.0, 0.3), cards, step(load, 1)), f"{5 * n} x {4 * n} x {4 * n}", asked=1)
+        job = case.run(whole_deck(body, (210000.0, 0.3), cards, step(load, 1)), f"{5 * n} x {4 * n} x {4 * n}", requested=1)
         d = np.flatnonzero((np.abs(body.nodes - [2000, 0, 300]) < 1e-6).all(axis=1))[0]
         found.append(float(job.last("S")[d, 1]))
     case.near("sigma_yy", found[1], -5.38, tolerance, why="as NAFEMS accepts", place="D", time="the end")
@@ -286,7 +286,7 @@ def test_elastica(proof: Proof, search: str) -> None:
     cards = node_set("ROOT", body.where(0, 0.0)) + node_set("END", points)
     steps = step(fix("ROOT, 1, 3") + f"*CLOAD\nEND, 3, {force / len(points):.15g}\n", 10, True)
     steps = steps.replace("*STATIC", f"*LINE SEARCH, TYPE={search}\n*STATIC")
-    job = case.run(whole_deck(body, (young, 0.0), cards, steps), asked=10)
+    job = case.run(whole_deck(body, (young, 0.0), cards, steps), requested=10)
     u = job.last("U")[points].mean(axis=0) / length
     case.near("tip along", u[0], tip_x - 1, 0.01, why="shear and stretch of a beam of 20:1", scale=1.0, place="end of the axis", time="the end")
     case.near("tip across", u[2], tip_z, 0.01, why="shear and stretch of a beam of 20:1", scale=1.0, place="end of the axis", time="the end")
@@ -325,7 +325,7 @@ def test_hencky_cube(proof: Proof, kind: str) -> None:
     body = as_kind(block(between(0, 1, 2), between(0, 1, 2), between(0, 1, 2), "CUBE"), kind)
     outside = body.boundary_nodes()
     rows = [f"{n + 1}, 1, 1, {2 * body.nodes[n, 2]:.15g}" for n in outside] + [f"{n + 1}, 2, 3" for n in outside]
-    job = case.run(whole_deck(body, (1000.0, 0.3), "", step(fix(*rows), 10, True)), asked=10)
+    job = case.run(whole_deck(body, (1000.0, 0.3), "", step(fix(*rows), 10, True)), requested=10)
     shear = 1000 / 2.6
     for g in (0.4, 1.0, 2.0):
         stress = job.field("S")[job.frame(g / 2)]

@@ -115,13 +115,13 @@ def cube(offset: float, first: int) -> tuple[str, Floats]:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_families(proof: Proof, family: str) -> None:
-    """A bar, a sheet pulled both ways, and simple shear."""
+    """A bar, a sheet pulled in both directions, and simple shear."""
     card, energy = FAMILIES[family]
     name = family.lower().replace(" ", "-")
     case = proof(
         f"rubber-{name}",
         title=f"{'Foam' if family == 'foam' else 'Rubber: ' + family} under three motions",
-        model="Three cubes of one C3D8, NLGEOM, 10 increments: stretched to 1.6 with free sides; stretched to 1.3 both ways with a free side; "
+        model="Three cubes of one C3D8, NLGEOM, 10 increments: stretched to 1.6 with free sides; stretched to 1.3 in both directions with a free side; "
         "all faces moved as in simple shear by 0.8. Constants: " + card.strip().replace("\n", ": ") + ".",
         formula="sigma_i = l_i dW/dl_i / J with the derivatives of W by a complex step in the test; free stretches by a root; shear: principal "
         "axes of F F'.",
@@ -146,7 +146,7 @@ def test_families(proof: Proof, family: str) -> None:
     for i, p in enumerate(place):
         loads += f"{17 + i}, 1, 1, {shear * p[2]:.15g}\n{17 + i}, 2, 3\n"
     deck = cards + "*MATERIAL, NAME=M\n" + card + "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
-    job = case.run(deck + step("*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-8\n*BOUNDARY\n" + loads, 10, True), asked=10)
+    job = case.run(deck + step("*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-8\n*BOUNDARY\n" + loads, 10, True), requested=10)
     stress, u = job.last("S"), job.last("U")
     scale = float(np.abs(stress_of(energy, wanted[0])).max())
     for k, what in enumerate(("bar", "sheet")):
@@ -178,7 +178,7 @@ def disc(n: int) -> Mesh:
 
 @pytest.mark.parametrize("family", ["neo-Hooke", "Mooney-Rivlin"])
 def test_torsion(proof: Proof, family: str) -> None:
-    """A rubber cylinder twisted far at constant length: it wants to grow longer (Poynting)."""
+    """A rubber cylinder twisted far at constant length: it tends to elongate (Poynting)."""
     c10, c01 = (0.5, 0.0) if family == "neo-Hooke" else (0.4, 0.1)
     case = proof(
         f"rubber-torsion-{family.lower()}",
@@ -203,7 +203,7 @@ def test_torsion(proof: Proof, family: str) -> None:
             turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
             steps += step(prescribed(high, (body.nodes @ turn.T - body.nodes)[high]) + prescribed(low, np.zeros((len(low), 3))), 1, True)
         deck = body.cards() + node_set("LOW", low) + "*MATERIAL, NAME=M\n" + card + "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n" + steps
-        job = case.run(deck, f"{2 * n} cells", asked=5)
+        job = case.run(deck, f"{2 * n} cells", requested=5)
         x, force = body.nodes + job.last("U"), job.last("RF")
         torque = float((x[high, 0] * force[high, 1] - x[high, 1] * force[high, 0]).sum())
         axial = float(force[high, 2].sum())
@@ -248,8 +248,8 @@ def inflated(energy: Energy, radii: tuple[float, float], bore: float) -> tuple[C
 
     kept = np.sqrt(bore**2 + outer**2 - inner**2)  # where it would be if the volume stayed
     outside = float(newton(lambda b: inward(b).y[0, -1] - bore, kept, tol=1e-11))
-    way = inward(outside)
-    return lambda big: way.sol(big)[0], float(-way.y[1, -1] * inner / bore)
+    path = inward(outside)
+    return lambda big: path.sol(big)[0], float(-path.y[1, -1] * inner / bore)
 
 
 def tube_deck(card: str, radii: tuple[float, float], pressure: float, cells: int, n_increments: int) -> tuple[object, str]:
@@ -280,7 +280,7 @@ def test_inflation(proof: Proof, family: str) -> None:
     errors = []
     for cells in (3, 6):
         body, deck = tube_deck(card, radii, pressure, cells, 10)
-        job = case.run(deck, f"{cells} cells", asked=10)
+        job = case.run(deck, f"{cells} cells", requested=10)
         found = body.nodes[:, 0] + job.last("U")[:, 0]
         errors.append(float(np.abs(found / exact(body.nodes[:, 0]) - 1).max()))
     order = observed_order(errors)
@@ -306,7 +306,7 @@ def test_oden(proof: Proof) -> None:
     found = []
     for cells in (5, 10):
         _, deck = tube_deck(f"*HYPERELASTIC, MOONEY-RIVLIN\n80., 20., {2 / bulk:.15g}\n", radii, pressure, cells, 10)
-        job = case.run(deck, f"{cells} cells", asked=10)
+        job = case.run(deck, f"{cells} cells", requested=10)
         found.append(float(job.last("U")[0, 0]))
     case.near("displacement of the bore", found[1], 7.18, 0.005, why="as printed, three digits", place="r = 7 in", time="the end")
     case.near("displacement of the bore", found[1], grown, 0.002, why="compressibility: p/K is 1e-4, times (b/a)^2", place="r = 7 in", time="the end")

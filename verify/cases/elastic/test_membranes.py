@@ -40,7 +40,7 @@ def test_le1(proof: Proof, shape: str) -> None:
         body = sheet("CPS", shape, (n, 2 * n), place)
         load = "*DLOAD\n" + "".join(f"{e + 1}, P{side}, -10.\n" for e, side in body.edges(0, 1.0))
         held = supports(body.where(1, 0.0), 2) + supports(body.where(1, 1.0), 1)
-        job = case.run(body.cards() + material(210e3, 0.3, 0.1) + held + step(load, 1), f"{n} x {2 * n}", asked=1)
+        job = case.run(body.cards() + material(210e3, 0.3, 0.1) + held + step(load, 1), f"{n} x {2 * n}", requested=1)
         d = int(np.argmin(np.abs(body.uv).sum(axis=1)))
         found = float(job.last("S")[d, 1])
         errors.append(abs(found / 92.7 - 1))
@@ -80,7 +80,7 @@ def test_cook_finite(proof: Proof) -> None:
                 share[k : k + 3] += np.array([1, 4, 1]) / 6
         load = "*CLOAD\n" + "".join(f"{node + 1}, 2, {100 * s / n:.15g}\n" for node, s in zip(order, share, strict=True))
         held = supports(body.where(0, 0.0), 1, 2)
-        job = case.run(body.cards() + rubber + held + step(load, 20, True), f"CPE{shape} {n} x {n}", asked=20)
+        job = case.run(body.cards() + rubber + held + step(load, 20, True), f"CPE{shape} {n} x {n}", requested=20)
         rises.append(float(job.last("U")[order[-1], 1]))
     case.near("rise of the corner", rises[2], 6.9, 0.01, why="the figure has two digits", place="(48, 60)", time="CPE4 32 x 32")
     case.near("rise of the corner", rises[2], rises[3], 0.01, why="both are near their limit", place="(48, 60)", time="CPE4 32 x 32 against CPE8R 16 x 16",

@@ -29,7 +29,7 @@ def solid_patch(case: Case, kind: str, slope: Floats, is_nlgeom: bool) -> None:
     u, outside = body.nodes @ slope.T, body.boundary_nodes()
     deck = body.cards() + ELASTIC + step(TIGHT + prescribed(outside, u[outside]), 2, is_nlgeom)
     what = "finite" if is_nlgeom else "small"
-    job = case.run(deck, f"{kind}, {what}", asked=2)
+    job = case.run(deck, f"{kind}, {what}", requested=2)
     expected = hencky_stress(slope) if is_nlgeom else hooke(0.5 * (slope + slope.T))
     case.near("displacement", job.last("U"), u, 1e-9, why="exact but for rounding", place=kind, time=what)
     case.near("stress", job.last("S"), np.tile(voigt(expected), (len(u), 1)), 1e-8, why="exact but for rounding", place=kind, time=what)
@@ -54,7 +54,7 @@ def test_patches(proof: Proof) -> None:
 
 
 def plane_slope(prefix: str, is_nlgeom: bool) -> Floats:
-    """An affine motion of a plane body in three dimensions, the third with what the kind of element asks for; axisymmetric: u_r = a r, u_z = b z."""
+    """An affine motion of a plane body in three dimensions, the third with what the kind of element requires; axisymmetric: u_r = a r, u_z = b z."""
     slope = np.zeros((3, 3))
     slope[:2, :2] = np.diag([1.0, -0.5]) if prefix == "CAX" else [[1.0, 0.5], [0.2, -0.4]]
     slope *= 0.1 if is_nlgeom else 1e-3
@@ -91,7 +91,7 @@ def test_plane_patches(proof: Proof, is_nlgeom: bool) -> None:
             rim = np.flatnonzero(((body.uv < 1e-9) | (body.uv > 1 - 1e-9)).any(axis=1))
             u = body.nodes @ slope[:2, :2].T
             kind = prefix + shape
-            job = case.run(body.cards() + ELASTIC + step(TIGHT + fix(*rows_of(rim, u)), 1, is_nlgeom), kind, asked=1)
+            job = case.run(body.cards() + ELASTIC + step(TIGHT + fix(*rows_of(rim, u)), 1, is_nlgeom), kind, requested=1)
             case.near("displacement", job.last("U")[:, :2], u, 1e-9, why="exact but for rounding", place=f"all nodes, {kind}", time="the end")
             wanted = np.tile(voigt(stress), (len(u), 1))
             case.near("stress", job.last("S"), wanted, 1e-8, why="exact but for rounding", place=f"all nodes, {kind}", time="the end")
@@ -109,11 +109,11 @@ def test_plane_rotation(proof: Proof) -> None:
     case = proof(
         "rigid-rotation-plane",
         title="Rigid motion of every plane and axisymmetric element, distorted",
-        model="The square of the patch test; its rim is turned by 60 degrees about the origin along straight ways in 3 increments, NLGEOM; axisymmetric "
+        model="The square of the patch test; its rim is turned by 60 degrees about the origin along straight paths in 3 increments, NLGEOM; axisymmetric "
         "elements, which have no other rigid motion, are shifted by 0.7 along the axis.",
         formula="u = (R - 1) X inside as well, no strain, no stress.",
         source="closed form",
-        proves="Objectivity: strains on the way leave nothing behind.",
+        proves="Objectivity: strains along the path leave no residual stress.",
     )
     turn = np.array([[0.5, -np.sqrt(0.75)], [np.sqrt(0.75), 0.5]])
     for prefix in ("CPS", "CPE", "CAX"):
@@ -122,7 +122,7 @@ def test_plane_rotation(proof: Proof) -> None:
             rim = np.flatnonzero(((body.uv < 1e-9) | (body.uv > 1 - 1e-9)).any(axis=1))
             u = np.tile([0.0, 0.7], (len(body.nodes), 1)) if prefix == "CAX" else body.nodes @ turn.T - body.nodes
             kind = prefix + shape
-            job = case.run(body.cards() + ELASTIC + step(TIGHT + fix(*rows_of(rim, u)), 3, True), kind, asked=3)
+            job = case.run(body.cards() + ELASTIC + step(TIGHT + fix(*rows_of(rim, u)), 3, True), kind, requested=3)
             case.near("displacement", job.last("U")[:, :2], u, 1e-9, why="exact but for rounding", place=f"all nodes, {kind}", time="the end")
             case.near("stress over E", job.last("S") / YOUNG, 0.0, 1e-8, why="exact but for rounding", place=f"all nodes, {kind}", time="the end",
                       scale=1.0)  # fmt: skip
@@ -155,7 +155,7 @@ def test_bars_turned(proof: Proof, kind: str) -> None:
         inner = range(1, len(places) - 1)
         moves = [f"{n + 1}, {d + 1}, {d + 1}, {target[n, d] - nodes[n, d]:.17g}" for n in (0, len(places) - 1) for d in range(3)]
         moves += [f"{n + 1}, {d + 1}, {d + 1}, {-nodes[n, d]:.17g}" for n in inner for d in (1, 2)]
-        job = case.run(deck + step(TIGHT + fix(*moves), 5, True), name, asked=5)
+        job = case.run(deck + step(TIGHT + fix(*moves), 5, True), name, requested=5)
         case.near("place", nodes + job.last("U"), target, 1e-8, why="exact but for rounding", place=f"all nodes, {name}", time="the end")
         wanted = YOUNG * area * np.log(factor) / factor
         case.near("force over E A", job.last("RF")[-1, 0] / (YOUNG * area), wanted / (YOUNG * area), 1e-8, why="exact but for rounding",
@@ -168,10 +168,10 @@ def test_rigid_rotation(proof: Proof) -> None:
     case = proof(
         "rigid-rotation",
         title="Rigid rotation of every solid element, distorted",
-        model="The cube of the patch test; its faces are turned by 60 degrees about the axis (1, 2, 2)/3 along straight ways in 3 increments, NLGEOM.",
+        model="The cube of the patch test; its faces are turned by 60 degrees about the axis (1, 2, 2)/3 along straight paths in 3 increments, NLGEOM.",
         formula="u = (R - 1) X inside as well, no strain, no stress.",
         source="closed form",
-        proves="Objectivity: strains on the way leave nothing behind.",
+        proves="Objectivity: strains along the path leave no residual stress.",
     )
     axis = np.array([1.0, 2.0, 2.0]) / 3
     cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
@@ -179,7 +179,7 @@ def test_rigid_rotation(proof: Proof) -> None:
     for kind in KINDS:
         body = distorted(kind)
         u, outside = body.nodes @ turn.T - body.nodes, body.boundary_nodes()
-        job = case.run(body.cards() + ELASTIC + step(TIGHT + prescribed(outside, u[outside]), 3, True), kind, asked=3)
+        job = case.run(body.cards() + ELASTIC + step(TIGHT + prescribed(outside, u[outside]), 3, True), kind, requested=3)
         case.near("displacement", job.last("U"), u, 1e-9, why="exact but for rounding", place=kind, time="the end")
         case.near("stress over E", job.last("S") / YOUNG, 0.0, 1e-8, why="exact but for rounding", place=kind, scale=1.0, time="the end")
     case.done()
@@ -212,7 +212,7 @@ def test_thermal(proof: Proof) -> None:
         ("walls", ["Q0, 1"], [-YOUNG * alpha * heat, 0.0, 0.0]),
         ("all around", ["Q0, 1", "Q1, 2", "Q2, 3"], [-YOUNG * alpha * heat / (1 - 2 * NU)] * 3),
     ):
-        job = case.run(body.cards() + sides + material + start + step(TIGHT + fix(*rollers, *walls) + hot, 2), name, asked=2)
+        job = case.run(body.cards() + sides + material + start + step(TIGHT + fix(*rollers, *walls) + hot, 2), name, requested=2)
         case.near("stress", job.last("S")[:, :3], np.tile(wanted, (len(body.nodes), 1)), 1e-9, why="uniform", place=name, scale=YOUNG * alpha * heat,
                   time="the end")  # fmt: skip
         if name == "free":
@@ -227,7 +227,7 @@ def test_thermal(proof: Proof) -> None:
     end = body.where(0, 0.0)
     corner = end[np.abs(body.nodes[end][:, 1:]).sum(axis=1) < 1e-9]
     cards += node_set("END", end) + node_set("CORNER", corner) + node_set("SIDE", body.where(1, 0.0))
-    job = case.run(cards + start + step(TIGHT + fix("END, 1", "SIDE, 2", "CORNER, 3") + hot, 1), "strip", asked=1)
+    job = case.run(cards + start + step(TIGHT + fix("END, 1", "SIDE, 2", "CORNER, 3") + hot, 1), "strip", requested=1)
     n = 0.5
     curvature = 6 * alpha * heat * 4 / (2 * (3 * 4 + (1 + n) * (1 + 1 / n)))
     tip = np.flatnonzero((np.abs(body.nodes - [length, 0, 0]) < 1e-9).all(axis=1))[0]
@@ -247,7 +247,7 @@ def test_bolt(proof: Proof) -> None:
         model="A bolt 1 x 1 x 4 (E = 2000, pre-tension section in its middle) between two struts 1 x 1 x 4 (E = 1000), nu = 0, C3D8; heads move together "
         "(EQUATION), the other ends are held. Step 1: the bolt is pulled by 10 at the section. Step 2: the section is fixed as it is. Step 3: 6 on the "
         "heads. One increment each.",
-        formula="Bolt k_b = 500, struts together k_s = 500: after step 1 the bolt carries 10; in step 3 it takes 6 k_b/(k_b + k_s) more.",
+        formula="Bolt k_b = 500, struts together k_s = 500: after step 1 the bolt force is 10; in step 3 it takes 6 k_b/(k_b + k_s) more.",
         source="closed form; VDI 2230 has it as the joint diagram",
         proves="PRE-TENSION SECTION by force, then by length (BOUNDARY, FIXED), in one job.",
     )
@@ -271,7 +271,7 @@ def test_bolt(proof: Proof) -> None:
     first = TIGHT + fix("FEET, 1, 3") + "".join(f"{n}, 1, 2\n" for n in heads) + "*CLOAD\n90, 1, -10.\n"
     second = TIGHT + "*CLOAD, OP=NEW\n*BOUNDARY, FIXED\n90, 1\n"
     third = TIGHT + f"*CLOAD\n{heads[0]}, 3, 6.\n"
-    job = case.run(cards + step(first, 1) + step(second, 1) + step(third, 1), asked=3)
+    job = case.run(cards + step(first, 1) + step(second, 1) + step(third, 1), requested=3)
     stress = job.field("S")[:, [i for i in range(12, 16)], 2]
     case.near("bolt force", stress[1], 10.0, 1e-8, why="uniaxial", time="tightened", place="all nodes of the bolt")
     case.near("bolt force", stress[2], 10.0, 1e-8, why="uniaxial", time="fixed", place="all nodes of the bolt")
@@ -304,7 +304,7 @@ def test_rigid_end(proof: Proof) -> None:
         ("rigid body", f"*RIGID BODY, NSET=END, REF NODE={n + 1}, ROT NODE={n + 2}\n", f"*CLOAD\n{n + 2}, 2, {moment}\n"),
         ("coupling", f"{surface}*COUPLING, REF NODE={n + 1}, SURFACE=FACE, CONSTRAINT NAME=C\n*KINEMATIC\n1, 3\n", f"*CLOAD\n{n + 1}, 5, {moment}\n"),
     ):
-        job = case.run(body.cards() + start + sets + tie + material + step(TIGHT + fix("ROOT, 1, 3") + load, 1), name, asked=1)
+        job = case.run(body.cards() + start + sets + tie + material + step(TIGHT + fix("ROOT, 1, 3") + load, 1), name, requested=1)
         u = job.last("U")
         case.near("deflection", u[axis, 2], -deflection, 1e-6, why="exact", place=f"end of the axis, {name}", time="the end")
         case.near("shift of the reference node", u[n, 0], rotation, 1e-6, why="exact: rotation times its distance from the axis", place=name,

@@ -1,7 +1,7 @@
 """Element kinds against closed forms and published numbers: plane, axisymmetric, C3D8I, C3D8R, trusses, springs, masses.
 
 Plane meshes are grids of (u, v) in the unit square, mapped; a kind is chosen by its shape and its prefix. Tolerances are
-those of the discretisation, said at each test; patch tests ask for rounding.
+those of the discretisation, said at each test; patch tests require agreement to rounding.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

@@ -2,7 +2,7 @@
 
 The closed form at finite strain is that of the Hencky law of doc/theory: Kirchhoff stress linear in the logarithmic
 strain. Tolerances: 1e-6 of the largest value is what the default controls promise; where the answer is in the space
-of the shape functions nothing else is left, so most tests ask for less than a tenth of that.
+of the shape functions no other error remains, so most tests require less than a tenth of that.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -242,7 +242,7 @@ def test_cantilever(run_deck: Run, tmp_path: Path, kind: str, tolerance: float) 
     length, force = 10.0, 0.1
     body = as_kind(make_decks.block(np.linspace(0, length, 11), [0, 1], [0, 0.5, 1], "BEAM"), kind)
     tip = body.where(0, length)
-    # A uniform shear on the tip as forces on its nodes: by their share of the pressure reaction, which a job tells.
+    # A uniform shear on the tip as forces on its nodes: by their share of the pressure reaction, which a job prints.
     loads = tip_shares(body)
     cload = "*CLOAD\n" + "".join(f"{n + 1}, 3, {force * share:.17g}\n" for n, share in loads.items())
     deck = (

@@ -115,7 +115,7 @@ def test_le11(proof: Proof, kind: str, cells: tuple[int, int], tolerance: float)
     )
     found, curves = [], []
     for n in cells:
-        job = case.run(revolved(kind, n) if is_flat else quarter(kind, n), f"{n} through the wall", asked=1)
+        job = case.run(revolved(kind, n) if is_flat else quarter(kind, n), f"{n} through the wall", requested=1)
         found.append(axial_stress(job, 1 if is_flat else 2))
         curves.append((f"{n} cells", *inside(job, 1 if is_flat else 2)))
     order = observed_order([abs(v - HIGH_ORDER) for v in found], cells[1] / cells[0])

@@ -85,8 +85,8 @@ def totals(folder: Path, title: str, name: str) -> list[float]:
     return [float(word) for word in rows[-1].split()[-3:]]
 
 
-def told(done: object) -> str:
-    """What a job says, in one line."""
+def output_of(done: object) -> str:
+    """The output of a job, in one line."""
     return re.sub(r"\s+", " ", done.stdout + done.stderr)  # type: ignore[attr-defined]
 
 
@@ -110,11 +110,11 @@ def bar(print_card: str = "*Node Print, nset=_PickedSet5\nU,\n") -> str:
     ("*Controls, reset\n*Controls, analysis=discontinuous\n*Solver Controls, reset\n*Node Print, nset=_PickedSet5\nU,\n", ""),
 ])  # fmt: skip
 def test_bar(run_deck: Run, tmp_path: Path, card: str, said: str) -> None:
-    """What asks for tables and aids the solver changes nothing: u = p L / E."""
+    """Requests for tables and solver aids change nothing: u = p L / E."""
     done = run_deck(bar(card))
     assert done.returncode == 0, done.stdout
     assert totals(tmp_path, "displacements", "_PICKEDSET5")[0] == pytest.approx(100.0 * 10.0 / 210000.0, rel=2e-6)
-    assert said in told(done)
+    assert said in output_of(done)
 
 
 def test_moment_on_a_coupling(run_deck: Run, tmp_path: Path) -> None:
@@ -145,7 +145,7 @@ def test_idle_first_step(run_deck: Run, tmp_path: Path, kind: str) -> None:
     done = run_deck(text)
     assert done.returncode == 0, done.stdout
     assert totals(tmp_path, "total force", "TOP") == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
-    iterations = re.search(r"Newton iterations (\d+)", told(done))
+    iterations = re.search(r"Newton iterations (\d+)", output_of(done))
     assert iterations is not None
     assert int(iterations[1]) <= 2
     text += "*Step, name=Pull\n*Static\n0.25, 1.\n*Boundary, op=NEW\n_PickedSet10, ENCASTRE\nTop, 2, 2\nTop, 1, 1, 0.1\n*Dsload\nPress, P, 50.\n"
@@ -164,7 +164,7 @@ def test_mpc_of_a_set(run_deck: Run, tmp_path: Path, kind: str) -> None:
     assert totals(tmp_path, "displacements", "_PICKEDSET5")[0] == pytest.approx(100.0 * 10.0 / 210000.0, rel=2e-6)
     done = run_deck(deck.replace(f"{kind}, _PickedSet5, RP", f"{kind}, _PickedSet5, _PickedSet2, RP"))
     assert done.returncode == 3
-    assert "binds nodes two by two" in told(done)
+    assert "binds nodes two by two" in output_of(done)
 
 
 @pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
@@ -187,7 +187,7 @@ def test_sections_that_are_not_there(run_deck: Run, section: str) -> None:
     """In a part as outside of it the card is refused by its own sentence."""
     done = run_deck(bar().replace("*Solid Section, elset=Set-1, material=Steel\n,", f"*{section}, elset=Set-1, material=Steel\n1., 5"))
     assert done.returncode == 3
-    assert f"The card *{section.upper()} is not supported. All bodies are meshed with solid elements" in told(done)
+    assert f"The card *{section.upper()} is not supported. All bodies are meshed with solid elements" in output_of(done)
 
 
 TRACTION = "*Dsload, follower=NO, constant resultant=YES\n_PickedSurf6, TRVEC, 100., 2., 0., 0.\n"
@@ -216,7 +216,7 @@ def test_traction(run_deck: Run, tmp_path: Path, word: str, deck: str) -> None:
         return
     done = run_deck(deck.replace(", follower=NO, constant resultant=YES", ""))
     assert done.returncode == 3
-    assert "FOLLOWER=NO, CONSTANT RESULTANT=YES" in told(done)
+    assert "FOLLOWER=NO, CONSTANT RESULTANT=YES" in output_of(done)
 
 
 @pytest.mark.parametrize("kind", ["CPE4", "CPS8R", "CAX4", "CAX8"])
@@ -247,4 +247,4 @@ def test_traction_refused(run_deck: Run, row: str, said: str) -> None:
     deck = bar().replace("*Dsload\n_PickedSurf6, P, -100.\n", f"*Dsload, follower=NO, constant resultant=YES\n{row}\n")
     done = run_deck(deck)
     assert done.returncode == 3
-    assert said in told(done)
+    assert said in output_of(done)

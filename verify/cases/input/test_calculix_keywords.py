@@ -39,19 +39,19 @@ def words(table: str) -> list[str]:
     return [word.strip() for word in table.split("|")]
 
 
-@pytest.mark.parametrize(("table", "told", "code"), [
+@pytest.mark.parametrize(("table", "message", "code"), [
     (READ, None, None),
     (PASSED, r"is read past\. \w.*", None),
     (REFUSED, r"is not supported\. [A-Z].*", 3),
 ], ids=["read", "passed over", "refused"])  # fmt: skip
-def test_keywords(run_deck: Run, table: str, told: str | None, code: int | None) -> None:
-    """Each keyword alone: what is told of it and how it ends."""
+def test_keywords(run_deck: Run, table: str, message: str | None, code: int | None) -> None:
+    """Each keyword alone: its message and its exit code."""
     for keyword in words(table):
         done = run_deck(f"** dialect: calculix\n*{keyword}\n")
         text = re.sub(r"\s+", " ", done.stdout + done.stderr)
         assert "is not known" not in text, keyword
-        if told:
-            assert re.search(rf"The card \*{keyword} {told}", text), f"{keyword}: {text}"
+        if message:
+            assert re.search(rf"The card \*{keyword} {message}", text), f"{keyword}: {text}"
         else:
             assert f"*{keyword} is not supported" not in text, keyword
             assert f"*{keyword} is read past" not in text, keyword
@@ -88,7 +88,7 @@ def faults_of(text: str) -> dict[str, list[tuple[str, str]]]:
 
 
 def test_what_each_card_refuses(run_deck: Run, run: Run) -> None:
-    """Of every card of the table: a parameter that it has not, parameters and words that are refused, words and numbers that are none.
+    """Of every card of the table: a parameter that it has not, parameters and words that are refused, invalid words and numbers.
     Each is an error in its line that names the parameter."""
     faults = faults_of(run(["--cards"]).stdout)
     assert len(faults) >= 90
@@ -187,7 +187,7 @@ def test_perturbation(run_deck: Run, tmp_path: Path) -> None:
     assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
 
 
-@pytest.mark.parametrize(("deck", "told"), [
+@pytest.mark.parametrize(("deck", "message"), [
     (CUBE + "*STEP\n*STATIC\n*END STEP\n*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "after a general step"),
     (CUBE + "*STEP, PERTURBATION, NLGEOM\n*STATIC\n*END STEP\n", "where contact, a material"),
     (CUBE.replace("1000., 0.\n", "1000., 0.\n*PLASTIC\n5., 0.\n") + "*STEP, PERTURBATION\n*STATIC\n*END STEP\n", "where contact, a material"),
@@ -195,15 +195,15 @@ def test_perturbation(run_deck: Run, tmp_path: Path) -> None:
     ("** dialect: calculix\n" + CUBE + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 0.\n*STEP, PERTURBATION\n*STATIC\n*TEMPERATURE\nALL, 9.\n*END STEP\n",
      "with *TEMPERATURE"),
 ], ids=["after", "nlgeom", "plastic", "two", "warm"])  # fmt: skip
-def test_perturbations_refused(run_deck: Run, deck: str, told: str) -> None:
+def test_perturbations_refused(run_deck: Run, deck: str, message: str) -> None:
     """What is not that of a linear body at rest."""
     done = run_deck(deck)
     assert done.returncode == 3
-    assert f"PERTURBATION is not supported {told}" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert f"PERTURBATION is not supported {message}" in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
 def test_initial_displacements(run_deck: Run, tmp_path: Path) -> None:
-    """They change nothing, and that is told."""
+    """They change nothing, and a message says so."""
     step = f"*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nHIGH, 3, .1\n*STEP, NLGEOM\n*STATIC\n*BOUNDARY\nHIGH, 3, 3, .01\n{PRINT}*END STEP\n"
     done = run_deck(f"** dialect: calculix\n{CUBE}{step}", "--explain")
     assert "Initial displacements have no effect in a static step" in re.sub(r"\s+", " ", done.stdout + done.stderr)
@@ -244,17 +244,17 @@ def test_nodes_given_again(run_deck: Run, tmp_path: Path, dialect: str, row: str
 
 
 def test_members_named_twice(run_deck: Run, tmp_path: Path) -> None:
-    """A load acts on a member of a set once, however often the set names it; where CalculiX loads it as often, that is told."""
-    told = "Here the load acts on each of them once; CalculiX applies it as often as they are named."
+    """A load acts on a member of a set once, however often the set names it; where CalculiX applies it as often, a message says so."""
+    message = "Here the load acts on each of them once; CalculiX applies it as often as they are named."
     deck = CUBE.replace("5, 6, 7, 8\n*MATERIAL", "5, 6, 7, 8, 5\n*MATERIAL") + f"*STEP\n*STATIC\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
     for dialect in ("abaqus", "calculix"):
         done = run_deck(f"** dialect: {dialect}\n{deck}")
         assert done.returncode == 0, done.stdout
         assert displacements(tmp_path) == pytest.approx([1.0, 0.004], rel=2e-6)
-        assert (told in re.sub(r"\s+", " ", done.stdout + done.stderr)) == (dialect == "calculix")
+        assert (message in re.sub(r"\s+", " ", done.stdout + done.stderr)) == (dialect == "calculix")
     pressed = CUBE.replace("*MATERIAL", "*ELSET, ELSET=E\n1\n*MATERIAL") + f"*STEP\n*STATIC\n*DLOAD\nE, P2, 4.\n{PRINT}*END STEP\n"
     done = run_deck("** dialect: calculix\n" + pressed)
-    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
     assert displacements(tmp_path) == pytest.approx([1.0, -0.004], rel=2e-6)
 
 
@@ -268,7 +268,7 @@ def test_density_over_temperature(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_no_analysis(run_deck: Run, tmp_path: Path) -> None:
-    """The deck is checked, and nothing is written; an error in it is told."""
+    """The deck is checked, and nothing is written; an error in it is reported."""
     deck = f"** dialect: calculix\n{CUBE}*STEP\n*NO ANALYSIS\n*CLOAD\nHIGH, 3, 1.\n*END STEP\n"
     done = run_deck(deck)
     assert done.returncode == 0, done.stdout
@@ -337,7 +337,7 @@ REF, 3, 4.
 
 
 def test_rigid_body_over_missing_nodes(run_deck: Run) -> None:
-    """An element whose node is not there is told; the rigid body over it does not write past its list."""
+    """An element with an undefined node is reported; the rigid body over it does not write past its list."""
     deck = CUBE.replace("8, 0., 1., 1.\n", "") + "*NODE\n100, .5, .5, 2.\n*RIGID BODY, REF NODE=100, ELSET=E\n*STEP\n*STATIC\n*END STEP\n"
     done = run_deck(deck)
     assert done.returncode == 3
@@ -373,7 +373,7 @@ UP, 3, 3, 0.1
 
 
 def test_unknown_cards(run_deck: Run) -> None:
-    """What no program knows: CalculiX warns and goes on, Abaqus stops; so do the dialects."""
+    """Unknown keywords: CalculiX warns and continues, Abaqus stops; so do the dialects."""
     step = f"*STEP\n*STATIC\n*NONSENSE\n1, 2\n*CLOAD\nHIGH, 3, 1.\n{PRINT}*END STEP\n"
     done = run_deck(f"** dialect: calculix\n{CUBE}{step}")
     assert done.returncode == 0, done.stdout

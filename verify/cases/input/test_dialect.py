@@ -67,7 +67,7 @@ def rows_of(folder: Path, title: str = "displacements", name: str = "") -> dict[
 
 
 def refused(run_deck: Run, deck: str) -> str:
-    """What is told of a deck that has to be refused."""
+    """The message about a deck that has to be refused."""
     done = run_deck(deck)
     assert done.returncode == 3, f"exit {done.returncode}\n{done.stdout}"
     return re.sub(r"\s+", " ", done.stdout + done.stderr)
@@ -167,7 +167,7 @@ INSTANCE = "*INSTANCE, NAME=I, PART=Brick\n*END INSTANCE\n"
 STEP = "*STEP\n*STATIC\n*END STEP\n"
 
 
-@pytest.mark.parametrize(("deck", "told"), [
+@pytest.mark.parametrize(("deck", "message"), [
     (BRICK.replace("*END PART\n", ""), "no *END PART"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, NAME=I, PART=Stone\n*END INSTANCE\n*END ASSEMBLY\n", "There is no part 'Stone'"),
     (f"{BRICK}*ASSEMBLY\n*INSTANCE, PART=Brick\n*END INSTANCE\n*END ASSEMBLY\n", "needs the parameter NAME=name"),
@@ -182,10 +182,10 @@ STEP = "*STEP\n*STATIC\n*END STEP\n"
      + "*ASSEMBLY\n*INSTANCE, NAME=I, PART=Brick\n0,0,0\n0.,0.,0.,0.,0.,1.,90.\n*END INSTANCE\n*END ASSEMBLY\n", "is rotated"),
     (BRICK.replace("*END PART", "*CYCLIC SYMMETRY MODEL\n1, 1\n*END PART") + f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "inside a part"),
 ])
-def test_refused_parts(run_deck: Run, deck: str, told: str) -> None:
-    """A structure that does not hold; nothing else of the deck is read then."""
+def test_refused_parts(run_deck: Run, deck: str, message: str) -> None:
+    """An invalid structure; nothing else of the deck is read then."""
     text = refused(run_deck, f"{deck}{STEEL}{STEP}")
-    assert told in text
+    assert message in text
     assert "1 error" in text
 
 
@@ -201,7 +201,7 @@ HELD = "*BOUNDARY\nLow, 1, 3\n"
 
 
 def test_long_names(run_deck: Run) -> None:
-    """Names may have 80 characters, of instances and sets together 161; one more is told."""
+    """Names may have 80 characters, of instances and sets together 161; one more is an error."""
     name = "N" * 80
     deck = f"{CUBE}*NSET, NSET={name}\n1\n{HELD}*STEP\n*STATIC\n*NODE PRINT, NSET={name}\nU\n*END STEP\n"
     assert run_deck(deck).returncode == 0
@@ -246,7 +246,7 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
         assert float(u) == pytest.approx(factor * course(float(time)), rel=DIGITS, abs=1e-9)
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "message"), [
     ("DEFINITION=EQUALLY SPACED\n1., 2.", "needs a positive FIXED INTERVAL"),
     ("FIXED INTERVAL=.5\n0., 1.", "belong to DEFINITION=EQUALLY SPACED"),
     ("DEFINITION=PERIODIC\n2, 3., .2, .5\n1., 2.", "PERIODIC needs the number n"),
@@ -257,9 +257,9 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
     ("\n0., 1., 0., 2.", "must ascend"),
     ("\n0., 1., 2.", "odd number"),
 ])
-def test_refused_amplitudes(run_deck: Run, card: str, told: str) -> None:
-    """What AMPLITUDE must not say."""
-    assert told in refused(run_deck, f"{CUBE}{HELD}*AMPLITUDE, NAME=A, {card}\n{STEP}")
+def test_refused_amplitudes(run_deck: Run, card: str, message: str) -> None:
+    """Invalid AMPLITUDE cards."""
+    assert message in refused(run_deck, f"{CUBE}{HELD}*AMPLITUDE, NAME=A, {card}\n{STEP}")
 
 
 def test_surface_without_faces(run_deck: Run, tmp_path: Path) -> None:
@@ -294,7 +294,7 @@ def test_faces_that_fit_no_solid(run_deck: Run) -> None:
 
 
 def test_surface_with_a_wrong_face(run_deck: Run) -> None:
-    """A label that is none."""
+    """An invalid label."""
     assert "nothing for all free faces" in refused(run_deck, f"{CUBE}*SURFACE, NAME=Up\nAll, top\n{HELD}{STEP}")
 
 
@@ -516,7 +516,7 @@ RF
 def test_deck_of_abaqus_cae(run_deck: Run, tmp_path: Path) -> None:
     """The words and the order of Abaqus/CAE: two blocks in contact, pressed by a reference point.
 
-    The sides are free and nu is 0: a bar of length 2 shortened by 0.001. The reference point carries 105 N less the 5 N of the pressure,
+    The sides are free and nu is 0: a bar of length 2 shortened by 0.001. The reference point takes 105 N less the 5 N of the pressure,
     and what braking takes: stabilize=0.0002 dissipates at most that part of the energy, so that the force is wrong by at most as much.
     """
     done = run_deck(CAE)

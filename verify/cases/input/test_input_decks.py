@@ -1,4 +1,4 @@
-"""The decks of input/ are what their generator writes, they finish, and their contact holds when checked from outside.
+"""The decks of input/ are what their generator writes, they finish, and their contact passes an independent check.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -125,7 +125,7 @@ def test_hertz_octant(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_ironing(run: Run, tmp_path: Path) -> None:
-    """Twenty-seven facets of sliding: contact holds all the way; in steady sliding the force ripples less than 10 %."""
+    """Twenty-seven facets of sliding: contact holds throughout; in steady sliding the force ripples less than 10 %."""
     path, deck = solved(run, "ironing", tmp_path)
     assert_contact_holds(path)
     normal, shear = sums(path, deck)
@@ -137,7 +137,7 @@ def test_ironing(run: Run, tmp_path: Path) -> None:
     assert 0.3 * 0.9 < (-force[:, 0] / force[:, 2]).mean() < 0.6
 
 
-def test_history_tells_the_same_times(run: Run, tmp_path: Path) -> None:
+def test_history_has_the_same_times(run: Run, tmp_path: Path) -> None:
     """The rows of /AMONTONS/history that have a frame are those of the fields."""
     path, _ = solved(run, "three_cubes", tmp_path)
     history, results = read_history(path), read_results(path)

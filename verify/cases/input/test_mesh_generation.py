@@ -1,4 +1,4 @@
-"""Meshes that the deck makes of a few numbers: NGEN, NFILL, NCOPY, ELGEN, ELCOPY; their places, sets and what they carry.
+"""Meshes that the deck makes of a few numbers: NGEN, NFILL, NCOPY, ELGEN, ELCOPY; their coordinates, sets and loads.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -177,7 +177,7 @@ COORD
 
 
 def test_link(run_deck: Run, tmp_path: Path) -> None:
-    """A node on springs, linked to one that holds still: it moves across the link only, F / k.
+    """A node on springs, linked to a fixed node: it moves across the link only, F / k.
 
     Under calculix the link turns NLGEOM on, as BEAM does there: the node stays on the circle, where F and the springs k turn it by
     tan a = F_y/(k L + F_x).
@@ -219,7 +219,7 @@ U
         assert row == pytest.approx(expected, rel=DIGITS, abs=1e-9)
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "message"), [
     ("*NGEN\n1, 7, 1\n", "There is no node 7 before this card"),
     ("*NGEN\n1, 5, 3\n", "no multiple of the step 3"),
     ("*NGEN, LINE=S\n1, 5\n", "LINE must be C (circle) or P"),
@@ -232,8 +232,8 @@ U
     ("*ELCOPY, OLD SET=X, ELEMENT SHIFT=0\n", "needs ELEMENT SHIFT"),
     ("*NGEN\n1, x\n", "must be an integer"),
 ])  # fmt: skip
-def test_refused(run_deck: Run, card: str, told: str) -> None:
-    """What is told, in the line of the card."""
+def test_refused(run_deck: Run, card: str, message: str) -> None:
+    """The message names the line of the card."""
     done = run_deck(f"*NODE\n1, 0., 0., 0.\n5, 4., 0., 0.\n{card}{STEP}")
     assert done.returncode == 3, done.stdout
-    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)

@@ -51,7 +51,7 @@ def run_bar(run_deck: Run, loads: str, step: str = "*STEP\n*STATIC\n", model: st
 
 
 def refused(run_deck: Run, deck: str) -> str:
-    """What is told of a deck that has to be refused."""
+    """The message about a deck that has to be refused."""
     done = run_deck(deck)
     assert done.returncode == 3, f"exit {done.returncode}\n{done.stdout}"
     return str(done.stdout + done.stderr)
@@ -118,16 +118,16 @@ def test_axisymmetric_ring_turns(run_deck: Run, tmp_path: Path) -> None:
     assert "turn about the y axis" in refused(run_deck, deck + step.format(omega2, "1., 0., 0."))
 
 
-@pytest.mark.parametrize(("row", "told"), [
+@pytest.mark.parametrize(("row", "message"), [
     ("BAR, CENTRIF, -1., 0., 0., 0., 0., 0., 1.", "not negative"),
     ("BAR, CENTRIF, 1., 0., 0., 0.", "direction must not be zero"),
     ("BAR, NEWTON", "BX, BY, BZ"),
     ("BAR, BX, 1., 2.", "at most 3"),
     ("BAR, CENTRIF, x, 0., 0., 0., 0., 0., 1.", "real number"),
 ])
-def test_refused_loads(run_deck: Run, row: str, told: str) -> None:
-    """What a row of DLOAD must not say."""
-    assert told in refused(run_deck, f"{bar()}*STEP\n*STATIC\n*DLOAD\n{row}\n*END STEP\n")
+def test_refused_loads(run_deck: Run, row: str, message: str) -> None:
+    """Invalid rows of DLOAD."""
+    assert message in refused(run_deck, f"{bar()}*STEP\n*STATIC\n*DLOAD\n{row}\n*END STEP\n")
 
 
 def test_rotation_needs_a_density(run_deck: Run) -> None:
@@ -168,7 +168,7 @@ def test_time_points_of_the_result_file(run_deck: Run, tmp_path: Path) -> None:
         assert file["VTKHDF/Steps/Values"][:] == pytest.approx([0.0, 0.6, 1.0])
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "message"), [
     ("*TIME POINTS, NAME=WHEN\n", "needs a data line"),
     ("*TIME POINTS, NAME=WHEN\n.4, .3\n", "must ascend"),
     ("*TIME POINTS, NAME=WHEN\n.4, b\n", "real number"),
@@ -176,6 +176,6 @@ def test_time_points_of_the_result_file(run_deck: Run, tmp_path: Path) -> None:
     ("*TIME POINTS, NAME=OTHER\n.5\n", "There are no time points 'WHEN'"),
     ("*TIME POINTS, NAME=WHEN\n.5\n*TIME POINTS, NAME=WHEN\n.5\n", "defined twice"),
 ])
-def test_refused_time_points(run_deck: Run, card: str, told: str) -> None:
-    """What TIME POINTS must not say."""
-    assert told in refused(run_deck, f"{bar()}{card}*STEP\n*STATIC\n*NODE PRINT, NSET=ALL, TIME POINTS=WHEN\nU\n*END STEP\n")
+def test_refused_time_points(run_deck: Run, card: str, message: str) -> None:
+    """Invalid TIME POINTS cards."""
+    assert message in refused(run_deck, f"{bar()}{card}*STEP\n*STATIC\n*NODE PRINT, NSET=ALL, TIME POINTS=WHEN\nU\n*END STEP\n")

@@ -135,12 +135,12 @@ def test_absent_from_the_first_step(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_resumed_job_knows_where_elements_were_born(run: Run, tmp_path: Path) -> None:
-    """A job that goes on after a checkpoint gives the same as one that ran through."""
+    """A job that resumes after a checkpoint gives the same as one that ran through."""
     deck = steps("*BOUNDARY\nLID, 3, 3, .02\n", OUT, BACK.format(""), "*BOUNDARY\nLID, 3, 3, .03\n", nlgeom=True)
     (tmp_path / "job.inp").write_text(deck)
     assert run(["job"], cwd=tmp_path).returncode == 0
     whole = read_blocks(tmp_path, "stresses")[-1]
-    # The same deck stops in its last step, which wants more increments than it may have.
+    # The same deck stops in its last step, which needs more increments than allowed.
     short = deck.replace("*STEP, NLGEOM\n*STATIC\n*BOUNDARY\nLID, 3, 3, .03\n",
                          "*STEP, NLGEOM, INC=1\n*STATIC\n.5, 1.\n*BOUNDARY\nLID, 3, 3, .03\n")
     assert short != deck
@@ -165,7 +165,7 @@ def test_changed_material(run_deck: Run, tmp_path: Path) -> None:
         assert later[(9,)][2] == pytest.approx(10 / YOUNG + 10 / (YOUNG / 4), rel=DIGITS)
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "message"), [
     ("*MODEL CHANGE, TYPE=ELEMENT\n2\n", "either ADD or REMOVE"),
     ("*MODEL CHANGE, TYPE=ELEMENT, REMOVE\n", "needs data lines"),
     ("*MODEL CHANGE, TYPE=ELEMENT, REMOVE\nNOWHERE\n", "There is no element or element set 'NOWHERE'"),
@@ -176,14 +176,14 @@ def test_changed_material(run_deck: Run, tmp_path: Path) -> None:
     ("*CHANGE SOLID SECTION, ELSET=NOWHERE, MATERIAL=M\n", "There is no element set 'NOWHERE'"),
     ("*CHANGE SOLID SECTION, ELSET=UPPER, MATERIAL=M, ORIENTATION=O\n", "The axes stay"),
 ])
-def test_refused_changes(run_deck: Run, card: str, told: str) -> None:
-    """What the cards must not say."""
+def test_refused_changes(run_deck: Run, card: str, message: str) -> None:
+    """Invalid cards."""
     done = run_deck(steps(card))
     assert done.returncode == 3, done.stdout
-    assert told in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
-def test_needless_changes_are_told(run_deck: Run) -> None:
+def test_needless_changes_are_reported(run_deck: Run) -> None:
     """Elements that are there already."""
     done = run_deck(steps("*BOUNDARY\nLID, 3, 3, .02\n" + BACK.format("")))
     assert done.returncode == 0

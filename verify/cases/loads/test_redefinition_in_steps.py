@@ -66,7 +66,7 @@ def test_equation_removed(run_deck: Run, tmp_path: Path, removal: str) -> None:
 
 
 def test_equation_in_a_step(run_deck: Run) -> None:
-    """A new one is refused there; removing nothing is told."""
+    """A new one is refused there; removing nothing gives a message."""
     done = run_deck(SPRINGS + STEP.format("*EQUATION\n2\n2, 1, 1., 3, 1, -1.\n"))
     assert done.returncode == 3
     assert "must be before the first step" in re.sub(r"\s+", " ", done.stdout)
@@ -86,16 +86,16 @@ def test_distributing_coupling(run_deck: Run, tmp_path: Path) -> None:
     assert u[4] == pytest.approx((u[2] + 3.0 * u[3]) / 4.0, rel=DIGITS)
 
 
-@pytest.mark.parametrize(("coupling", "told"), [
+@pytest.mark.parametrize(("coupling", "message"), [
     ("*DISTRIBUTING COUPLING, ELSET=A\n2, 1.\n", "must hold one element of type DCOUP3D"),
     ("*ELEMENT, TYPE=DCOUP3D, ELSET=D\n9, 4\n*DISTRIBUTING COUPLING, ELSET=D\n2, -1.\n", "must be positive"),
     ("*ELEMENT, TYPE=DCOUP3D, ELSET=D\n9, 4\n*DISTRIBUTING COUPLING, ELSET=D\n", "data are missing"),
 ])  # fmt: skip
-def test_wrong_coupling(run_deck: Run, coupling: str, told: str) -> None:
-    """What is told."""
+def test_wrong_coupling(run_deck: Run, coupling: str, message: str) -> None:
+    """The message."""
     done = run_deck(SPRINGS + coupling + STEP.format(""))
     assert done.returncode == 3
-    assert told in re.sub(r"\s+", " ", done.stdout)
+    assert message in re.sub(r"\s+", " ", done.stdout)
 
 
 CUBE = """** dialect: calculix
@@ -142,14 +142,14 @@ def test_change_plastic(run_deck: Run, tmp_path: Path, change: str, expected: fl
     assert second[2] == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.parametrize(("change", "told"), [
+@pytest.mark.parametrize(("change", "message"), [
     ("*CHANGE MATERIAL, NAME=NONE\n*CHANGE PLASTIC\n4., 0.\n", "There is no material 'NONE'"),
     ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC, HARDENING=KINEMATIC\n4., 0.\n", "has no *PLASTIC with this HARDENING"),
     ("*CHANGE PLASTIC\n4., 0.\n", "must be in the block of a *CHANGE MATERIAL"),
     ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC\n4., .1\n", "first point of a hardening curve must be 0"),
 ])  # fmt: skip
-def test_wrong_change(run_deck: Run, change: str, told: str) -> None:
-    """What is told."""
+def test_wrong_change(run_deck: Run, change: str, message: str) -> None:
+    """The message."""
     done = run_deck(CUBE + STEP.format(change))
     assert done.returncode == 3
-    assert told in re.sub(r"\s+", " ", done.stdout)
+    assert message in re.sub(r"\s+", " ", done.stdout)

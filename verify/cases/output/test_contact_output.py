@@ -1,6 +1,6 @@
 """Every contact quantity of every formulation of contact, against a state that is known: a block pressed and dragged.
 
-A block (nu = 0, a layer of elements high) is pressed on a rigid plane and dragged along it by its top. Its sides carry the shear that
+A block (nu = 0, a layer of elements high) is pressed on a rigid plane and dragged along it by its top. Its sides transmit the shear that
 goes with friction, so that stress, pressure p and friction mu p are uniform whatever the elements, and all forces, moments, centres, slips and
 energies follow by hand.
 
@@ -29,9 +29,9 @@ from verify.readers.dat_frd_files import read_frd
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-YOUNG, MU, PRESSURE, HEIGHT, WAY = 1000.0, 0.3, 10.0, 0.5, 0.1
+YOUNG, MU, PRESSURE, HEIGHT, DRAG = 1000.0, 0.3, 10.0, 0.5, 0.1
 SHEAR = MU * PRESSURE
-SLIP = WAY - SHEAR * HEIGHT / (YOUNG / 2)  #: of the foot: the way of the top less what the block shears
+SLIP = DRAG - SHEAR * HEIGHT / (YOUNG / 2)  #: of the foot: the displacement of the top less the shear deformation of the block
 LOW = np.array([3.0, 2.0, 0.0])  #: the corner of the block; beside the origin, so that there are moments
 LENGTH, WIDTH = 2.0, 1.0  #: of its foot
 STIFFNESS, STICK = 1.0e7, 1.0e6
@@ -200,7 +200,7 @@ def plane_block(kind: str) -> Block:
     return Block(kind, nodes, cards, [(i + 1, 1) for i in range(3)], 1, sides)
 
 
-def floor(body: Block, master: str) -> str:
+def plane(body: Block, master: str) -> str:
     """The rigid plane: a mesh whose nodes are held, its faces other than those of the block; or an analytic surface."""
     n, m = len(body.nodes), 100
     if master == "analytic":
@@ -223,7 +223,7 @@ def deck(form: Form, body: Block) -> str:
     """Pressed in the first step, dragged in the second."""
     is_drag = not body.is_round
     depth = f"{WIDTH}\n" if body.kind[:2] == "CP" else ""
-    text = f"** dialect: {form.dialect}\n" + body.cards + floor(body, form.master)
+    text = f"** dialect: {form.dialect}\n" + body.cards + plane(body, form.master)
     if form.slave == "nodes":
         text += solids.node_set("FOOT", body.foot) + "*SURFACE, TYPE=NODE, NAME=SLAVE\nFOOT\n"
     else:
@@ -241,7 +241,7 @@ def deck(form: Form, body: Block) -> str:
     text += f"*STEP\n*STATIC, DIRECT\n1., 1.\n{tight}*BOUNDARY\n{held}{top}{prints}*END STEP\n"
     if is_drag:
         loads = "".join(f"{k + 1}, {up}, {body.sides[k]:.15g}\n" for k in np.flatnonzero(np.abs(body.sides) > 0))
-        text += f"*STEP\n*STATIC, DIRECT\n1., 1.\n*BOUNDARY\nTOP, 1, 1, {WAY}\n*CLOAD\n{loads}*END STEP\n"
+        text += f"*STEP\n*STATIC, DIRECT\n1., 1.\n*BOUNDARY\nTOP, 1, 1, {DRAG}\n*CLOAD\n{loads}*END STEP\n"
     return text
 
 
@@ -271,7 +271,7 @@ def test_quantities(name: str, run_deck: Run, tmp_path: Path) -> None:
     foot, up = body.foot, body.up
     shear, slip = (0.0, 0.0) if body.is_round else (SHEAR, SLIP)
     normal = np.eye(3)[up]
-    ways = np.array([-shear, 0.0, 0.0])
+    shears = np.array([-shear, 0.0, 0.0])
     area = 1.0 if form.slave == "nodes" else body.area
     pressing = PRESSURE * body.area * normal
 
@@ -281,11 +281,11 @@ def test_quantities(name: str, run_deck: Run, tmp_path: Path) -> None:
         energy = float(file["AMONTONS/history/contact_energy"][-1])
     if form.slave == "faces":
         assert last["CPRESS"] == pytest.approx(PRESSURE, rel=1e-6)
-        assert last["CSHEAR"] == pytest.approx(np.tile(ways, (len(foot), 1)), abs=1e-5 * PRESSURE)
+        assert last["CSHEAR"] == pytest.approx(np.tile(shears, (len(foot), 1)), abs=1e-5 * PRESSURE)
     assert last["COPEN"] == pytest.approx(-form.overclosure, abs=1e-6 * form.overclosure + 1e-12)
     assert last["CSLIP"] == pytest.approx(np.tile([slip, 0.0, 0.0], (len(foot), 1)), abs=1e-6 + form.is_soft * SHEAR / STICK)
     assert last["CNORMF"].sum(axis=0) == pytest.approx(pressing, abs=1e-6 * pressing[up])
-    assert last["CSHEARF"].sum(axis=0) == pytest.approx(ways * body.area, abs=1e-6 * pressing[up])
+    assert last["CSHEARF"].sum(axis=0) == pytest.approx(shears * body.area, abs=1e-6 * pressing[up])
     assert set(last["CSTATUS"]) == {2}
     assert set(last["CSCENARIO"]) <= {0, 1, 2, 3, 4}
 
@@ -294,10 +294,10 @@ def test_quantities(name: str, run_deck: Run, tmp_path: Path) -> None:
     if body.is_round:
         middle[0] = 2 / 3 * (far**3 - LOW[0] ** 3) / (far**2 - LOW[0] ** 2)
     middle[up] -= form.overclosure
-    moments = np.cross(middle, [pressing, ways * body.area])
+    moments = np.cross(middle, [pressing, shears * body.area])
     scale = 1e-6 * PRESSURE * body.area * np.linalg.norm(middle)
     assert sums["CFN"] == pytest.approx(pressing, abs=scale)
-    assert sums["CFS"] == pytest.approx(ways * body.area, abs=scale)
+    assert sums["CFS"] == pytest.approx(shears * body.area, abs=scale)
     assert sums["CMN"] == pytest.approx(moments[0], abs=scale)
     assert sums["CMS"] == pytest.approx(moments[1], abs=scale)
     assert sums["XN"] == pytest.approx(middle, abs=1e-6)
@@ -319,9 +319,9 @@ def test_quantities(name: str, run_deck: Run, tmp_path: Path) -> None:
         assert energy == pytest.approx(area * (form.energy + elastic / 2), rel=1e-5)
     by_law = form.dialect == "calculix" and form.type != "MORTAR"   # CalculiX counts the elastic slip with all of its shear
     part = 1 / 180 if body.is_round and form.dialect == "calculix" else 1.0   # two degrees of the circle, as there
-    told = part * area * (form.printed_energy + elastic * (1 if by_law else 0.5))
-    assert float(tables["total contact spring energy"][0, 0]) == pytest.approx(told, rel=1e-5, abs=1e-12)
-    for name, force, moment in (("normal", pressing, moments[0]), ("shear", ways * body.area, moments[1])):
+    printed = part * area * (form.printed_energy + elastic * (1 if by_law else 0.5))
+    assert float(tables["total contact spring energy"][0, 0]) == pytest.approx(printed, rel=1e-5, abs=1e-12)
+    for name, force, moment in (("normal", pressing, moments[0]), ("shear", shears * body.area, moments[1])):
         wanted = part * np.array([*force, *moment])
         assert tables[f"total {name} surface force"][0] == pytest.approx(wanted, abs=part * (3e-6 * np.linalg.norm(moments[0]) + scale))
         if form.slave == "faces":

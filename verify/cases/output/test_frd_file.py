@@ -25,7 +25,7 @@ POINT_FIELDS = {"DISP": "U", "STRESS": "S", "TOSTRAIN": "E", "PE": "PEEQ", "NDTE
 
 
 def bar(kind: str, requests: str = "", steps: int = 1, last: str = "0.01") -> str:
-    """A bar of two by one by one cells that is pulled, and sheared by the way."""
+    """A bar of two by one by one cells, pulled and sheared."""
     solid = as_kind(make_decks.block([0.0, 1.0, 2.0], [0.0, 1.0], [0.0, 1.0], "BAR"), kind)
     left, right = (np.flatnonzero(np.abs(solid.nodes[:, 0] - x) < 1e-9) for x in (0.0, 2.0))
     cards = solid.cards() + node_set("LEFT", left) + node_set("RIGHT", right)
@@ -84,7 +84,7 @@ def test_another_program_reads_it(run_deck: Run, tmp_path: Path, kind: str) -> N
     assert np.abs(np.asarray(grid.point_data["U"])[:, :3] - u).max() <= DIGITS * np.abs(u).max()
 
 
-def test_cards_ask_for_it(run_deck: Run, tmp_path: Path) -> None:
+def test_cards_request_it(run_deck: Run, tmp_path: Path) -> None:
     """Under the calculix dialect FILE cards choose the fields; the abaqus dialect writes none without --frd."""
     requests = "*NODE FILE, FREQUENCY=2\nU\n*EL FILE, FREQUENCY=2\nS, E\n"
     deck = bar("C3D8", requests).replace("*STEP\n", "*STEP, NLGEOM\n")  # a linear step would be one increment
@@ -235,7 +235,7 @@ def test_contact_and_the_same_file_twice(run: Run, root: Path, tmp_path: Path) -
 
 @pytest.mark.parametrize("word", ["CDIS", "CDISP", "CSTR", "CSTRESS"])
 def test_words_for_contact(run: Run, root: Path, tmp_path: Path, word: str) -> None:
-    """CalculiX looks at the first four letters of what CONTACT FILE asks for, and decks have the long words too."""
+    """CalculiX looks at the first four letters of the names on CONTACT FILE, and decks have the long words too."""
     deck = re.sub(r"\*END STEP", f"*NODE FILE\nU\n*CONTACT FILE\n{word}\n*END STEP", (root / "input" / "three_cubes.inp").read_text())
     (tmp_path / "job.inp").write_text(deck)
     (tmp_path / "three_cubes.mesh").write_bytes((root / "input" / "three_cubes.mesh").read_bytes())
@@ -258,16 +258,16 @@ def test_by_number(run_deck: Run, tmp_path: Path) -> None:
     done = run_deck(deck, "--frd", "--quiet")
     assert done.returncode == 0, done.stdout + done.stderr
     text = (tmp_path / "job.frd").read_text()
-    told = [int(line[3:13]) for line in text.split("    3C")[1].split(" -3")[0].splitlines() if line.startswith(" -1")]
-    assert told == sorted(cells)
+    labels = [int(line[3:13]) for line in text.split("    3C")[1].split(" -3")[0].splitlines() if line.startswith(" -1")]
+    assert labels == sorted(cells)
     for block in text.split(" -3\n"):
         if "    2C" in block or " -4  DISP" in block:
-            told = [int(line[3:13]) for line in block.splitlines() if line.startswith(" -1")]
-            assert told == sorted(nodes)
+            labels = [int(line[3:13]) for line in block.splitlines() if line.startswith(" -1")]
+            assert labels == sorted(nodes)
 
 
-def test_it_goes_on_after_a_checkpoint(run: Run, tmp_path: Path) -> None:
-    """A job that goes on after its checkpoint cuts off what came later, and leaves the same file as one that runs through."""
+def test_it_continues_after_a_checkpoint(run: Run, tmp_path: Path) -> None:
+    """A job that resumes after its checkpoint cuts off what came later, and leaves the same file as one that runs through."""
     deck = bar("C3D8", steps=2)
     whole, halves = tmp_path / "whole", tmp_path / "halves"
     for folder in (whole, halves):
@@ -329,7 +329,7 @@ def test_form_of_calculix(run: Run, tmp_path: Path, reference: Path) -> None:
     if done.returncode != 0:
         pytest.skip((done.stdout + done.stderr).strip().splitlines()[0][:150])
     if not (tmp_path / f"{name}.frd").exists():
-        pytest.skip("asks for fields that we do not write")
+        pytest.skip("requests fields that the program does not write")
     mesh, heads = records(tmp_path / f"{name}.frd")
     their_mesh, their_heads = records(reference)
     assert mesh == their_mesh

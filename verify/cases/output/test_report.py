@@ -63,7 +63,7 @@ def test_skin_is_closed(run_deck: Run, tmp_path: Path, kind: str) -> None:
 
 
 def test_what_it_says(cubes: Path, program: Path) -> None:
-    """The tables hold the numbers of the file; every card of the deck is told; nothing is loaded."""
+    """The tables hold the numbers of the file; every card of the deck is listed; the page loads nothing."""
     job = read_job(cubes)
     cards = subprocess.run([program, "--cards"], capture_output=True, text=True, check=True).stdout
     page = make_report(job, cards)
@@ -94,11 +94,11 @@ def test_forces_of_sets(cubes: Path) -> None:
     assert len(imbalance) == 2 and max(map(float, imbalance)) < 1e-5
 
 
-def test_materials_are_told_by_their_cards() -> None:
+def test_materials_are_listed_by_their_cards() -> None:
     """What follows *MATERIAL, with what chooses the law; a number that was not given is no zero."""
     deck = "*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1, 2\n*DENSITY\n1\n*STEP\n*STATIC\n*MATERIAL, NAME=m\n*PLASTIC\n"
     assert sections.material_cards(deck) == {"WOOD": "ELASTIC, TYPE=ENGINEERING CONSTANTS; DENSITY", "M": "PLASTIC"}
-    assert sections.told(0.0) == "-"
+    assert sections.printed(0.0) == "-"
 
 
 def test_bodies_apart_are_not_shown_in_each_other(run: Run, root: Path, cubes: Path, tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_analytic_tool_and_skin_all_around(run_deck: Run, root: Path, tmp_path: 
 
 
 def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The command writes the page; a file that is none of ours is refused with exit code 7."""
+    """The command writes the page; a foreign file is refused with exit code 7."""
     assert main([str(cubes), "--output", str(tmp_path / "page.html")]) == 0
     assert (tmp_path / "page.html").read_text().startswith("<!DOCTYPE html>")
     (tmp_path / "no.vtkhdf").write_text("nothing")
@@ -147,23 +147,23 @@ def open_in_browser(address: str, folder: Path) -> tuple[str, str]:
 @pytest.mark.parametrize("case", ["contact", "quadratic"])
 @pytest.mark.slow
 def test_in_a_browser(cubes: Path, run_deck: Run, tmp_path: Path, case: str) -> None:
-    """The view is drawn, the console stays empty, and nothing was asked of anybody."""
+    """The view is drawn, the console stays empty, and the page requests nothing from the network."""
     result = cubes
     if case == "quadratic":
         assert run_deck(bar("C3D20R"), "--quiet").returncode == 0
         result = tmp_path / "job.vtkhdf"
     page = tmp_path / "page.html"
     assert main([str(result), "--output", str(page)]) == 0
-    document, told = open_in_browser(page.as_uri(), tmp_path)
-    complaints = [line for line in told.splitlines() if "CONSOLE" in line]
+    document, log = open_in_browser(page.as_uri(), tmp_path)
+    complaints = [line for line in log.splitlines() if "CONSOLE" in line]
     assert complaints == []
-    assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + told[-1500:]
+    assert re.search(r'data-drawn="[1-9]', document), "the view was not drawn: " + log[-1500:]
     assert 'data-requests="0"' in document
     assert '<p id="nogl" class="none" hidden' in document
 
 
-def test_no_room_for_the_page(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A page that cannot be written is told in a sentence, and the one that was there stays."""
+def test_page_that_cannot_be_written(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A page that cannot be written is reported in a sentence, and the old page stays."""
     import resource
 
     page = tmp_path / "page.html"
@@ -183,7 +183,7 @@ def test_no_room_for_the_page(cubes: Path, tmp_path: Path, capsys: pytest.Captur
 
 
 def test_pair_sums(cubes: Path) -> None:
-    """What each pair carries at the end: the numbers of the table are those of the reactions of what it stands on."""
+    """Forces of each pair at the end: the numbers of the table are those of the reactions of what it stands on."""
     job = read_job(cubes)
     text = sections.pair_sums(job)
     for slave, master in zip(job.pairs["slave"], job.pairs["master"], strict=True):

@@ -136,7 +136,7 @@ def test_cells(folder: Path) -> None:
 def test_file_of_running_job(folder: Path, name: str, times: list[float]) -> None:
     """The file as it was on disk after each increment, not yet closed, opens and shows the frames so far."""
     reader = open_reader(folder / f"{name}.vtkhdf")
-    assert times_of(reader) in (times, [])  # VTK tells no times if there is but one
+    assert times_of(reader) in (times, [])  # VTK returns no times if there is only one
     grid = grid_at(reader, times[-1])
     points = vtk_to_numpy(grid.GetPoints().GetData())
     np.testing.assert_allclose(array(grid, "U"), (len(times) - 1) * points, atol=1e-14)

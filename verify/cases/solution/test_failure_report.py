@@ -40,7 +40,7 @@ def crushed() -> str:
 
 
 def dragged_off() -> str:
-    """A block pressed on a table by forces and dragged off it in one increment: then nothing carries the forces."""
+    """A block pressed on a table by forces and dragged off it in one increment: then nothing supports the forces."""
     table = block(between(0, 2, 4), between(0, 1, 1), [-1.0, 0.0], "TABLE")
     body = block(between(1, 2, 2), between(0, 1, 1), [0.0, 1.0], "BODY")
     press = "*STEP, NLGEOM\n*STATIC\n1., 1.\n" + fix("TABLE_TOP, 1, 3", "TABLE_BOTTOM, 1, 3", "BODY_TOP, 1, 2") + "*CLOAD\nBODY_TOP, 3, -1.\n"
@@ -49,7 +49,7 @@ def dragged_off() -> str:
 
 
 def ran_off() -> str:
-    """The same block, its top moved by supports, with one iteration allowed for the way off the table."""
+    """The same block, its top moved by supports, with one iteration allowed for the motion off the table."""
     deck = dragged_off().replace("*CLOAD\nBODY_TOP, 3, -1.\n", fix("BODY_TOP, 3, 3, -0.01"))
     few = "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n1, 1, 9, 1, 10, 4, , 5, ,\n"
     return few.join(deck.rsplit("*END STEP", 1)[0].rsplit("*BOUNDARY", 1)).replace(few, few + "*BOUNDARY") + "*END STEP\n"
@@ -92,7 +92,7 @@ def flipping() -> str:
 
 
 def thin_and_long() -> str:
-    """A long thin strip, tilted by a degree, laid on a thin table and dragged in one of five increments: nearly all unknowns touch, nothing settles ahead."""
+    """A long thin strip, tilted by a degree, laid on a thin table and dragged in one of five increments: nearly all unknowns touch, and no contact subproblem is solved ahead."""
     a = np.radians(1)
 
     def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -116,7 +116,7 @@ def tipping(direct: str) -> str:
 
 
 def pulled_too_hard() -> str:
-    """A block pressed on a table by 10 on its top, then pulled by 2.5 times what friction (0.1) can carry."""
+    """A block pressed on a table by 10 on its top, then pulled by 2.5 times the friction limit (0.1)."""
     body, table = block(between(0, 1, 4), between(0, 1, 3), between(0, 1, 3), "BODY"), block(between(-1, 2, 8), between(-0.5, 1.5, 4), between(-1, 0, 2), "TABLE")
     press = fix("TABLE_BOTTOM, 1, 3", "BODY_TOP, 2") + "*DLOAD\nBODY_E2, P2, 10.\n*END STEP\n"
     cards = pair("BODY_BOTTOM", "TABLE_TOP", 0.1) + "*STEP, NLGEOM\n*STATIC\n0.2, 1.\n" + press
@@ -145,11 +145,11 @@ def held_by_supports() -> str:
     return flat_deck([(flatten(body), (210000.0, 0.3)), (flatten(table), (210000.0, 0.3))], "CPE4", pair("BODY_BOTTOM", "TABLE_TOP", 1.0) + steps)
 
 
-def shot(way: float, static: str) -> str:
-    """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven `way` towards it; both faces are master."""
+def shot(displacement: float, static: str) -> str:
+    """A block that starts 2 before a thin plate (0.2 thick, 3 long) and is driven by `displacement` towards it; both faces are master."""
     body = flatten(sheet("BODY", between(1.1, 1.9, 3), between(2, 2.5, 2)))
     plate = flatten(sheet("PLATE", between(0, 3, 12), between(-0.2, 0, 2)))
-    drive = fix("PLATE_LEFT, 1, 2", "PLATE_RIGHT, 1, 2", "BODY_TOP, 1", f"BODY_TOP, 2, 2, {-way}")
+    drive = fix("PLATE_LEFT, 1, 2", "PLATE_RIGHT, 1, 2", "BODY_TOP, 1", f"BODY_TOP, 2, 2, {-displacement}")
     cards = pair("BODY_BOTTOM", "BOTH", 0.2) + f"*STEP, NLGEOM, INC=1000\n*STATIC{static}{drive}*END STEP\n"
     deck = flat_deck([(body, (2000.0, 0.3)), (plate, (2000.0, 0.3))], "CPE4", cards)
     return deck.replace("*SURFACE INTERACTION", "*SURFACE, NAME=BOTH\nPLATE_E2, S3\nPLATE_E1, S1\n*SURFACE INTERACTION", 1)
@@ -179,8 +179,8 @@ def turned_in_a_bore(turn: float) -> str:
     pin = [[at(4, k), at(3, k), at(3, k + 1), at(4, k + 1)] for k in range(24)]
     spin = np.deg2rad(turn)
     matrix = np.array([[np.cos(spin), -np.sin(spin)], [np.sin(spin), np.cos(spin)]])
-    ways = places @ (matrix - np.eye(2)).T
-    drive = "".join(f"{n}, {k + 1}, {k + 1}, {float(ways[n - 1, k])!r}\n" for n in range(first[3], first[5]) for k in range(2))
+    displacements = places @ (matrix - np.eye(2)).T
+    drive = "".join(f"{n}, {k + 1}, {k + 1}, {float(displacements[n - 1, k])!r}\n" for n in range(first[3], first[5]) for k in range(2))
     return (
         f"*NODE\n{nodes}*ELEMENT, TYPE=CPE8, ELSET=BORE\n{rows(bore, 1)}*ELEMENT, TYPE=CPE4, ELSET=PIN\n{rows(pin, 101)}"
         f"*NSET, NSET=RIM, GENERATE\n{first[1]}, {first[2] - 1}\n{ELASTIC}*SOLID SECTION, ELSET=BORE, MATERIAL=M\n1.\n"
@@ -226,8 +226,8 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too.
 
-    A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts that carry bodies or hold them, and one
-    where the equations have to be solved as a whole; twice as many where the stiffness is not positive, so that shifts are tried. Too little friction is told
+    A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts with proximal shifts or supports, and one
+    where the equations have to be solved as a whole; twice as many where the stiffness is not positive, so that shifts are tried. Too little friction is reported
     with 250 in all.
     """
     (tmp_path / "job.inp").write_text(deck)
@@ -239,14 +239,14 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     course = (tmp_path / "job.cvg").read_text()
     assert any(reason in course for reason in reasons)
     with h5py.File(tmp_path / "job.vtkhdf") as file:
-        told = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
+        recorded = [str(reason) for reason in file["AMONTONS/history/reason"].asstr()]
         lines = [str(line) for line in file["AMONTONS/told/line"].asstr()]
         attempt = file["AMONTONS/told/attempt"][:]
-    assert any(reason in told[-1] for reason in reasons), told
-    assert attempt[-1] == len(told) - 1
+    assert any(reason in recorded[-1] for reason in reasons), recorded
+    assert attempt[-1] == len(recorded) - 1
     last = [line for line, row in zip(lines, attempt, strict=True) if row == attempt[-1]]
     assert advice in last[-1], last
-    assert all(f"  ** {line}\n" in course for line in last if line), "the story in .cvg is that of the result file"
+    assert all(f"  ** {line}\n" in course for line in last if line), "the messages in .cvg are those of the result file"
     assert all(f"  {line}\n" in done.stdout for line in last if line), "and that of the terminal"
     n_iterations, n_factorisations = (int(re.search(rf"{what} +(\d+)", done.stdout)[1]) for what in ("Newton iterations", "factorisations"))
     assert n_factorisations <= min((8 if deck == held_by_supports() else 4) * max(n_iterations, 1), 250), f"{n_factorisations} factorisations in {n_iterations} iterations"
@@ -263,8 +263,8 @@ def test_auto_finishes(run: Run, tmp_path: Path) -> None:
     assert "attempts that failed                   0" in done.stdout, done.stdout
 
 
-def test_free_body_is_told_soon(run: Run, tmp_path: Path) -> None:
-    """Four attempts, each shorter, find a body that nothing holds: no shorter one is tried, though the deck allows nine."""
+def test_unsupported_body_is_reported_early(run: Run, tmp_path: Path) -> None:
+    """Four attempts, each shorter, find an unsupported body: no shorter one is tried, though the deck allows nine."""
     (tmp_path / "job.inp").write_text(tipping(""))
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 5, done.stdout + done.stderr
@@ -283,7 +283,7 @@ def slid_over_the_end(n: int) -> str:
     return solid_deck([(body, (1000.0, 0.0)), (table, (1000.0, 0.0))], pair("BODY_BOTTOM", "TABLE_TOP", 0.1), press + drag)
 
 
-def test_nodes_that_leave_their_master_are_told(run: Run, tmp_path: Path) -> None:
+def test_nodes_that_leave_their_master_are_reported(run: Run, tmp_path: Path) -> None:
     """The nodes at the front leave in the first increment of 0.07, those 0.5 behind them in the eighth: a facet reaches a tenth beyond itself."""
     (tmp_path / "job.inp").write_text(slid_over_the_end(10))
     done = run(["job"], cwd=tmp_path)
@@ -314,7 +314,7 @@ def test_sliding_over_the_edge_is_no_jump(run: Run, tmp_path: Path, kind: str) -
 
 
 def test_cycle_is_acted_on(run: Run, tmp_path: Path) -> None:
-    """A gasket as wide as its plates: a node at the edge goes off its master and back; it alone is acted on, and the job finishes."""
+    """A gasket as wide as its plates: a node at the edge goes off its master and back; only this node gets a treatment, and the job finishes."""
     parts, kind, cards, _, _ = gasket_at_edges()
     (tmp_path / "job.inp").write_text(flat_deck([(flatten(part), elastic) for part, elastic in parts], kind, cards))
     done = run(["job"], cwd=tmp_path)

@@ -1,4 +1,4 @@
-"""Automatic increments follow what happened: iterations, failed attempts, cycles, and contact that was not as foreseen.
+"""Automatic increments follow what happened: iterations, failed attempts, cycles, and contact that was not predicted.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -15,7 +15,7 @@ from verify.conftest import Run
 from verify.independent.results import read_field, read_history
 from verify.study.contact_table import ball, cylinder
 
-FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not foreseen counts
+FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not predicted counts
 SHORTER, LONGER, CUTS = 0.75, 1.5, (0.25, 0.5)  #: D_B, D_D, (D_F, D_C)
 MOST = 0.2  #: the longest increment that the deck allows
 
@@ -41,9 +41,9 @@ def wanted(history: dict[str, np.ndarray]) -> tuple[list[tuple[float, ...]], int
             dt, fast, fast_alone, has_failed = float(history["dt"][i]), 0, 0, True
         else:
             n, cycles = int(history["n_iterations"][i - 1]), int(history["n_cycles"][i - 1])
-            foreseen = history["n_unforeseen"][i - 1] == 0 or n <= FEW
+            is_predicted = history["n_unforeseen"][i - 1] == 0 or n <= FEW
             fast_alone = fast_alone + 1 if n <= FAST else 0
-            fast = fast + 1 if n <= FAST and cycles == 0 and (foreseen or not has_failed) else 0
+            fast = fast + 1 if n <= FAST and cycles == 0 and (is_predicted or not has_failed) else 0
             held += fast_alone >= 2 and fast < 2
             dt = SHORTER * dt if n > SLOW else min(MOST, LONGER * dt) if fast >= 2 else dt
             allowed.append((dt,))
@@ -68,7 +68,7 @@ def test_increments_follow_what_happened(run: Run, tmp_path: Path) -> None:
 
 
 def test_directions_lead_to_the_same(run: Run, tmp_path: Path) -> None:
-    """EXACT, SYMMETRIC and LAGGED converge to the same, since the residual does not know them: to 1e-4, the balance allowed being 1e-6 of the forces."""
+    """EXACT, SYMMETRIC and LAGGED converge to the same, since they do not change the residual: to 1e-4, with a residual tolerance of 1e-6 of the forces."""
     found = {}
     for direction in ("EXACT", "SYMMETRIC", "LAGGED"):
         (tmp_path / "job.inp").write_text(ball(0.3, f"AUTO, DIRECTION={direction}", 5))

@@ -1,4 +1,4 @@
-"""Models that cannot stand: the audit names what is wrong and what to do, exit code 4, before any file is written."""
+"""Unsupported models (rigid body motion): the model check names the cause and the remedy, exit code 4, before any file is written."""
 
 import re
 from collections.abc import Sequence
@@ -66,7 +66,7 @@ def fixed(*sets: str) -> str:
 
 
 def refuse(run_deck: Run, tmp_path: Path, deck: Deck | str, *sentences: str) -> list[str]:
-    """The deck ends with exit code 4 and says the sentences in errors, and nothing lies beside it; returns the errors."""
+    """The deck ends with exit code 4 and prints the sentences as errors, and no file is written; returns the errors."""
     done = run_deck(deck if isinstance(deck, str) else deck.text())
     assert done.returncode == SETUP, done.stdout + done.stderr
     lines = done.stdout.splitlines()
@@ -74,13 +74,13 @@ def refuse(run_deck: Run, tmp_path: Path, deck: Deck | str, *sentences: str) -> 
     errors = [line for line in lines[:-1] if line.startswith("*ERROR")]
     assert f"found {len(errors)} error" in lines[-1]
     for sentence in sentences:
-        assert any(sentence in line for line in errors), f"'{sentence}' is not said:\n{done.stdout}"
+        assert any(sentence in line for line in errors), f"'{sentence}' is not printed:\n{done.stdout}"
     assert [path.name for path in tmp_path.iterdir()] == ["job.inp"]
     return errors
 
 
 def accept(run_deck: Run, deck: Deck | str, *options: str) -> str:
-    """--check finds the deck good; returns what is said."""
+    """--check accepts the deck; returns the output."""
     done = run_deck(deck if isinstance(deck, str) else deck.text(), "--check", *options)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "*ERROR" not in done.stdout
@@ -88,7 +88,7 @@ def accept(run_deck: Run, deck: Deck | str, *options: str) -> str:
 
 
 def stack(friction: float, gap: float = 0.0) -> Deck:
-    """A small cube on (or above) a large one whose floor is held."""
+    """A small cube on (or above) a large one whose bottom is fixed."""
     deck = Deck()
     deck.cube((0.0, 0.0, 0.0))
     deck.cube((0.1, 0.1, 1.0 + gap), 0.8)
@@ -97,7 +97,7 @@ def stack(friction: float, gap: float = 0.0) -> Deck:
 
 
 def test_free_body(run_deck: Run, tmp_path: Path) -> None:
-    """Nothing holds the cube; the set that is the body is named."""
+    """The cube is not supported; the message names its set."""
     deck = Deck(steps=[["*CLOAD\n1, 1, 100."]])
     deck.cube((0.0, 0.0, 0.0))
     refuse(run_deck, tmp_path, deck, "In step 1 the body of element 1 (set ALL, 1 element) can move and turn freely")
@@ -113,7 +113,7 @@ def test_free_body(run_deck: Run, tmp_path: Path) -> None:
     ],
 )
 def test_partly_held(run_deck: Run, tmp_path: Path, supports: str, motion: str) -> None:
-    """What is left of the six motions is told in words."""
+    """The message describes the remaining rigid body motions in words."""
     deck = Deck(steps=[["*BOUNDARY\n" + supports]])
     deck.cube((0.0, 0.0, 0.0))
     errors = refuse(run_deck, tmp_path, deck, motion)
@@ -156,14 +156,14 @@ def test_sliding_without_friction(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_two_bodies_slide_together(run_deck: Run, tmp_path: Path) -> None:
-    """Two that hold each other by friction, free together."""
+    """Two bodies joined by friction, unsupported together."""
     deck = stack(friction=0.3)
     deck.steps = [["*BOUNDARY\nFLOOR1, 3, 3"]]
     refuse(run_deck, tmp_path, deck, "of element 1 (set CUBE1, 1 element) and with it the body of element 2 (set CUBE2, 1 ele")
 
 
 def test_open_at_the_start(run_deck: Run) -> None:
-    """A body over a gap that only a force pushes is told, but may run."""
+    """A body that only a force pushes over a gap is reported, but may run."""
     deck = stack(friction=0.3, gap=0.05)
     deck.steps = [[fixed("FLOOR1"), "*CLOAD\nLID2, 3, -10."]]
     assert "until its contact closes" in accept(run_deck, deck)
@@ -178,14 +178,14 @@ def test_no_projection(run_deck: Run, tmp_path: Path) -> None:
     refuse(run_deck, tmp_path, deck, "None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master")
 
 
-def test_far_and_deep_are_told_under_calculix(run_deck: Run) -> None:
+def test_large_gaps_and_overclosures_are_reported_under_calculix(run_deck: Run) -> None:
     """CalculiX runs pairs that are far apart or far inside each other, and so does its dialect."""
     deck = stack(friction=0.3, gap=20.0)
     deck.steps = [[fixed("FLOOR1", "LID2")]]
-    told = accept(run_deck, deck, "--dialect=calculix")
-    assert "WARNING: None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master" in told
-    told = accept(run_deck, deck.text().replace("NODE TO SURFACE", "SURFACE TO SURFACE"), "--dialect=calculix")
-    assert "WARNING: No slave face of the contact pair SOLE2 / TOP1 faces the master at the start" in told
+    message = accept(run_deck, deck, "--dialect=calculix")
+    assert "WARNING: None of the 4 slave nodes of the contact pair SOLE2 / TOP1 projects on the master" in message
+    message = accept(run_deck, deck.text().replace("NODE TO SURFACE", "SURFACE TO SURFACE"), "--dialect=calculix")
+    assert "WARNING: No slave face of the contact pair SOLE2 / TOP1 faces the master at the start" in message
     deck = stack(friction=0.3, gap=-0.7)
     deck.steps = [[fixed("FLOOR1", "LID2")]]
     assert "lies 0.7 inside the master at the start" in accept(run_deck, deck, "--dialect=calculix")
@@ -201,7 +201,7 @@ def test_driven_over_a_wide_gap(run_deck: Run) -> None:
 
 @pytest.mark.parametrize("height", [-0.25, 0.25])
 def test_far_side(run_deck: Run, tmp_path: Path, height: float) -> None:
-    """The same well below and above the plate: no slave node is near its master, and all of them face the same way as it."""
+    """The same well below and above the plate: no slave node is near its master, and all of them face the same direction as it."""
     deck = Deck(steps=[[fixed("FLOOR1", "LID2")]])
     deck.cube((0.0, 0.0, 0.9), 0.1)
     deck.cube((0.01, 0.01, 0.9 + height), 0.08)
@@ -231,7 +231,7 @@ def test_penetration(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_pairs_that_share_nodes(run_deck: Run) -> None:
-    """A surface that is slave in one pair and master in another, and a symmetric pair: one side gives way."""
+    """A surface that is slave in one pair and master in another, and a symmetric pair: one side drops its constraint."""
     deck = Deck(steps=[[fixed("FLOOR1", "LID3")]])
     for n in range(3):
         deck.cube((0.1 * n, 0.1 * n, float(n)), 1.0)
@@ -283,7 +283,7 @@ def test_conflicting_constraints(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_weight_without_density(run_deck: Run, tmp_path: Path) -> None:
-    """GRAV needs *DENSITY: the reader or the audit says so."""
+    """GRAV needs *DENSITY: the reader or the model check reports it."""
     deck = Deck(steps=[[fixed("FLOOR1"), "*DLOAD\nALL, GRAV, 9.81, 0., 0., -1."]])
     deck.cube((0.0, 0.0, 0.0))
     done = run_deck(deck.text())
@@ -295,7 +295,7 @@ def test_weight_without_density(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_all_at_once(run_deck: Run, tmp_path: Path) -> None:
-    """Several mistakes are told together."""
+    """Several mistakes are reported together."""
     deck = stack(friction=0.0)
     deck.steps = [["*BOUNDARY\nFLOOR1, 3, 3"]]
     deck.cube((5.0, 0.0, 0.0))
@@ -330,16 +330,16 @@ SLIPS = [
 ]
 
 
-@pytest.mark.parametrize(("right", "wrong", "status", "told"), SLIPS, ids=[told[:40] for *_, told in SLIPS])
-def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int, told: str) -> None:
-    """A word that is spelt wrong is told with the one that was meant; a forgotten support and faces inside a body are remarked."""
+@pytest.mark.parametrize(("right", "wrong", "status", "message"), SLIPS, ids=[message[:40] for *_, message in SLIPS])
+def test_slips_of_a_beginner(run_deck: Run, right: str, wrong: str, status: int, message: str) -> None:
+    """A misspelt word is reported with the word that was meant; a forgotten support and faces inside a body are remarked."""
     done = run_deck(THREE_CUBES.replace(right, wrong, 1), "--check")
     assert done.returncode == status, done.stdout
-    assert told in done.stdout, done.stdout
+    assert message in done.stdout, done.stdout
 
 
 def test_nodes_that_face_away_may_be_held(run_deck: Run) -> None:
-    """The bottom of a cube whose whole skin is the slave is held: nothing is said of that, contact is at its top."""
+    """The bottom of a cube whose whole skin is the slave is held: no message, contact is at its top."""
     deck = THREE_CUBES.replace("CUBE, S1\n", "CUBE,\n").replace("LID, 1, 2", "LID, 1, 3")
     assert "cannot push there" not in run_deck(deck, "--check").stdout
 
@@ -356,7 +356,7 @@ def test_a_fit_is_no_mistake(run_deck: Run) -> None:
 
 @pytest.mark.parametrize("name", ["three_cubes", "shear_block", "hertz_octant", "ironing"])
 def test_decks_of_input_are_good(run: Run, root: Path, name: str, tmp_path: Path) -> None:
-    """No deck of input/ gets an error or a warning from the audit, and --check tells bodies, pairs and steps."""
+    """No deck of input/ gets an error or a warning from the model check, and --check lists bodies, pairs and steps."""
     done = run(["--check", "--outdir", tmp_path, root / "input" / f"{name}.inp"])
     assert done.returncode == 0, done.stdout
     assert not re.search(r"\*(ERROR|WARNING)", done.stdout), done.stdout

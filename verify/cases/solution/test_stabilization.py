@@ -116,7 +116,7 @@ def test_calculix_does_not_know_it(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_snap_through(run_deck: Run, tmp_path: Path) -> None:
-    """Two shallow trusses of Hencky's material under a force three times their limit: they snap through and hang.
+    """Two shallow trusses of Hencky's material under a force three times their limit: they snap through and hang down.
 
     P = -2 tau A y/l L/l with tau = E ln(l/L), y the height of the apex. Without damping the job ends at the limit point.
     """
@@ -129,8 +129,8 @@ def test_snap_through(run_deck: Run, tmp_path: Path) -> None:
     assert y < -1
     assert -2 * 1000 * np.log(long / old) * y / long * old / long == pytest.approx(1.2, rel=2e-4)
     stored, lost, given = (history(tmp_path, name)[-1] for name in ("strain_energy", "damped_work", "external_work"))
-    assert given == pytest.approx(stored + lost, rel=0.03), "trapezoidal rule over a snap"
-    assert lost > 0.5 * given, "most of the force's work is lost in the snap"
+    assert given == pytest.approx(stored + lost, rel=0.03), "trapezoidal rule over a snap-through"
+    assert lost > 0.5 * given, "most of the force's work is lost in the snap-through"
     done = run_deck(TRUSSES + step("", "0.05, 1., 1e-8", load, ", NLGEOM"))
     assert done.returncode == 5
     assert "LIMIT POINT" in done.stdout + done.stderr
@@ -138,13 +138,13 @@ def test_snap_through(run_deck: Run, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("words", ["STABILIZE=-1.", "STABILIZE=much", "STABILIZE, FACTOR=-3."])
 def test_refused(run_deck: Run, words: str) -> None:
-    """Numbers that are none, or negative."""
+    """Invalid and negative numbers."""
     done = run_deck(CUBE + step(f", {words}", "0.1, 1.", "HIGH, 3, 1."))
     assert done.returncode == 3
 
 
 def test_resumed(run_deck: Run, tmp_path: Path) -> None:
-    """A job cut in two by RESTART goes on with the factor that was found."""
+    """A job cut in two by RESTART continues with the factor that was found."""
     one = CUBE + "*STEP\n*RESTART, WRITE\n*STATIC, STABILIZE=0.01, DIRECT\n0.1, 1.\n*CLOAD\nHIGH, 3, 1.\n*END STEP\n"
     assert run_deck(one).returncode == 0
     (tmp_path / "job.res").rename(tmp_path / "old.res")
