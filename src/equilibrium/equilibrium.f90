@@ -447,10 +447,8 @@ contains
     system%residual = start%residual
     system%contact%slip_data = start%slip_data
     system%merit = start%merit
-    if ((system%schur_interface%is_ready .or. system%skin%is_ready) .and. allocated(system%bulk_factor_u)) then   ! a factor
-      ! computed
-      ! meanwhile is one
-      ! of K at u
+    ! a factor computed meanwhile is one of K at u
+    if ((system%schur_interface%is_ready .or. system%skin%is_ready) .and. allocated(system%bulk_factor_u)) then
       if (system%n_factorisations > system%n_factorisations_before) system%bulk_factor_u = start%u
     end if
     call update_base_constraints(system, model, step, state%new, error)

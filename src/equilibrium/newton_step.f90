@@ -578,8 +578,7 @@ contains
       .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return
     if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
-    if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! at rounding level: a slender body allows no smaller
-    ! residual
+    if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! at rounding level for a slender body
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
