@@ -1,7 +1,7 @@
-!> Card table: every card once, as data: keyword, place, parameters, data lines, a sentence; also those that we refuse.
+!> The table of all cards, including ignored and rejected ones: keyword, scope, parameters, data lines, description.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Checks, messages, `amontons --cards` and the manual come from this table. A new card is one entry here and one small
+!! Checks, messages, `amontons --cards` and the manual come from this table. A new card needs one entry here and one
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
@@ -13,14 +13,14 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
     SECTION_VARIABLES
 
-  character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< what NODE PRINT knows
-  character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< what EL PRINT knows
+  character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< variables of NODE PRINT
+  character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< variables of SECTION PRINT, each of which prints all
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< variables of EL PRINT
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'
 
 contains
 
-  !> Builds the table. It is no variable of the module, so that two jobs can read at once.
+  !> Builds the table. It is not a module variable, so that two jobs can read simultaneously.
   subroutine make_card_table(table)
     type(card_table_type), intent(out) :: table
     call describe_mesh(table)
@@ -223,7 +223,7 @@ contains
   end subroutine describe_contact
 
 
-  !> What a step changes of interactions and pairs.
+  !> Changes of interactions and pairs by a step.
   subroutine describe_contact_changes(table)
     type(card_table_type), intent(inout) :: table
     call table%card('CHANGE FRICTION', SCOPE_STEP, 'Changes friction from this step on; FRICTION follows.')
@@ -297,7 +297,7 @@ contains
   end subroutine describe_amplitude_and_equation
 
 
-  !> Directions of nodes, and what binds displacements together.
+  !> Nodal directions, and kinematic constraints.
   subroutine describe_couplings(table)
     type(card_table_type), intent(inout) :: table
     call table%card('TRANSFORM', SCOPE_MODEL, 'Gives the degrees of freedom of nodes directions of their own, for ' // &
@@ -525,7 +525,7 @@ contains
   end subroutine describe_steps
 
 
-  !> What STATIC and VISCO share.
+  !> The parameters common to STATIC and VISCO.
   subroutine describe_static(table)
     type(card_table_type), intent(inout) :: table
     call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', &
@@ -618,7 +618,7 @@ contains
   end subroutine describe_prints
 
 
-  !> What the PRINT cards share.
+  !> The parameters common to the PRINT cards.
   subroutine describe_print(table)
     type(card_table_type), intent(inout) :: table
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
@@ -682,7 +682,7 @@ contains
   end subroutine describe_ignored
 
 
-  !> Materials, temperatures and directions that we do not have.
+  !> Materials, temperatures and directions that are not supported.
   subroutine describe_rejected_materials(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'VISCOELASTIC|HYPOELASTIC|DRUCKER PRAGER|DRUCKER ' // &
@@ -712,7 +712,7 @@ contains
   end subroutine describe_rejected_materials
 
 
-  !> Procedures, changes of the model and loads that we do not have.
+  !> Procedures, changes of the model and loads that are not supported.
   subroutine describe_rejected_procedures(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
@@ -736,7 +736,7 @@ contains
   end subroutine describe_rejected_procedures
 
 
-  !> Constraints, structural elements, parts and generators that we do not have.
+  !> Constraints, structural elements, parts and generators that are not supported.
   subroutine describe_rejected_parts(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
