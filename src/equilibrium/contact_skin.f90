@@ -1,13 +1,14 @@
-!> Skin: the contact subproblem on wide interfaces: a preconditioner that needs one solution with the bulk and small dense tiles.
+!> Preconditioner of the contact subproblem on wide interfaces: one solution with the bulk, then dense solves on small tiles of the
+!! contact skin (the nodes of all contact rows).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". With K_rho = K + rho sum c_s B_s'B_s (Robin springs between slave nodes and
-!! master, in all directions alike) and P ~ inv(K_rho), one application to a force r on the free unknowns is
+!! master) and P ~ inv(K_rho), one application to a force r on the free unknowns is
 !!
 !!     x = R Pi P Pi' R' r,      then on each tile F:  x_F = x_F + inv(J_FF) (r - J x)_F
 !!
-!! R picks the free unknowns, Pi = 1 - D A moves the slave nodes back onto the rows A of contact in the directions D of these rows.
-!! P knows nothing of statuses, normals and friction: it outlives many increments. The tiles are made anew for each tangent.
+!! R restricts to the free unknowns. Pi = 1 - D A projects the slave nodes onto the rows A of contact in the directions D of these
+!! rows. P depends on no status and no friction, so that it serves many increments. The tiles are recomputed for each tangent.
 module amontons_contact_skin
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -24,18 +25,18 @@ module amontons_contact_skin
 
   !> The preconditioner.
   type :: skin_type
-    logical :: is_ready = .false.                  !< P is there
-    type(reduced_system_type) :: robin                    !< K_rho, and P
-    integer, allocatable :: tile_of_node(:)        !< (n_nodes) of slave nodes, where P was made; 0: no slave node
+    logical :: is_ready = .false.                  !< P is available
+    type(reduced_system_type) :: robin                    !< K_rho and its solver P
+    integer, allocatable :: tile_of_node(:)        !< (n_nodes) tile of each slave node, at the computation of P; 0: no slave node
     integer :: n_tiles = 0
-    integer :: n_slow = 0                          !< rounds that took many iterations since P was made
-    integer :: unsolved_limit = 2                        !< so many of them are borne
-    integer, allocatable, private :: unknown_of(:) !< (n_free) unknown of each free one
+    integer :: n_slow = 0                          !< slow Krylov solves since P was computed
+    integer :: unsolved_limit = 2                        !< slow solves until P is recomputed
+    integer, allocatable, private :: unknown_of(:) !< (n_free) index of each free unknown among all
     integer, allocatable, private :: free_of(:)    !< (free unknowns of the skin) number among all free ones
     integer, allocatable, private :: skin_of_free(:)   !< (the same) unknown of the skin
     type(sparse_type), private :: rows             !< A (n_dependent x n_unknowns) [-]
     type(sparse_type), private :: directions       !< D' (n_dependent x n_unknowns) [-]
-    integer, allocatable, private :: bulk_of(:)    !< (n_unknowns) number in K_rho; 0: not in it
+    integer, allocatable, private :: bulk_of(:)    !< (n_unknowns) index in K_rho; 0: not in it
     integer, private :: n_bulk = 0
     type(sparse_type), private :: by_imbalance     !< D_R (n_unknowns x n_unknowns) [-]
     type(sparse_type), private :: by_displacement  !< D_u (n_unknowns x n_unknowns) [force/length]
@@ -45,7 +46,7 @@ module amontons_contact_skin
 
 contains
 
-  !> Cuts the slave nodes into tiles.
+  !> Partitions the slave nodes into tiles.
   subroutine cut_skin(self, place, node, n_nodes)
     type(skin_type), intent(inout) :: self
     real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
@@ -61,15 +62,16 @@ contains
   end subroutine cut_skin
 
 
-  !> The preconditioner for a tangent: projection and tiles.
+  !> Updates the preconditioner for a tangent: projection and tiles.
   subroutine renew_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, error)
-    type(skin_type), intent(inout) :: self         !< cut; P may come later
+    type(skin_type), intent(inout) :: self         !< with its tiles; P may be computed later
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in) :: whole    !< with them
     type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: by_imbalance      !< D_R (n_unknowns x n_unknowns) [-]
     type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
-    type(sparse_type), intent(in) :: rows          !< nodes (columns) of the row of each slave, the slave node first; no values
+    type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave, the slave node first; no
+                                                   !! values
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: skin_of(:), tile_of(:)
     integer :: i
@@ -92,7 +94,7 @@ contains
   end subroutine renew_skin
 
 
-  !> A and D: the rows of unknowns that contact makes dependent, and for each the direction at its node that brings it back.
+  !> A and D: the rows of unknowns that contact makes dependent, and for each the direction of projection at its node.
   subroutine relate_rows(self, base, whole, error)
     type(skin_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base, whole
@@ -136,7 +138,7 @@ contains
 
   contains
 
-    !> The row e_i - T_i, and what of it is at its own node.
+    !> The row e_i - T_i, and its entries at its own node.
     subroutine put_row(unknown, number, at_node)
       integer, intent(in) :: unknown, number
       real(DP), intent(inout) :: at_node(3)
@@ -171,11 +173,11 @@ contains
     integer :: status
     gram = matmul(own, transpose(own))
     call solve_small(gram, own, solution, status)
-    inverse = transpose(solution)                  ! 0 where the rows depend on each other, which they do not
+    inverse = transpose(solution)                  ! 0 if the rows were linearly dependent, which they are not
   end subroutine invert_own
 
 
-  !> The unknowns of the skin: the nodes of all rows. Nodes that are no slave nodes come into the tile of the first row they are in.
+  !> The unknowns of the skin: the nodes of all rows. A master node belongs to the tile of the first row that contains it.
   subroutine lay_skin(self, rows, skin_of, tile_of)
     type(skin_type), intent(in) :: self
     type(sparse_type), intent(in) :: rows
@@ -200,7 +202,7 @@ contains
   end subroutine lay_skin
 
 
-  !> The parts of the tangent on the skin.
+  !> Extracts the parts of the tangent on the skin.
   subroutine take_parts(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
     type(skin_type), intent(inout) :: self
     type(constraints_type), intent(in) :: whole
@@ -237,11 +239,12 @@ contains
   end subroutine take_parts
 
 
-  !> Some rows of a matrix and of them the columns that have a new number. Of a symmetric one, given by its upper triangle, both.
+  !> Extracts a submatrix: some rows, and the columns with a new index. A symmetric matrix is given by its upper triangle; the
+  !! submatrix has both triangles.
   subroutine take_rows(matrix, rows, number, n_columns, taken, error, is_symmetric)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: rows(:)
-    integer, intent(in) :: number(:)               !< (n_columns of matrix) 0: not taken
+    integer, intent(in) :: number(:)               !< (n_columns of matrix) new index; 0: not extracted
     integer, intent(in) :: n_columns
     type(sparse_type), intent(out) :: taken        !< (size(rows) x n_columns)
     type(error_type), allocatable, intent(out) :: error
@@ -335,7 +338,7 @@ contains
   end subroutine correct_skin
 
 
-  !> w = w - dF_c, the change of the contact forces, dF_c = D_R dRhat + D_u du.
+  !> w = w - dF_c, with the change of the contact forces dF_c = D_R dRhat + D_u du.
   subroutine subtract_contact(self, du, d_imbalance, w)
     type(skin_type), intent(in) :: self
     real(DP), intent(in) :: du(:)                  !< (n_unknowns) [length]

@@ -1,8 +1,10 @@
-!> System: the equations at one configuration: imbalance, contact and residual, and what is kept from one to the next.
+!> The equilibrium equations at one configuration: force imbalance, contact forces and residual, and the data kept between
+!! configurations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `evaluate` asks the elements and contact; `foresee` asks contact alone, with the elements as their tangent foretells them.
-!! Both give forces only. The matrix, and the direction that it leads to, are in the room `direction`.
+!! `evaluate_equilibrium` evaluates elements and contact; `evaluate_linearized` evaluates contact, with the element forces
+!! linearised.
+!! Both give forces only. The tangent matrix and the Newton direction are in `newton_step`.
 module amontons_equilibrium
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
@@ -46,85 +48,88 @@ module amontons_equilibrium
 
   integer, parameter :: OUTCOME_OK = 0
   integer, parameter :: OUTCOME_ELEMENT = 1        !< an element is inverted: system%failed_element is its index
-  integer, parameter :: OUTCOME_LINEAR_SOLVER = 2         !< the tangent is singular and no direction was found
+  integer, parameter :: OUTCOME_LINEAR_SOLVER = 2         !< the tangent is singular: no direction found
   integer, parameter :: OUTCOME_NOT_FINITE = 3     !< a number is not finite
-  integer, parameter :: OUTCOME_UNSUPPORTED = 4           !< a body flies off
+  integer, parameter :: OUTCOME_UNSUPPORTED = 4           !< rigid body motion: a body is not supported
   integer, parameter :: OUTCOME_TUNNELLING = 5        !< a slave node passed through its master
   integer, parameter :: OUTCOME_CONSTRAINTS = 6    !< constraints contradict each other: system%conflict says which
 
-  real(DP), parameter :: MAX_FIRST_INCREMENT_RATIO = 0.3_DP         !< first increment over the step: a factor serves fewer than
-                                                                    !! that [-]
-  real(DP), parameter :: ROUNDING_FACTOR = 10.0_DP             !< so many times a gap is rounded on its way to a force, at most [-]
-  real(DP), parameter :: MAX_INTERFACE_GAP = 0.5_DP                   !< an open node nearer than this times the edge is on the
-                                                                      !! interface [-]
+  real(DP), parameter :: MAX_FIRST_INCREMENT_RATIO = 0.3_DP         !< first increment over the step below which a factor is reused
+                                                                    !! [-]
+  real(DP), parameter :: ROUNDING_FACTOR = 10.0_DP             !< roundings of a gap in the computation of a force, at most [-]
+  real(DP), parameter :: MAX_INTERFACE_GAP = 0.5_DP                   !< largest gap of an open node on the interface over the edge
+                                                                      !! length [-]
 
-  !> The system, with everything that is kept between configurations.
+  !> The equilibrium equations, with all data kept between configurations.
   type :: equilibrium_type
     type(assembly_type) :: assembly
     type(contact_type) :: contact
-    type(constraints_type) :: base                 !< boundary conditions, equations, followers
+    type(constraints_type) :: base                 !< boundary conditions, equations, midside constraints
     type(constraints_type) :: constraints                !< those and the rows of the closed nodes
     type(contact_tangent_type), allocatable :: contact_tangents(:)       !< linearised contact forces
     type(reduced_system_type) :: reduced_system                  !< A and its factor
-    type(schur_interface_type) :: schur_interface              !< the bulk with its interface, where that is cheaper
-    type(skin_type) :: skin                        !< the preconditioner of contact on wide interfaces
-    type(free_motions_type) :: motions             !< of bodies that supports alone do not hold
-    logical, allocatable :: is_near(:)             !< (n_slaves) they have a spring in it
-    real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction by it: residual over right-hand side [-]
-    logical :: is_skin = .false.                   !< the present direction goes by it
-    logical :: is_schur_active = .false.              !< the present direction goes by the condensed interface, or by the skin
-    logical :: is_subproblem_solved = .false.                !< contact has settled ahead along the present direction
-    logical :: is_schur_allowed = .true.            !< the interface has not been found too large yet
-    real(DP), allocatable :: bulk_factor_u(:, :)          !< (3, n_nodes) where the bulk's factor was made [length]; not there: no
-                                                          !! factor
-    logical :: is_bulk_factor_current = .false.               !< that factor is one of K as it is
-    logical :: is_interface_singular = .false.                 !< along the present direction nothing holds a body: the interface
-                                                               !! is singular
+    type(schur_interface_type) :: schur_interface              !< the factor of the bulk and the Schur complement of the interface,
+                                                               !! where that is cheaper
+    type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces
+    type(free_motions_type) :: motions             !< rigid body motions that the supports alone do not restrain
+    logical, allocatable :: is_near(:)             !< (n_slaves) slaves with a Robin spring in the skin
+    real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction with the skin: residual over right-hand side [-]
+    logical :: is_skin = .false.                   !< the present direction uses the skin
+    logical :: is_schur_active = .false.              !< the present direction uses the Schur complement or the skin
+    logical :: is_subproblem_solved = .false.                !< the contact subproblem of the present direction is solved
+    logical :: is_schur_allowed = .true.            !< the interface is not known to be too large
+    real(DP), allocatable :: bulk_factor_u(:, :)          !< (3, n_nodes) u at the factorisation of the bulk [length]; not
+                                                          !! allocated: no factor
+    logical :: is_bulk_factor_current = .false.               !< that factor is one of the present K
+    logical :: is_interface_singular = .false.                 !< at the present direction the interface is singular: rigid body
+                                                               !! motion
     logical, allocatable :: is_interface_unknown(:)          !< (n_unknowns) on the interface
-    logical, allocatable :: is_held(:)             !< (n_unknowns) by the base constraints, where the bulk was analysed
-    real(DP) :: proximal_shift = 0                          !< part of its own diagonal that K has more, for bodies that nothing
-                                                            !! holds [-]
+    logical, allocatable :: is_held(:)             !< (n_unknowns) unknowns restrained by the base constraints at the analysis of
+                                                   !! the bulk
+    real(DP) :: proximal_shift = 0                          !< fraction of its own diagonal added to K, for unsupported bodies [-]
     logical :: is_bulk_nlgeom = .false.            !< the factor of the bulk is one of a step with NLGEOM
     logical, allocatable :: has_no_element(:)             !< (3 n_nodes) of a node without elements
-    real(DP), allocatable :: volume_share(:)              !< (n_nodes) of volume, for damping; not there: no step has had any
-                                                          !! [length^3]
-    real(DP) :: mpc_violation = 0                      !< largest of the bonds at the last evaluation, over their size [-]
-    real(DP), allocatable :: rotation_length(:)              !< (n_nodes) what makes a length of an angle; empty: there are no
-                                                             !! angles [length]
+    real(DP), allocatable :: volume_share(:)              !< (n_nodes) nodal volumes, for damping; not allocated: no step was
+                                                          !! damped [length^3]
+    real(DP) :: mpc_violation = 0                      !< largest violation of the nonlinear MPCs at the last evaluation, over
+                                                       !! their size [-]
+    real(DP), allocatable :: rotation_length(:)              !< (n_nodes) factor from an angle to a length; empty: no angles
+                                                             !! [length]
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
-    real(DP), allocatable :: residual_at_gap(:, :)          !< (3, n_nodes) R with what compliant laws give where their nodes are
+    real(DP), allocatable :: residual_at_gap(:, :)          !< (3, n_nodes) R with the compliant laws evaluated at the present gaps
                                                             !! [force]
     real(DP) :: largest_residual = 0               !< [force]
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
     real(DP) :: bulk_force = 0                     !< largest internal or applied force on a node [force]
-    real(DP) :: force_rounding = 0                       !< what rounding makes of gaps: no residual [force]
+    real(DP) :: force_rounding = 0                       !< force error from rounding of gaps, treated as zero residual [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
-    logical :: is_constant = .false.               !< the stiffness of this step depends on nothing
-    logical :: is_assembled = .false.              !< and is there already
-    integer :: n_conflicts = 0                     !< contact rows dropped for stronger constraints
+    logical :: is_constant = .false.               !< the stiffness is constant in this step
+    logical :: is_assembled = .false.              !< the constant stiffness is assembled
+    integer :: n_conflicts = 0                     !< contact rows dropped because of other constraints
     integer :: failed_element = 0
-    type(error_type), allocatable :: conflict      !< of constraints, at the last evaluation; not there: none
-    integer :: n_factorisations = 0                !< since the last reset by the stepper
-    integer :: n_factorisations_before = 0                        !< the same when the direction was wanted
+    type(error_type), allocatable :: conflict      !< of constraints, at the last evaluation; not allocated: none
+    integer :: n_factorisations = 0                !< since the last reset by increment_control
+    integer :: n_factorisations_before = 0                        !< n_factorisations at the start of the direction
     integer :: n_krylov = 0
-    integer :: n_subproblem_iterations = 0                        !< corrections of directions while contact settled
-    integer :: n_halved = 0                        !< corrections that were halved while contact settled along a direction
-    integer :: n_indefinite = 0                      !< factorisations of the bulk in this attempt that found it not stable
+    integer :: n_subproblem_iterations = 0                        !< corrections of directions in contact subproblems
+    integer :: n_halved = 0                        !< halved corrections in contact subproblems
+    integer :: n_indefinite = 0                      !< factorisations of the bulk in this attempt that found it indefinite
     integer :: n_shifted = 0                       !< factorisations that needed a shift
-    integer :: n_umfpack = 0                         !< directions that needed UMFPACK
+    integer :: n_umfpack = 0                         !< directions solved by UMFPACK
     real(DP) :: seconds(N_PHASES) = 0              !< [s]
-    real(DP) :: megabytes(N_PHASES) = 0            !< by which the peak of memory grew
-    real(DP) :: peak = 0                           !< of memory, when the clock was read last [megabytes]
+    real(DP) :: megabytes(N_PHASES) = 0            !< growth of the memory peak
+    real(DP) :: peak = 0                           !< memory peak at the last reading of the clock [megabytes]
   end type equilibrium_type
 
-  !> A configuration as it was evaluated, to start from and to come back to.
+  !> An evaluated configuration: the start of linearised evaluations, and the point to restore.
   type :: configuration_type
     real(DP), allocatable :: u(:, :)               !< (3, n_nodes) [length]
     real(DP), allocatable :: internal_force(:, :)  !< (3, n_nodes) [force]
-    real(DP), allocatable :: applied_force(:, :)   !< (3, n_nodes) with which it is balanced, here and where it leads [force]
+    real(DP), allocatable :: applied_force(:, :)   !< (3, n_nodes) applied force, also that of linearised evaluations from here
+                                                   !! [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R [force]
     type(slave_state_type), allocatable :: slaves(:)
     type(slip_state_type), allocatable :: slip_data(:)  !< (n_slaves)
@@ -133,7 +138,7 @@ module amontons_equilibrium
 
 contains
 
-  !> Assembly and contact are made ready, the state is laid out.
+  !> Creates assembly, contact and the initial state.
   subroutine create_equilibrium(system, model, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -148,7 +153,7 @@ contains
   end subroutine create_equilibrium
 
 
-  !> The pattern of the stiffness, with what bonds couple, and the unknowns that no element knows.
+  !> The pattern of the stiffness, with the couplings of nonlinear MPCs, and the unknowns without elements.
   subroutine prepare_nonlinear_mpcs(system, model, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -168,7 +173,7 @@ contains
   end subroutine prepare_nonlinear_mpcs
 
 
-  !> Contact finds its slave nodes; the state is laid out with them.
+  !> Creates the slave nodes of contact and the state.
   subroutine prepare_state(system, model, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -182,7 +187,7 @@ contains
   end subroutine prepare_state
 
 
-  !> A step begins: which unknowns its supports hold. Errors: constraints that contradict each other (EXIT_SETUP).
+  !> Begins a step: finds the unknowns that its supports restrain. Errors: constraints that contradict each other (EXIT_SETUP).
   subroutine begin_step(system, model, step, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -216,7 +221,7 @@ contains
   end subroutine begin_step
 
 
-  !> Chooses the solver of a step before anything is computed, where the model is so large that it matters.
+  !> Chooses the linear solver of a step of a large model, before the first evaluation.
   subroutine plan_solver(system, model, error)
     type(equilibrium_type), intent(inout) :: system     !< the step has begun
     type(model_type), intent(in) :: model
@@ -228,7 +233,7 @@ contains
   end subroutine plan_solver
 
 
-  !> An increment begins: the trial state stands at its end in time and at its start in displacement.
+  !> Begins an increment: the trial state has the time of its end and the displacement of its start.
   subroutine begin_increment(system, model, step, is_step_start, state)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -244,7 +249,7 @@ contains
   end subroutine begin_increment
 
 
-  !> The base constraints for what is still missing to the prescribed displacements at the time of `fields`.
+  !> The base constraints for the remaining prescribed displacements at the time of `fields`.
   subroutine update_base_constraints(system, model, step, fields, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -257,7 +262,7 @@ contains
   end subroutine update_base_constraints
 
 
-  !> The same where constraints follow the motion: rows that contradict each other there are a trouble of this configuration.
+  !> The same for constraints that depend on the motion: rows that contradict each other give OUTCOME_CONSTRAINTS.
   subroutine prescribe_here(system, model, step, fields, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -277,8 +282,8 @@ contains
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: outcome                !< TROUBLE_...
-    logical, intent(in) :: is_frozen               !< every slave node keeps its status
+    integer, intent(out) :: outcome                !< OUTCOME_...
+    logical, intent(in) :: is_frozen               !< all contact statuses are frozen
     integer :: failed
     integer(I64) :: clock
     call start_clock(system, clock)
@@ -303,10 +308,10 @@ contains
   end subroutine evaluate_equilibrium
 
 
-  !> Residual, reaction, and the norms by which an iterate is judged.
+  !> Residual, reaction forces, and the norms of the convergence criteria.
   subroutine compute_norms(system, applied_force, fields)
     type(equilibrium_type), intent(inout) :: system
-    real(DP), intent(in) :: applied_force(:, :)    !< (3, n_nodes) those of the fields, or a part of them [force]
+    real(DP), intent(in) :: applied_force(:, :)    !< (3, n_nodes) applied force of the fields, or a fraction of it [force]
     type(fields_type), intent(inout) :: fields
     real(DP) :: violation
     integer :: s
@@ -367,7 +372,7 @@ contains
   end function nodal_norms
 
 
-  !> The largest residual, and that with laws where their nodes are, beyond what rounding makes of them.
+  !> The largest component of the residual, and of the residual at the present gaps, above rounding level.
   pure function residuals_above_rounding(system, u) result(largest)
     type(equilibrium_type), intent(in) :: system        !< K was assembled
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -376,11 +381,11 @@ contains
   end function residuals_above_rounding
 
 
-  !> The largest of a residual beyond what rounding of the displacements makes of it: of what the stiffness of an unknown makes of
-  !! the largest displacement, the last digit. A body that moves without any force has nothing but that.
+  !> The largest component of a residual above its rounding level: the diagonal stiffness times the last digit of the largest
+  !! displacement. A stress-free rigid motion gives a residual at this level.
   pure real(DP) function residual_above_rounding(system, field, u) result(largest)
     type(equilibrium_type), intent(in) :: system        !< K was assembled
-    real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) R or that of the laws where their nodes are [force]
+    real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) R or the residual at the present gaps [force]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP) :: last_digit                         ! [length]
     real(DP), allocatable :: of_node(:)            ! (n_nodes) [force]
@@ -397,7 +402,7 @@ contains
   end function residual_above_rounding
 
 
-  !> Where the last evaluation was.
+  !> Saves the configuration of the last evaluation.
   pure type(configuration_type) function save_configuration(system, state) result(configuration)
     type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state          !< evaluated
@@ -407,13 +412,13 @@ contains
   end function save_configuration
 
 
-  !> Imbalance, contact and residual at u + du as the tangent at u foretells them: without the elements.
+  !> Imbalance, contact and residual at u + du with the element forces linearised at u.
   subroutine evaluate_linearized(system, model, start, du, state)
     type(equilibrium_type), intent(inout) :: system     !< linearised at u
     type(model_type), intent(in) :: model
     type(configuration_type), intent(in) :: start          !< u, with its internal force
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
-    type(state_type), intent(inout) :: state       !< its slaves are where they start from
+    type(state_type), intent(inout) :: state       !< in: slaves at u
     real(DP), allocatable :: change(:)
     integer(I64) :: clock
     call start_clock(system, clock)
@@ -428,8 +433,8 @@ contains
   end subroutine evaluate_linearized
 
 
-  !> Back from where was foreseen to where that started. What the next evaluation makes anew is left as it was foreseen: forces, and
-  !! the rows of mortar pairs.
+  !> Restores the configuration after linearised evaluations. Forces and the rows of mortar pairs are not restored: the next
+  !! evaluation computes them.
   subroutine restore_configuration(system, model, step, start, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -442,17 +447,16 @@ contains
     system%residual = start%residual
     system%contact%slip_data = start%slip_data
     system%merit = start%merit
-    if ((system%schur_interface%is_ready .or. system%skin%is_ready) .and. allocated(system%bulk_factor_u)) then   ! a factor made
-                                                                                                                  ! meanwhile has
-                                                                                                     ! the stiffness of u
+    ! a factor computed meanwhile is one of K at u
+    if ((system%schur_interface%is_ready .or. system%skin%is_ready) .and. allocated(system%bulk_factor_u)) then
       if (system%n_factorisations > system%n_factorisations_before) system%bulk_factor_u = start%u
     end if
     call update_base_constraints(system, model, step, state%new, error)
   end subroutine restore_configuration
 
 
-  !> Whether the bulk's factor may serve the next increment too, as a preconditioner. It may where its matrix can be made again
-  !! from the displacements alone, so that a job that is resumed goes on with the same factor.
+  !> Whether the next increment may use the factor of the bulk as a preconditioner. Condition: its matrix follows from the
+  !! displacements alone, so that a resumed job continues with the same factor.
   subroutine update_bulk_validity(system, model, step, is_step_start, state)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -462,7 +466,7 @@ contains
     logical, allocatable :: is_contact(:)
     logical :: is_kept
     if (size(state%new%slaves) == 0) return
-    if (system%n_indefinite > 0) system%is_schur_allowed = .true.   ! an attempt knows nothing of those before it
+    if (system%n_indefinite > 0) system%is_schur_allowed = .true.   ! attempts are independent
     system%n_indefinite = 0
     if (may_keep_skin(system, step, is_step_start)) return
     is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 &
@@ -475,10 +479,11 @@ contains
       .and. .not. system%is_interface_unknown)
     if (is_kept .and. allocated(system%is_interface_unknown)) return
     call discard_bulk_factor(system)
-    if (allocated(system%base%owner)) system%is_held = system%base%owner /= 0   ! not there in the audit before the first step
+    if (allocated(system%base%owner)) system%is_held = system%base%owner /= 0   ! not allocated in the model check before the first
+    ! step
     system%is_bulk_nlgeom = system%is_nlgeom
     if (allocated(system%is_interface_unknown)) then
-      if (.not. is_step_start .and. all(is_contact .eqv. system%is_interface_unknown)) return   ! a step may have other supports
+      if (.not. is_step_start .and. all(is_contact .eqv. system%is_interface_unknown)) return   ! a new step may have other supports
     end if
     system%schur_interface%is_analysed = .false.
     system%is_schur_allowed = .true.
@@ -486,8 +491,8 @@ contains
   end subroutine update_bulk_validity
 
 
-  !> Whether the bulk solver of the skin goes on serving: the same unknowns are held. It is a preconditioner, and given up where it
-  !! takes too many iterations, so that it need not be that of the present bulk.
+  !> Whether the bulk solver of the skin stays valid: the same unknowns are restrained. It is only a preconditioner, recomputed when
+  !! it needs too many iterations, so that it need not match the present bulk.
   pure logical function may_keep_skin(system, step, is_step_start) result(is_kept)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -497,7 +502,7 @@ contains
   end function may_keep_skin
 
 
-  !> Whether the bulk of a new step is that of the last one: the same unknowns are held, and NLGEOM is as it was.
+  !> Whether the bulk of a new step is that of the last one: the same restrained unknowns and the same NLGEOM.
   pure logical function is_same_bulk(system) result(is_same)
     type(equilibrium_type), intent(in) :: system
     is_same = allocated(system%is_held) .and. (system%is_bulk_nlgeom .eqv. system%is_nlgeom)
@@ -505,7 +510,7 @@ contains
   end function is_same_bulk
 
 
-  !> The factor of the bulk is not to be used any more.
+  !> Discards the factor of the bulk.
   subroutine discard_bulk_factor(system)
     type(equilibrium_type), intent(inout) :: system
     system%schur_interface%is_ready = .false.
@@ -514,12 +519,12 @@ contains
   end subroutine discard_bulk_factor
 
 
-  !> What contact can reach: slave nodes near their master, their facets and the facets beside these.
+  !> The unknowns of the contact interface: slave nodes near their master, the nodes of their facets and of adjacent facets.
   pure function interface_unknowns(system, model, fields, includes_far_nodes) result(is_contact)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    logical, intent(in) :: includes_far_nodes              !< nodes that are far from their master too
+    logical, intent(in) :: includes_far_nodes              !< include nodes far from their master
     logical :: is_contact(3 * model%mesh%n_nodes)
     logical :: is_near(model%mesh%n_nodes)
     type(contact_row_type) :: row
@@ -543,7 +548,7 @@ contains
       end associate
     end do
     is_contact = [(is_near((i + 2) / 3), i=1, size(is_contact))]
-    do k = 1, system%base%n_rows                   ! a dependent unknown brings those on which it depends
+    do k = 1, system%base%n_rows                   ! a dependent unknown adds those on which it depends
       if (is_contact(system%base%rows(k)%pivot)) is_contact(system%base%rows(k)%unknown) = .true.
     end do
   end function interface_unknowns
@@ -558,7 +563,7 @@ contains
   end subroutine start_clock
 
 
-  !> Adds the time since the clock was started or last read, and what the peak of memory grew, and starts it again.
+  !> Adds the time since the last reading of the clock and the growth of the memory peak, and restarts the clock.
   subroutine stop_clock(system, clock, phase)
     type(equilibrium_type), intent(inout) :: system
     integer(I64), intent(inout) :: clock

@@ -1,10 +1,10 @@
-!> Free motions: the rigid motions of bodies that supports alone hold weakly or not at all, and whether contact holds them.
+!> Rigid body motions that the supports restrain weakly or not at all, and the check whether contact restrains them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/solver.md, "The contact skin". A body is what the stiffness and the rows of the base constraints couple. Its
-!! six
-!! rigid motions z give z'Kz; those with little of it beside z'diag(K)z are kept for a bulk. For each tangent J the kept ones Z are
-!! free if J Z y = 0 for some y: the preconditioner is positive whatever holds the bodies, and would not tell.
+!! Theory: doc/theory/solver.md, "The contact skin". A body is a set of nodes coupled by the
+!! stiffness or by rows of the base constraints. Of its six rigid motions z those with small z'Kz over z'diag(K)z are kept for a
+!! bulk. A tangent J is singular along the kept motions Z if J Z y = 0 for some y. The preconditioner is positive definite even
+!! then, and does not detect it.
 module amontons_free_rigid_motions
   use amontons_kinds, only: DP
   use amontons_sparse, only: sparse_type
@@ -14,13 +14,14 @@ module amontons_free_rigid_motions
   private
   public :: free_motions_type, find_motions, is_singular_along
 
-  real(DP), parameter :: WEAK = 1.0e-2_DP          !< z'Kz over z'diag(K)z of a motion that is kept, at most [-]
-  real(DP), parameter :: DEPENDENT = 1.0e-10_DP    !< motions of a body that are so little new are none [-]
-  real(DP), parameter :: SUSPECT = 1.0e-6_DP       !< |J Z y| over |diag(K) Z y| that is looked at again [-]
-  real(DP), parameter :: FREE = 1.0e-9_DP          !< and below which nothing holds a body [-]
-  integer, parameter :: MOST = 48                  !< motions that are kept
+  real(DP), parameter :: WEAK = 1.0e-2_DP          !< largest z'Kz over z'diag(K)z of a motion that is kept [-]
+  real(DP), parameter :: DEPENDENT = 1.0e-10_DP    !< relative eigenvalue below which motions are linearly dependent [-]
+  real(DP), parameter :: SUSPECT = 1.0e-6_DP       !< |J Z y| over |diag(K) Z y| from the Gram matrix below which it is recomputed
+                                                   !! directly [-]
+  real(DP), parameter :: FREE = 1.0e-9_DP          !< the recomputed ratio below which the tangent is singular [-]
+  integer, parameter :: MOST = 48                  !< motions that are kept, at most
 
-  !> The motions that are kept.
+  !> The kept rigid motions.
   type :: free_motions_type
     integer :: n = 0
     real(DP), allocatable :: value(:, :)           !< (n_unknowns, n)
@@ -28,10 +29,10 @@ module amontons_free_rigid_motions
 
 contains
 
-  !> The rigid motions that the base constraints hold weakly or not at all.
+  !> The rigid motions that the base constraints restrain weakly or not at all.
   subroutine find_motions(stiffness, base, place, is_angle, motions)
     type(sparse_type), intent(in) :: stiffness     !< K, upper triangle with its diagonal
-    type(constraints_type), intent(in) :: base     !< finished
+    type(constraints_type), intent(in) :: base     !< eliminated
     real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
     logical, intent(in) :: is_angle(:)             !< (n_nodes) its unknowns are angles
     type(free_motions_type), intent(out) :: motions
@@ -58,7 +59,7 @@ contains
   end subroutine find_motions
 
 
-  !> Which nodes hang together by the stiffness or by rows of the base constraints. Method: union-find.
+  !> The bodies: nodes coupled by the stiffness or by rows of the base constraints. Method: union-find.
   subroutine find_coupled(stiffness, base, n_nodes, body, n_bodies)
     type(sparse_type), intent(in) :: stiffness
     type(constraints_type), intent(in) :: base
@@ -87,7 +88,7 @@ contains
 
   contains
 
-    !> The root of a node; the path to it is halved on the way.
+    !> The root of a node.
     pure integer function root_of(node) result(root)
       integer, intent(in) :: node
       root = node
@@ -110,7 +111,7 @@ contains
   end subroutine find_coupled
 
 
-  !> Three translations and three rotations of each body about its middle, over its size.
+  !> Three translations and three rotations of each body about its centre, scaled by its size.
   pure subroutine fill_motions(place, is_angle, body, n_bodies, z)
     real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) [length]
     logical, intent(in) :: is_angle(:)             !< (n_nodes)
@@ -146,7 +147,7 @@ contains
   end subroutine fill_motions
 
 
-  !> What the base constraints leave of the motions: nothing at what is held, and dependent unknowns follow.
+  !> Applies the base constraints to the motions: zero at restrained unknowns; dependent unknowns follow from the free ones.
   pure subroutine constrain_motions(base, z)
     type(constraints_type), intent(in) :: base
     real(DP), intent(inout) :: z(:, :)             !< (6, n_unknowns)
@@ -191,7 +192,7 @@ contains
   end subroutine measure_motions
 
 
-  !> The combinations of a body's motions with little energy beside their scale.
+  !> The combinations of a body's motions with small energy over scale.
   subroutine weak_combinations(energy, scale, m, combination)
     real(DP), intent(in) :: energy(6, 6), scale(6, 6)
     integer, intent(out) :: m
@@ -216,7 +217,7 @@ contains
   end subroutine weak_combinations
 
 
-  !> Whether some combination of columns gives nothing.
+  !> Whether J is singular along some combination of the columns.
   logical function is_singular_along(images, scales) result(is_singular)
     real(DP), intent(in) :: images(:, :)           !< (n_free, m) J Z [force]
     real(DP), intent(in) :: scales(:, :)           !< (n_free, m) diag(K) Z [force]

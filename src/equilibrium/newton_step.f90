@@ -1,10 +1,10 @@
-!> Direction: the Newton direction from where the system was last evaluated: linearised, factorised, solved.
+!> Linear solve of one Newton step at the configuration last evaluated: linearisation, factorisation, Krylov iteration.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!!     K      stiffness of the elements and loads, symmetric; what the tangent has beside it is in assembly%skew
-!!     C, c   du = C dv + c: boundary conditions, equations, followers, contact rows     (constraints)
-!!     A      C' K C, factorised by Cholesky                                             (reduced, condensed)
-!!     J      C' (K - d F_c) C, with the exact change of the contact forces, unsymmetric (contact_tangent)
+!!     K      stiffness of the elements and loads, symmetric; the antisymmetric part of the tangent is in assembly%skew
+!!     C, c   du = C dv + c: boundary conditions, equations, midside constraints, contact rows (constraints)
+!!     A      C' K C, factorised by Cholesky                                             (reduced_system, schur_interface)
+!!     J      C' (K - d F_c) C, with the consistent linearisation of the contact forces, unsymmetric (contact_linearization)
 !!
 !! J dv = C' R is solved by GMRES with A as the preconditioner (doc/theory/solver.md).
 module amontons_newton_step
@@ -44,28 +44,28 @@ module amontons_newton_step
     apply_unconstrained_tangent, assemble_tangent_matrix
 
   real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
-  real(DP), parameter :: KRYLOV_RESIDUAL_SHARE = 1.0e-3_DP        !< of the residual that Newton allows: what a direction may leave
-                                                                  !! [-]
+  real(DP), parameter :: KRYLOV_RESIDUAL_SHARE = 1.0e-3_DP        !< admissible residual of a direction over the residual tolerance
+                                                                  !! of Newton [-]
   integer, parameter :: MAX_KRYLOV_ITERATIONS = 200                !< Krylov iterations of one direction
-  real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor: its error is seen less well [-]
-  real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< of stiffness times direction: what rounding leaves of
-                                                                         !! it [-]
+  real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor, whose error estimate is less
+                                                            !! reliable [-]
+  real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< backward error at rounding level [-]
   integer, parameter :: MAX_STALE_ITERATIONS = 8                     !< Krylov iterations after which an old factor of the bulk is
-                                                                     !! given up
-  integer, parameter :: MAX_INDEFINITE_FACTORS = 3                !< such factorisations after which an attempt goes on without the
-                                                                  !! interface
+                                                                     !! discarded
+  integer, parameter :: MAX_INDEFINITE_FACTORS = 3                !< such factorisations after which an attempt continues without
+                                                                  !! the interface
   integer, parameter :: MAX_INTERFACE_UNKNOWNS = 6000            !< largest interface [unknowns]
-  integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction by the skin
-  integer, parameter :: SKIN_RESTART = 50                !< its vectors: two an iteration
-  integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations of a slow round: after some the bulk solver is made
-                                                         !! anew
-  real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< tolerance of a direction while statuses change [-]
-  real(DP), parameter :: SKIN_CAREFUL = 1.0e-3_DP        !< the same where corrections had to be halved [-]
-  real(DP), parameter :: SKIN_ROUGH = 0.1_DP             !< where the length of a correction is all that is wanted [-]
-  real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< and when none does [-]
-  real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< and where no round follows [-]
-  real(DP), parameter :: GOAL_OF_SKIN = 0.3_DP              !< of the residual that needs no correction [-]
-  real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction that leaves more of its right-hand side is none [-]
+  integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction with the contact skin
+  integer, parameter :: SKIN_RESTART = 50                !< restart length of flexible GMRES: two vectors an iteration
+  integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations of a slow solve; after several of them the bulk
+                                                         !! solver is recomputed
+  real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< relative tolerance of a direction while statuses change [-]
+  real(DP), parameter :: SKIN_CAREFUL = 1.0e-3_DP        !< the same where corrections were halved [-]
+  real(DP), parameter :: SKIN_ROUGH = 0.1_DP             !< the same where only the length of a correction is used [-]
+  real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< the same when no status changes [-]
+  real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< the same where no correction follows [-]
+  real(DP), parameter :: GOAL_OF_SKIN = 0.3_DP              !< merit over the residual tolerance r_l at which corrections stop [-]
+  real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction with a larger relative residual is rejected [-]
 
   !> J: the exact tangent as an operator on the free unknowns.
   type, extends(operator_type) :: tangent_type
@@ -90,7 +90,7 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
     integer(I64) :: clock
     call linearize_equilibrium(system, model, step, state, outcome, error)
@@ -117,16 +117,16 @@ contains
   end subroutine solve_newton_step
 
 
-  !> The direction from a place that was foreseen, with the tangent of the bulk as it is.
+  !> The direction from a configuration of the linearised model, with the present tangent of the bulk.
   subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    real(DP), intent(in) :: offset_fraction                  !< of what is missing to the prescribed displacements that it is to go
-                                                             !! [-]
+    real(DP), intent(in) :: offset_fraction                  !< fraction of the remaining prescribed displacements that the
+                                                             !! direction applies [-]
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: floor                              ! [force]
     integer(I64) :: clock
@@ -147,7 +147,7 @@ contains
   end subroutine solve_correction
 
 
-  !> What is left of the merit where rounds by the skin have done enough: no correction is wanted beyond it.
+  !> The merit at which corrections with the contact skin stop.
   pure real(DP) function skin_goal(system, step) result(goal)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -155,7 +155,7 @@ contains
   end function skin_goal
 
 
-  !> The residual that a direction may leave, where another Newton iteration follows and work can be saved.
+  !> The admissible residual of a direction: larger than 0 where another Newton iteration follows, to save work.
   pure real(DP) function residual_floor(system, step) result(floor)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -171,7 +171,7 @@ contains
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: outcome                !< TROUBLE_...
+    integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     integer :: failed
     integer(I64) :: clock
@@ -199,7 +199,7 @@ contains
   end subroutine linearize_equilibrium
 
 
-  !> The scale c of the trial traction: the mean of the node's own stiffness, a diagonal block of K.
+  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K.
   subroutine set_slave_stiffness(system, fields)
     type(equilibrium_type), intent(in) :: system
     type(fields_type), intent(inout) :: fields
@@ -220,8 +220,7 @@ contains
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: old           !< committed
     type(fields_type), intent(in) :: fields
-    real(DP), intent(in) :: offset_fraction                  !< of what is missing to the prescribed displacements that c is to go
-                                                             !! [-]
+    real(DP), intent(in) :: offset_fraction                  !< fraction of the remaining prescribed displacements in c [-]
     type(error_type), allocatable, intent(out) :: error
     call update_base_constraints(system, model, step, fields, error)
     if (allocated(error)) return
@@ -234,7 +233,7 @@ contains
   end subroutine build_constraints
 
 
-  !> From now on K has so much more of its own diagonal; 0: as it is.
+  !> Sets the proximal shift s, the fraction of its own diagonal that is added to K; 0: no shift.
   subroutine set_proximal_shift(system, model, fields, shift)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -242,7 +241,7 @@ contains
     real(DP), intent(in) :: shift                   !< [-]
     logical, allocatable :: is_reachable(:)
     system%proximal_shift = shift
-    if (shift > 0.0_DP) then                        ! contact anywhere is what they are carried to
+    if (shift > 0.0_DP) then                        ! the bodies may come into contact anywhere
       is_reachable = interface_unknowns(system, model, fields, .true.)
       if (any(is_reachable .and. .not. system%is_interface_unknown)) system%schur_interface%is_analysed = .false.
       system%is_interface_unknown = system%is_interface_unknown .or. is_reachable
@@ -253,14 +252,14 @@ contains
   end subroutine set_proximal_shift
 
 
-  !> K with a part of its own diagonal.
+  !> Adds the proximal shift to the diagonal of K.
   subroutine add_proximal_shift(system)
     type(equilibrium_type), intent(inout) :: system
     integer :: i, j
     real(DP) :: mean_stiffness                                ! [force/length]
     if (system%proximal_shift <= 0.0_DP) return
     associate (K => system%assembly%stiffness)
-      do i = 1, K%n_rows, 3                        ! a node's own stiffness in the mean, so that axes do not matter
+      do i = 1, K%n_rows, 3                        ! mean diagonal stiffness of a node: invariant to the choice of axes
         mean_stiffness = sum(K%value(K%first(i:i + 2))) / 3.0_DP
         do j = i, i + 2
           K%value(K%first(j)) = K%value(K%first(j)) + system%proximal_shift * mean_stiffness
@@ -270,8 +269,9 @@ contains
   end subroutine add_proximal_shift
 
 
-  !> Contact by the condensed interface: the bulk is factorised if its factor is gone, the interface always.
-  !! After: is_condensed is .false. where the interface is too large or the bulk is not stable, and where is_unheld.
+  !> Contact by the Schur complement of the interface: the bulk is factorised if no factor is available, the interface always.
+  !! After: is_schur_active is .false. where the interface is too large, the bulk is not positive definite, or
+  !! is_interface_singular.
   subroutine factorise_schur(system, model, step, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -305,8 +305,8 @@ contains
 
 
   !> Whether the contact subproblem is solved on the contact skin: where the interface is too large for a dense matrix, and where
-  !! the bulk is solved by iteration. Below that the dense interface stays the default: where nodes with friction land within an
-  !! increment, the two ways may end with other statuses (decision 0021).
+  !! the bulk is solved by iteration. Below that the dense interface is the default: where nodes with friction close within an
+  !! increment, the two solvers may end with different statuses (decision 0021).
   pure logical function takes_skin(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -318,7 +318,7 @@ contains
   end function takes_skin
 
 
-  !> Contact by the skin: the bulk solver is made if it is gone, the tiles always. After: is_skin and is_condensed.
+  !> Contact by the skin: the bulk solver is computed if none is available, the tiles always. After: is_skin and is_schur_active.
   subroutine factorise_skin(system, model, step, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -340,7 +340,7 @@ contains
   end subroutine factorise_skin
 
 
-  !> Whether nothing holds a body along one of its rigid motions.
+  !> Whether the tangent is singular along a rigid body motion.
   logical function is_free(system)
     type(equilibrium_type), intent(inout), target :: system
     type(tangent_type) :: tangent
@@ -398,10 +398,11 @@ contains
   end subroutine renew_robin
 
 
-  !> The interface for the present contact: by its springs where all contact is compliant and the bodies are held without it.
+  !> The interface for the present contact: by the Woodbury formula where all contact is compliant and the bodies are supported
+  !! without it.
   subroutine factorise_contact_interface(system, is_complete, error)
     type(equilibrium_type), intent(inout) :: system
-    logical, intent(out) :: is_complete            !< .false.: contact reaches beyond the interface
+    logical, intent(out) :: is_complete            !< .false.: contact extends beyond the interface
     type(error_type), allocatable, intent(out) :: error
     type(contact_springs_type) :: springs
     type(sparse_type) :: imbalance_tangent, displacement_tangent
@@ -421,7 +422,7 @@ contains
   end subroutine factorise_contact_interface
 
 
-  !> The factor of the bulk: the one at hand, else that of bulk_u (of a job that was resumed), else a new one.
+  !> The factor of the bulk: the present one, else that at bulk_factor_u (of a resumed job), else a new one.
   subroutine ensure_bulk_factor(system, model, step, state, is_skin, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -438,24 +439,24 @@ contains
       system%is_bulk_factor_current = .true.
       return
     end if
-    system%is_bulk_factor_current = system%is_constant        ! as in the job that ran on
+    system%is_bulk_factor_current = system%is_constant        ! as in the uninterrupted job
     u = state%new%u
     state%new%u = system%bulk_factor_u
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
     call renew()
     state%new%u = u
     if (allocated(error)) return
-    if (is_ready()) system%n_factorisations = system%n_factorisations - 1   ! the job that ran on had it
+    if (is_ready()) system%n_factorisations = system%n_factorisations - 1   ! the uninterrupted job did not count it
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
 
   contains
 
-    !> Whether the solver is there.
+    !> Whether the solver is available.
     pure logical function is_ready()
       is_ready = merge(system%skin%is_ready, system%schur_interface%is_ready, is_skin)
     end function is_ready
 
-    !> Makes it for the present stiffness.
+    !> Computes the solver for the present stiffness.
     subroutine renew()
       if (is_skin) then
         call renew_robin(system, model, step, state%new, error)
@@ -473,7 +474,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: status
     system%is_schur_allowed = .false.
-    if (system%base%n_free == 0) return            ! all is prescribed
+    if (system%base%n_free == 0) return            ! all unknowns are prescribed
     if (.not. is_analysis_valid(system%schur_interface, system%base)) then
       if (count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS) return
       call analyse_bulk(system%schur_interface, system%assembly%stiffness, system%base, system%is_interface_unknown, error)
@@ -483,12 +484,12 @@ contains
     call factorise_bulk(system%schur_interface, system%assembly%stiffness, system%base, status, error)
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
-    if (status /= FACTOR_OK) system%n_indefinite = system%n_indefinite + 1   ! the next iterate may be a better place
+    if (status /= FACTOR_OK) system%n_indefinite = system%n_indefinite + 1   ! the next iterate may be positive definite
     system%is_schur_allowed = system%n_indefinite < MAX_INDEFINITE_FACTORS
   end subroutine refactorise_bulk
 
 
-  !> A and its factor, with the springs of compliant contact in K: they make it the better preconditioner.
+  !> A and its factor, with the springs of compliant contact in K, which improve the preconditioner.
   subroutine factorise_reduced_matrix(system, model, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -538,7 +539,7 @@ contains
   end subroutine solve_constrained_system
 
 
-  !> J v = b: by conjugate gradients where J is A and that is not factorised, else by GMRES.
+  !> Solves J v = b by conjugate gradients where J = A and A is not factorised, else by GMRES.
   subroutine run_krylov(system, floor, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
@@ -577,13 +578,13 @@ contains
       .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return
     if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
-    if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! to rounding: a slender body allows no more
+    if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! at rounding level for a slender body
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
 
 
-  !> J v = b by the skin. What a direction leaves is foreseen with it, and the next round goes on from there.
+  !> Solves J v = b with the contact skin. The linearised model includes the remaining residual, and the next correction reduces it.
   subroutine iterate_skin(system, floor, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: floor                  !< residual that is small enough [force]
@@ -609,20 +610,20 @@ contains
     if (system%skin%n_slow > system%skin%unsolved_limit) then
       call discard_bulk_factor(system)
       system%skin%n_slow = 0
-      system%skin%unsolved_limit = 4 * system%skin%unsolved_limit      ! one that helped for a while is made again later, if at all
+      system%skin%unsolved_limit = 4 * system%skin%unsolved_limit      ! recompute it later next time
     end if
     if (report%status == KRYLOV_CONVERGED .or. report%residual <= SKIN_ENOUGH) return
     outcome = OUTCOME_LINEAR_SOLVER
   end subroutine iterate_skin
 
 
-  !> v ~ inv(J) b with the factor at hand. Cost: one solution; by the skin the iterations of one digit.
+  !> v ~ inv(J) b with the present factor. Cost: one solution; with the skin the Krylov iterations for one digit.
   subroutine solve_roughly(system, b, v)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(out) :: v(:)                  !< (n_free) [length]
     type(preconditioner_type) :: preconditioner
-    type(error_type), allocatable :: error         ! no memory: the guess is what there is
+    type(error_type), allocatable :: error         ! out of memory: v keeps the initial guess
     integer :: outcome
     preconditioner%system => system
     v = 0.0_DP
@@ -635,18 +636,18 @@ contains
   end subroutine solve_roughly
 
 
-  !> Whether a direction solves its equations as well as numbers can: what it leaves is rounding of the products of the stiffness
-  !! with it, as when bodies that hardly anything holds go far; no factorisation would give a better one (the backward error; N. J.
-  !! Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
+  !> Whether the residual of a direction is at rounding level of the product of stiffness and direction (backward error), as with
+  !! large displacements of weakly supported bodies. No factorisation would give a better direction (N. J. Higham, Accuracy and
+  !! Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
   pure logical function is_at_rounding_level(system, residual, v)
     type(equilibrium_type), intent(in) :: system
-    real(DP), intent(in) :: residual               !< norm of what is left [force]
+    real(DP), intent(in) :: residual               !< norm of the residual [force]
     real(DP), intent(in) :: v(:)                   !< (n_free) [length]
     is_at_rounding_level = residual <= TOL_BACKWARD_ERROR * maxval(abs(system%assembly%stiffness%value)) * norm2(v)
   end function is_at_rounding_level
 
 
-  !> The fall-back when GMRES does not arrive: J as a matrix, factorised by UMFPACK with pivoting.
+  !> The fall-back when GMRES does not converge: J as a matrix, factorised by UMFPACK with pivoting.
   subroutine solve_by_umfpack(system, b, v, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
@@ -685,7 +686,7 @@ contains
   end subroutine assemble_tangent_matrix
 
 
-  !> b = C' (R + F_a - K c + dF_c(c)), with F_a what compliant laws, as they are linearised, give more where their nodes are.
+  !> b = C' (R + F_a - K c + dF_c(c)), with F_a the force of the linearised compliant laws at the present gaps less that in R.
   subroutine right_hand_side(system, offset, b)
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: offset(:)              !< c [length]
@@ -747,9 +748,8 @@ contains
   end subroutine apply_preconditioner
 
 
-  !> y ~ inv(J) x by the bulk solver and then by the tiles. Where all contact is by springs the bulk solver has them, and tiles,
-  !! which
-  !! these springs couple, would only disturb.
+  !> y ~ inv(J) x by the bulk solver and then by the tiles. Where all contact is compliant, the
+  !! bulk solver contains its springs; tiles are omitted, since they would cut the coupling by these springs.
   subroutine apply_skin(system, x, y)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]

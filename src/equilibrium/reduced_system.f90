@@ -1,8 +1,8 @@
-!> Reduced: A = C' K C, its order, and its Cholesky factor or, where that is too large, an iterative preconditioner.
+!> Reduced system A = C' K C: fill-reducing order and Cholesky factor or, where that is too large, a two-level preconditioner.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The analysis is kept while the pattern of C and that of the springs stand. After an analysis the memory and the work of
-!! the factor are known, and with them the choice between the two (doc/theory/solver.md, "Too large for a factor").
+!! The analysis is kept while the patterns of C and of the springs do not change. It gives the memory and the work of the
+!! factor, which decide between the two (doc/theory/solver.md, "Too large for a factor").
 module amontons_reduced_system
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -23,43 +23,42 @@ module amontons_reduced_system
   public :: reduced_system_type, plan_reduced_solver, is_factor_small, factorise_reduced_system, apply_reduced_inverse, &
     abandon_iteration, discard_analysis
 
-  real(DP), parameter :: MAX_FACTOR_GROWTH = 1.15_DP          !< a factor this much larger wants a new order of the nodes [-]
+  real(DP), parameter :: MAX_FACTOR_GROWTH = 1.15_DP          !< growth of the factor at which the nodes are ordered anew [-]
   real(DP), parameter :: INITIAL_SHIFT_RATIO = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
   real(DP), parameter :: MAX_MEMORY_SHARE = 0.7_DP                  !< of all memory that a factor may take [-]
-  real(DP), parameter :: MAX_FREE_MEMORY_SHARE = 0.9_DP                  !< of the memory at hand that a factor may take [-]
+  real(DP), parameter :: MAX_FREE_MEMORY_SHARE = 0.9_DP                  !< of the free memory that a factor may take [-]
   real(DP), parameter :: OPERATIONS_PER_ENTRY = 220.0_DP       !< of an iteration, an entry of A: operations of a factor in that
                                                                !! time
-  real(DP), parameter :: EXPECTED_ITERATIONS = 140.0_DP               !< iterations that are thought of beforehand, the
-                                                                      !! preconditioner included
+  real(DP), parameter :: EXPECTED_ITERATIONS = 140.0_DP               !< estimated iterations, the preconditioner included
   real(DP), parameter :: MAX_ITERATION_WORK_RATIO = 1.5_DP               !< iterations may take this times the work of the factor
-  integer, parameter :: MAX_CG_ITERATIONS = 2000           !< where there is no room for a factor
+  integer, parameter :: MAX_CG_ITERATIONS = 2000           !< where a factor does not fit into memory
   real(DP), parameter :: FACTOR_ENTRIES_RATIO = 60.0_DP           !< entries of a factor over n^(4/3): more than a compact body has
                                                                   !! [-]
-  integer, parameter :: MIN_UNKNOWNS_PLANNED = 30000                     !< unknowns below which no thought is given to memory
-  integer, parameter :: MIN_UNKNOWNS_ESTIMATED = 150000               !< unknowns from which the factor is guessed before it is
+  integer, parameter :: MIN_UNKNOWNS_PLANNED = 30000                     !< unknowns below which memory is not checked
+  integer, parameter :: MIN_UNKNOWNS_ESTIMATED = 150000               !< unknowns from which the factor is estimated before it is
                                                                       !! analysed
   real(DP), parameter :: SEPARATOR_ENTRIES_RATIO = 14.0_DP         !< entries of a factor over the square of its last separator [-]
   real(DP), parameter :: SEPARATOR_WORK_RATIO = 6.0_DP             !< its operations over the cube [-]
-  real(DP), parameter :: ESTIMATE_SAFETY_FACTOR = 2.0_DP                 !< a guess must be so many times too large [-]
+  real(DP), parameter :: ESTIMATE_SAFETY_FACTOR = 2.0_DP                 !< an estimate must exceed the limit by this factor [-]
 
-  !> A, and what its inverse is applied by.
+  !> A, and its factor or preconditioner.
   type :: reduced_system_type
     type(reduction_type) :: reduction
     type(sparse_type) :: matrix                    !< A
     type(cholesky_type) :: factor                    !< of A, or of A with a shift
-    type(two_level_preconditioner_type) :: iterative              !< in its place
+    type(two_level_preconditioner_type) :: iterative              !< in place of the factor
     logical :: is_iterative = .false.              !< the second
     integer :: requested_solver = SOLVER_AUTO                 !< SOLVER_... of the step
-    integer :: max_iterations = MAX_CG_ITERATIONS   !< after which iterating is given up
+    integer :: max_iterations = MAX_CG_ITERATIONS   !< after which the iterative solver is abandoned
     logical :: is_rounded = .false.                !< the factor is kept in single precision: it is a preconditioner only
-    logical :: is_iteration_abandoned = .false.               !< iterating was tried and did not arrive
+    logical :: is_iteration_abandoned = .false.               !< the iterative solver did not converge
     logical :: is_factor_reused = .false.               !< a factor will serve many times
     logical :: is_current = .false.                !< the factor is that of the present K and C
-    character(:), allocatable :: message              !< what the choice was, to be told to the user
+    character(:), allocatable :: message              !< the choice, for the log; not allocated: nothing to report
     type(sparse_type) :: analysed_map              !< C of the last factor; of its pattern reduction and factor were analysed
-    type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not made without springs
-    integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while it serves
-    real(DP) :: best_entries = 0                   !< entries of the factor when that order was made
+    type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not allocated without springs
+    integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while the factor stays small
+    real(DP) :: best_entries = 0                   !< entries of the factor when that order was computed
     real(DP) :: estimated_megabytes = 0              !< of a factor that was not analysed because it is much too large; else 0
     integer :: n_factorised = 0                          !< factorisations of the last call
     integer :: n_shifted = 0                       !< of them with a shift
@@ -88,8 +87,8 @@ contains
   end function is_factor_small
 
 
-  !> A and its factor, or preconditioner; a factor of the same K and C is kept. `status` is FACTOR_OK, or says that not even a shift
-  !! made A positive.
+  !> A and its factor, or preconditioner; a factor of the same K and C is kept. `status` is FACTOR_OK, or says that A is not
+  !! positive even with a shift.
   subroutine factorise_reduced_system(self, stiffness, has_springs, constraints, mesh, status, error)
     type(reduced_system_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness     !< K, or K with springs
@@ -131,7 +130,7 @@ contains
   end subroutine factorise_reduced_system
 
 
-  !> Analyses anew if the pattern of C, or that of the springs, is not the one analysed.
+  !> Repeats the analysis if the pattern of C or of the springs has changed.
   subroutine analyse_reduced(self, stiffness, has_springs, constraints, mesh, error)
     type(reduced_system_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness
@@ -154,7 +153,7 @@ contains
   end subroutine analyse_reduced
 
 
-  !> The analysis does not count any more.
+  !> Invalidates the analysis.
   subroutine discard_analysis(self)
     type(reduced_system_type), intent(inout) :: self
     if (allocated(self%analysed_map%first)) deallocate (self%analysed_map%first)
@@ -162,8 +161,9 @@ contains
   end subroutine discard_analysis
 
 
-  !> Factor or iteration: as the step asks; else a factor, unless it does not fit into memory or takes very much work for one
-  !! use. The analysis of the factor tells both.
+  !> Chooses factor or iteration: as the step requests; else a factor, unless it does not fit into memory or takes very much work
+  !! for
+  !! one use. The analysis of the factor gives both.
   subroutine choose_solver(self, constraints, mesh, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
@@ -200,7 +200,7 @@ contains
 
 
   !> Whether a factor is so much too large, or takes so much work, that it need not be analysed. METIS finds the last separator in a
-  !! tenth of the time of the whole order; a compact body has the entries and operations of the guess, a longer one more.
+  !! tenth of the time of the whole order; the estimate holds for a compact body and is a lower bound for a longer one.
   subroutine estimate_factor(self, constraints, is_too_large, is_too_slow, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
@@ -238,7 +238,7 @@ contains
   end function nodes_of
 
 
-  !> The sentence about an iterative solution.
+  !> The message about an iterative solution.
   subroutine report_choice(self, constraints, is_too_large)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
@@ -251,7 +251,7 @@ contains
     megabytes = estimate_memory(self%factor)
     if (self%estimated_megabytes > 0.0_DP) megabytes = self%estimated_megabytes
     if (self%requested_solver == SOLVER_ITERATIVE) then
-      reason = 'as SOLVER asks'
+      reason = 'as SOLVER requests'
     else if (is_too_large .and. megabytes <= 0.0_DP) then
       reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
     else if (is_too_large .and. megabytes > MAX_MEMORY_SHARE * whole_memory) then
@@ -274,7 +274,7 @@ contains
   end subroutine report_choice
 
 
-  !> What is still to be told, with a space.
+  !> The message that is not yet reported, with a space.
   pure function pending_message(self) result(news)
     type(reduced_system_type), intent(in) :: self
     character(:), allocatable :: news
@@ -283,7 +283,7 @@ contains
   end function pending_message
 
 
-  !> Iterating did not arrive: a factor from now on.
+  !> The iterative solver did not converge: use a factor from now on.
   subroutine abandon_iteration(self)
     type(reduced_system_type), intent(inout) :: self
     type(process_lock_type) :: turn
@@ -291,7 +291,7 @@ contains
     self%is_iteration_abandoned = .true.
     self%is_iterative = .false.
     self%iterative = two_level_preconditioner_type()
-    self%message = pending_message(self) // 'The iterative solver did not arrive: a factor is made in its place.'
+    self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
     call discard_analysis(self)
   end subroutine abandon_iteration
 
@@ -324,7 +324,7 @@ contains
   end subroutine create_subdomains
 
 
-  !> Analyses A in an order of the nodes. METIS makes a new order only if the last one has become too expensive.
+  !> Analyses A in the present order of the nodes. METIS computes a new order only if the factor has grown too much.
   subroutine analyse_factor(self, constraints, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
@@ -346,7 +346,8 @@ contains
   end subroutine analyse_factor
 
 
-  !> A is singular or indefinite: its diagonal grows by a share of itself. Only the preconditioner changes, not the answer.
+  !> A is singular or indefinite: factorise A plus a fraction of its diagonal. The solution does not change: the factor is then a
+  !! preconditioner only.
   subroutine factorise_shifted(self, status, error)
     type(reduced_system_type), intent(inout) :: self
     integer, intent(out) :: status
@@ -365,7 +366,7 @@ contains
   end subroutine factorise_shifted
 
 
-  !> y = inv(A) x, or nearly so.
+  !> y = inv(A) x, or an approximation by the preconditioner.
   subroutine apply_reduced_inverse(self, x, y)
     type(reduced_system_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]

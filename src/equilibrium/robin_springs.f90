@@ -1,10 +1,10 @@
-!> Robin: springs between slave nodes and master that hold the bodies in the preconditioner of wide contact, and the skin's rows.
+!> Robin springs between slave nodes and master, which restrain the bodies in the preconditioner of wide contact, and the nodes of
+!! the contact skin.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs between itself and the point of the
-!! master in front of it, in all directions that supports leave free: c along the normal, its own stiffness, and a part of it
-!! across.
-!! Under a compliant law the springs are those of the law, in the mean over the closed slaves of the pair.
+!! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs to its
+!! projection on the master, in all directions that the supports leave free: the node's own stiffness c along the normal, and a
+!! fraction of c across it. Under a compliant law they have the mean slopes of the law over the closed slaves of the pair.
 module amontons_robin_springs
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -19,14 +19,14 @@ module amontons_robin_springs
   private
   public :: find_near, robin_springs, skin_rows
 
-  real(DP), parameter :: SHEARED = 0.3_DP          !< of the stick slope of a compliant law [-]
+  real(DP), parameter :: SHEARED = 0.3_DP          !< spring across the normal over the mean stick slope of a compliant law [-]
   real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
   real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
-  real(DP), parameter :: NEAR = 0.5_DP             !< an open node nearer than this times the edge has a spring [-]
+  real(DP), parameter :: NEAR = 0.5_DP             !< largest gap of an open node with a spring over the edge length [-]
 
 contains
 
-  !> Which slaves touch their master or are near it.
+  !> The slaves that are closed or near their master.
   pure function find_near(contact, fields) result(is_near)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
@@ -41,7 +41,7 @@ contains
   end function find_near
 
 
-  !> The springs of the slaves that are near, as the upper triangle of a stiffness. Slaves at one node share its spring.
+  !> The springs of the near slaves, as the upper triangle of a stiffness. Slaves at one node share its spring.
   subroutine robin_springs(contact, fields, is_near, closed, n_unknowns, springs, error)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
@@ -82,12 +82,13 @@ contains
   end subroutine robin_springs
 
 
-  !> The mean slopes of compliant laws over the areas of their closed slaves: of the pressure, and of the shear where they stick.
+  !> The mean slopes of compliant laws, weighted by area: of the pressure over the closed slaves, of the shear over the sticking
+  !! ones.
   pure subroutine mean_slopes(contact, fields, closed, slope)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
     type(contact_tangent_type), intent(in) :: closed(:)
-    real(DP), intent(out) :: slope(2, size(contact%facets))   !< (2, n_pairs) 0: not known, or no compliant law [stress/length]
+    real(DP), intent(out) :: slope(2, size(contact%facets))   !< (2, n_pairs) 0: unknown, or no compliant law [stress/length]
     real(DP) :: area(2, size(contact%facets)), along
     integer :: i, k
     slope = 0.0_DP
@@ -108,11 +109,11 @@ contains
   end subroutine mean_slopes
 
 
-  !> The nodes of the rows of closed slaves and of those that are near: the skin. The slave node comes first; no values.
+  !> The contact skin: the nodes of the rows of closed and near slaves, the slave node first; no values.
   subroutine skin_rows(contact, fields, is_near, links, n_nodes, rows)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
-    logical, intent(in) :: is_near(:)              !< (n_slaves) when the springs were made
+    logical, intent(in) :: is_near(:)              !< (n_slaves) at the computation of the springs
     type(contact_tangent_type), intent(in) :: links(:)        !< of the closed slaves, in their order
     integer, intent(in) :: n_nodes
     type(sparse_type), intent(out) :: rows
@@ -142,14 +143,14 @@ contains
 
   contains
 
-    !> Whether the link is that of the slave.
+    !> Whether the contact tangent is that of the slave.
     pure logical function is_link(number, slave)
       integer, intent(in) :: number, slave
       is_link = number <= size(links)
       if (is_link) is_link = links(number)%slave == slave
     end function is_link
 
-    !> A row; nodes may come twice.
+    !> Appends a row; nodes may occur twice.
     subroutine put(nodes)
       integer, intent(in) :: nodes(:)
       n = n + 1

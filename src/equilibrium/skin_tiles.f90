@@ -1,12 +1,12 @@
-!> Tiles: the contact skin cut into small patches, and the dense factor of the tangent on each of them.
+!> Tiles of the contact skin: partition into small patches, and the dense LU factor of the tangent on each of them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". The tangent on the unknowns F of a tile is
 !!
 !!     J_FF = T_F' ((1 + D_R) K - D_u) T_F,
 !!
-!! with T the relation of the free unknowns to all unknowns of the skin, and K, D_R and D_u on the skin. The factors are a
-!! preconditioner and nothing else: they are kept in single precision.
+!! with T the transformation from the free unknowns to all unknowns of the skin, and K, D_R and D_u on the skin. The factors only
+!! precondition, so that single precision suffices.
 module amontons_skin_tiles
   use amontons_kinds, only: DP, SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
@@ -16,7 +16,7 @@ module amontons_skin_tiles
   private
   public :: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
 
-  !> The tangent on the skin, in parts. Unknowns of the skin: n_skin; free ones among them: n_free.
+  !> The parts of the tangent on the skin. n_skin: unknowns of the skin; n_free: free unknowns among them.
   type :: tangent_parts_type
     type(sparse_type) :: relation                  !< T (n_skin x n_free)
     type(sparse_type) :: relation_t                !< T'
@@ -28,12 +28,12 @@ module amontons_skin_tiles
   !> One tile.
   type :: tile_type
     integer, allocatable :: member(:)              !< free unknowns of the skin
-    real(SP), allocatable :: lu(:, :)              !< J_FF factorised, in the columns' largest entry
+    real(SP), allocatable :: lu(:, :)              !< LU factors of J_FF
     integer, allocatable :: pivots(:)
-    logical :: is_ready = .false.                  !< .false.: J_FF is singular, the tile corrects nothing
+    logical :: is_ready = .false.                  !< .false.: J_FF is singular, the tile is skipped
   end type tile_type
 
-  !> A sparse vector: values of the skin's unknowns that are not zero, and which they are.
+  !> A sparse vector over the unknowns of the skin: values and indices of the nonzero entries.
   type :: spike_type
     real(DP), allocatable :: value(:)              !< (n_skin)
     logical, allocatable :: is_there(:)            !< (n_skin)
@@ -43,8 +43,8 @@ module amontons_skin_tiles
 
 contains
 
-  !> Cuts points into tiles of at most so many: halves across the longest side of their box, again and again.
-  !! Cost: n log(n)^2. The tiles do not depend on the number of threads, nor on the order of equal coordinates but by their number.
+  !> Partitions points into tiles of at most `most` points by recursive bisection across the longest side of the bounding box.
+  !! Cost: n log(n)^2. The tiles do not depend on the number of threads. Equal coordinates are ordered by their index.
   subroutine cut_tiles(place, most, tile, n_tiles)
     real(DP), intent(in) :: place(:, :)            !< (3, n) [length]
     integer, intent(in) :: most
@@ -76,14 +76,14 @@ contains
   end subroutine cut_tiles
 
 
-  !> The axis along which a box of points is longest.
+  !> The axis of the longest side of the bounding box.
   pure integer function longest_axis(place) result(axis)
     real(DP), intent(in) :: place(:, :)            !< (3, n) [length]
     axis = maxloc(maxval(place, dim=2) - minval(place, dim=2), dim=1)
   end function longest_axis
 
 
-  !> Sorts indices by keys; equal keys keep the order of the indices. Merging from below. Cost: n log(n).
+  !> Sorts indices by keys; equal keys keep the order of the indices. Bottom-up merge sort. Cost: n log(n).
   pure subroutine sort_by(key, index)
     real(DP), intent(in) :: key(:)
     integer, intent(inout) :: index(:)
@@ -111,7 +111,7 @@ contains
 
   contains
 
-    !> Whether the next one comes from the first of the two runs.
+    !> Whether the next index comes from the first of the two runs.
     pure logical function is_first_next()
       is_first_next = b >= high
       if (is_first_next .or. a >= middle) return
@@ -121,7 +121,7 @@ contains
   end subroutine sort_by
 
 
-  !> Factorises the tangent on each tile. Threads share the tiles; the bits do not depend on their number.
+  !> Factorises the tangent on each tile. The threads share the tiles; the result does not depend on their number.
   subroutine factorise_tiles(parts, tiles, error)
     type(tangent_parts_type), intent(in) :: parts
     type(tile_type), intent(inout) :: tiles(:)     !< with their members
@@ -162,7 +162,7 @@ contains
     integer, intent(inout) :: place(:)             !< (n_free) 0 between calls
     type(spike_type), intent(inout) :: y, z        !< empty between calls
     type(tile_type), intent(inout) :: tile
-    integer, intent(inout) :: n_failed             !< tiles without memory
+    integer, intent(inout) :: n_failed             !< tiles whose allocation failed
     integer :: n, j, status
     n = size(tile%member)
     tile%is_ready = .false.
@@ -170,9 +170,10 @@ contains
       if (size(tile%pivots) /= n) deallocate (tile%lu, tile%pivots)
     end if
     if (.not. allocated(tile%lu)) then
-      allocate (tile%lu(n, n), tile%pivots(n), stat=status)
+      allocate (tile%lu(n, n), stat=status)
       if (status /= 0) n_failed = n_failed + 1
       if (status /= 0) return
+      allocate (tile%pivots(n))
     end if
     place(tile%member) = [(j, j=1, n)]
     tile%lu = 0.0_SP
@@ -186,11 +187,11 @@ contains
   end subroutine factorise_tile
 
 
-  !> The column of the tangent that belongs to a free unknown, on the tile: T_F' ((1 + D_R) K - D_u) T e.
+  !> The column of the tangent of a free unknown, restricted to the tile: T_F' ((1 + D_R) K - D_u) T e.
   pure subroutine fill_column(parts, free, place, y, z, column)
     type(tangent_parts_type), intent(in) :: parts
     integer, intent(in) :: free
-    integer, intent(in) :: place(:)                !< (n_free) in the tile; 0: not in it
+    integer, intent(in) :: place(:)                !< (n_free) index in the tile; 0: not in it
     type(spike_type), intent(inout) :: y, z        !< empty before and after
     real(SP), intent(inout) :: column(:)
     integer :: p, k, m

@@ -1,7 +1,7 @@
-!> Card table: every card once, as data: keyword, place, parameters, data lines, a sentence; also those that we refuse.
+!> The table of all cards, including ignored and rejected ones: keyword, scope, parameters, data lines, description.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Checks, messages, `amontons --cards` and the manual come from this table. A new card is one entry here and one small
+!! Checks, messages, `amontons --cards` and the manual come from this table. A new card needs one entry here and one
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
@@ -13,14 +13,14 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
     SECTION_VARIABLES
 
-  character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< what NODE PRINT knows
-  character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< what SECTION PRINT knows, each asks for all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< what EL PRINT knows
+  character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< variables of NODE PRINT
+  character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< variables of SECTION PRINT, each of which prints all
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< variables of EL PRINT
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'
 
 contains
 
-  !> Builds the table. It is no variable of the module, so that two jobs can read at once.
+  !> Builds the table. It is not a module variable, so that two jobs can read simultaneously.
   subroutine make_card_table(table)
     type(card_table_type), intent(out) :: table
     call describe_mesh(table)
@@ -80,7 +80,7 @@ contains
       'angle above the xy plane.', allowed='R|C|S', default='R')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
 
-    call table%card('ELEMENT', SCOPE_MODEL, 'Defines elements; a row of nodes may go on in further lines.', &
+    call table%card('ELEMENT', SCOPE_MODEL, 'Defines elements; the nodes of an element may continue in further lines.', &
       data='number, node, node, ...')
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
       'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.', default='required')
@@ -208,7 +208,7 @@ contains
     call table%option('ADJUST', VALUE_TEXT, 'Slave nodes nearer than this distance are moved onto the master, ' // &
       'without stress.')
     call table%option('SMOOTH|EXTENSION ZONE|HCRIT|TRACKING|SUPPLEMENTARY CONSTRAINTS|CPSET|MINIMUM DISTANCE|' // &
-      'MECHANICAL CONSTRAINT|WEIGHT|GEOMETRIC CORRECTION', VALUE_TEXT, 'The search and the normals are our own.', &
+      'MECHANICAL CONSTRAINT|WEIGHT|GEOMETRIC CORRECTION', VALUE_TEXT, 'Amontons defines the search and the normals itself.', &
       status=ENTRY_IGNORED)
     call table%option('NO THICKNESS', VALUE_NONE, 'The faces of solids have none.', status=ENTRY_IGNORED)
     call table%option('TIED', VALUE_NONE, 'A pair parts and slides; use *TIE.', status=ENTRY_REJECTED)
@@ -223,7 +223,7 @@ contains
   end subroutine describe_contact
 
 
-  !> What a step changes of interactions and pairs.
+  !> Changes of interactions and pairs by a step.
   subroutine describe_contact_changes(table)
     type(card_table_type), intent(inout) :: table
     call table%card('CHANGE FRICTION', SCOPE_STEP, 'Changes friction from this step on; FRICTION follows.')
@@ -267,7 +267,7 @@ contains
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('VALUE', VALUE_WORD, 'The values multiply that of the load, or are the load themselves.', &
       allowed='RELATIVE|ABSOLUTE', default='RELATIVE')
-    call table%add_dialect_note('VALUE=ABSOLUTE is passed over under calculix, which does not know it.')
+    call table%add_dialect_note('VALUE=ABSOLUTE is ignored under calculix, which does not have it.')
     call table%option('DEFINITION', VALUE_WORD, 'A table; factors at equal distances; a table with smooth steps; Fourier ' // &
       'series; product of two sines; exponential decay; the routine UAMP.', allowed= &
       'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY|USER', default='TABULAR')
@@ -281,7 +281,7 @@ contains
     call table%option('VARIABLES', VALUE_INTEGER, 'DEFINITION=USER: number of variables that UAMP keeps.', default='0')
     call table%option('USER', VALUE_TEXT, 'Write DEFINITION=USER.', status=ENTRY_REJECTED)
 
-    call table%card('TIME POINTS', SCOPE_BOTH, 'Times at which results are wanted; increments end there. PRINT, FILE and ' // &
+    call table%card('TIME POINTS', SCOPE_BOTH, 'Output times; increments end there. PRINT, FILE and ' // &
       'OUTPUT cards name them.', data='times in ascending order, any number in a line; with GENERATE first, last, distance')
     call table%option('NAME', VALUE_NAME, 'Name of the list.', default='required')
     call table%option('TIME', VALUE_WORD, 'Time since the start of the step or of the job.', allowed= &
@@ -297,7 +297,7 @@ contains
   end subroutine describe_amplitude_and_equation
 
 
-  !> Directions of nodes, and what binds displacements together.
+  !> Nodal directions, and kinematic constraints.
   subroutine describe_couplings(table)
     type(card_table_type), intent(inout) :: table
     call table%card('TRANSFORM', SCOPE_MODEL, 'Gives the degrees of freedom of nodes directions of their own, for ' // &
@@ -339,7 +339,7 @@ contains
     call table%option('ORIENTATION', VALUE_NAME, 'Directions: of the nodes of the surface (KINEMATIC), or of the ' // &
       'reference node (DISTRIBUTING).')
     call table%option('CONSTRAINT NAME', VALUE_NAME, 'A name.')
-    call table%option('INFLUENCE RADIUS', VALUE_REAL, 'Name a surface that holds the nodes wanted.', status=ENTRY_REJECTED)
+    call table%option('INFLUENCE RADIUS', VALUE_REAL, 'Name a surface with exactly these nodes.', status=ENTRY_REJECTED)
     call table%option('ALPHA', VALUE_TEXT, '', status=ENTRY_IGNORED)
     call table%card('KINEMATIC', SCOPE_MODEL, 'The nodes move with the reference node as a rigid body, in these directions.', &
       parent='COUPLING', data='first and last degree of freedom (1 to 3; rotations of solids do not exist); none: all')
@@ -397,7 +397,7 @@ contains
       'the first step.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
       'PINNED, ENCASTRE, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM')
     call table%option('OP', VALUE_WORD, 'NEW releases what earlier steps prescribed.', allowed='MOD|NEW', default='MOD')
-    call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the displacement grows linearly over ' // &
+    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the displacement grows linearly over ' // &
       'the step.')
     call table%option('FIXED', VALUE_NONE, 'Keeps the displacement that the nodes have at the start of the step.')
     call table%option('TYPE', VALUE_WORD, 'What is prescribed.', allowed='DISPLACEMENT', default='DISPLACEMENT')
@@ -413,7 +413,7 @@ contains
     call table%card('CLOAD', SCOPE_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
     call table%option('OP', VALUE_WORD, 'NEW lets the forces of earlier steps go to zero.', allowed='MOD|NEW', &
       default='MOD')
-    call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the force grows linearly over the step.')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the force grows linearly over the step.')
     call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
     call describe_load_case(table)
     call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=ENTRY_IGNORED)
@@ -453,11 +453,11 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%option('OP', VALUE_WORD, 'NEW lets the loads of earlier steps go to zero.', allowed='MOD|NEW', default= &
       'MOD')
-    call table%option('AMPLITUDE', VALUE_NAME, 'Course over time; without it the load grows linearly over the step.')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the load grows linearly over the step.')
     call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face (YES), a traction does not (NO, which ' // &
       'TRVEC then needs).', allowed='YES|NO', default='YES')
-    call table%option('CONSTANT RESULTANT', VALUE_WORD, 'Under NLGEOM a traction is per undeformed area, which TRVEC then ' // &
-      'needs to be told by YES.', allowed='YES|NO', default='NO')
+    call table%option('CONSTANT RESULTANT', VALUE_WORD, 'Under NLGEOM a traction is per undeformed area, so that TRVEC ' // &
+      'needs YES.', allowed='YES|NO', default='NO')
     call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
     call describe_load_case(table)
     call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|REF NODE', &
@@ -468,7 +468,7 @@ contains
   !> Steps, the procedure, the line search.
   subroutine describe_steps(table)
     type(card_table_type), intent(inout) :: table
-    character(*), parameter :: NOT_NEEDED_TEXT = 'Newton''s method is our own and needs no hint.'
+    character(*), parameter :: NOT_NEEDED_TEXT = 'Newton''s method does not use this setting.'
     call table%card('STEP', SCOPE_BOTH, 'Starts a load step; a line of text after it is its title.', data='free text')
     call table%option('NLGEOM', VALUE_OPTIONAL_WORD, 'Finite displacements and strains, in this step and all ' // &
       'later ones.', allowed='YES|NO', default='as in the step before')
@@ -477,8 +477,8 @@ contains
       allowed='RAMP|STEP', default='RAMP')
     call table%option('NAME', VALUE_TEXT, '', status=ENTRY_IGNORED)
     call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED_TEXT, status=ENTRY_IGNORED)
-    call table%option('PERTURBATION', VALUE_NONE, 'The step shows what its own loads do to the body at rest, and is forgotten ' // &
-      'when it is over; of linear models, before any general step. Calculix dialect: the only step.')
+    call table%option('PERTURBATION', VALUE_NONE, 'The linear response to the loads of this step alone, which do not act in ' // &
+      'later steps; of linear models, before any general step. Calculix dialect: the only step.')
     call table%option('THERMAL STEADY STATE', VALUE_TEXT, 'There is no flow of heat.', status=ENTRY_IGNORED)
 
     call table%card('STATIC', SCOPE_STEP, 'The step is quasi-static.', &
@@ -494,28 +494,28 @@ contains
     call table%option('CREEP', VALUE_WORD, 'Creep is always integrated implicitly.', status=ENTRY_IGNORED)
 
     call table%card('LINE SEARCH', SCOPE_STEP, 'The one-step line search of contact, in this step and all later ones ' // &
-      '(our own card).')
+      '(specific to Amontons).')
     call table%option('TYPE', VALUE_WORD, 'NONE: full steps; ALL: one length from all unknowns; GLOBAL: one ' // &
-      'length from the slave nodes; NODAL: a length for each slave node; AUTO: we choose.', allowed= &
+      'length from the slave nodes; NODAL: a length for each slave node; AUTO: automatic.', allowed= &
       'NONE|ALL|GLOBAL|NODAL|AUTO', default='required')
-    call table%option('DIRECTION', VALUE_WORD, 'For studies. EXACT: by the whole tangent; SYMMETRIC: without what friction ' // &
-      'and moving contact make unsymmetric; LAGGED: by the stiffness of the bodies where the attempt began.', &
+    call table%option('DIRECTION', VALUE_WORD, 'For studies. EXACT: by the consistent tangent; SYMMETRIC: without the ' // &
+      'unsymmetric terms of friction and sliding; LAGGED: by the stiffness of the bodies at the start of the attempt.', &
       allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
     call table%option('INTERFACE', VALUE_WORD, 'For studies. DENSE: the contact subproblem is solved on the dense matrix of ' // &
-      'the interface; SKIN: by iteration, with tiles of the contact skin; AUTO: SKIN above 6000 interface unknowns.', &
+      'the interface; SKIN: iteratively, with the contact skin as preconditioner; AUTO: SKIN above 6000 interface unknowns.', &
       allowed='AUTO|DENSE|SKIN', default='AUTO')
 
-    call table%card('RESTART', SCOPE_BOTH, 'Keeps states in the restart file job.res, from which another job can go on. ' // &
-      '(To go on with the same deck after a crash, amontons --resume job needs no card.)')
+    call table%card('RESTART', SCOPE_BOTH, 'Keeps states in the restart file job.res, from which another job can continue. ' // &
+      '(To continue the same deck after a crash, use amontons --resume job without this card.)')
     call table%option('WRITE', VALUE_NONE, 'States are kept from this step on, with the deck, in job.res.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last of each step; 0: none. Under the ' // &
       'calculix dialect the last of every n-th step.', default='1')
     call table%option('OVERLAY', VALUE_NONE, 'Of each step the last state alone is kept; under the calculix dialect the last ' // &
       'of all.')
-    call table%option('READ', VALUE_NONE, 'The deck goes on from the restart file of another job: amontons new oldjob=old ' // &
+    call table%option('READ', VALUE_NONE, 'The deck continues from the restart file of another job: amontons new oldjob=old ' // &
       'reads old.res; without oldjob new.rin is read, a copy of it. It holds new steps, and before them sets, surfaces, ' // &
       'amplitudes and time points.')
-    call table%option('STEP', VALUE_INTEGER, 'READ: the step to go on from.', default='the last')
+    call table%option('STEP', VALUE_INTEGER, 'READ: the step from which to continue.', default='the last')
     call table%option('INC', VALUE_INTEGER, 'READ: its increment. The rest of the step is done first.', default='the last')
     call table%option('END STEP', VALUE_NONE, 'READ: the step ends at that increment, with the loads that it has reached.')
     call table%option('ITERATION', VALUE_TEXT, 'There is one state for an increment.', status=ENTRY_IGNORED)
@@ -525,7 +525,7 @@ contains
   end subroutine describe_steps
 
 
-  !> What STATIC and VISCO share.
+  !> The parameters common to STATIC and VISCO.
   subroutine describe_static(table)
     type(card_table_type), intent(inout) :: table
     call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', &
@@ -536,15 +536,15 @@ contains
     call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
       'that at the end of the step before')
     call table%option('EXPLICIT', VALUE_TEXT, 'There is no flow.', status=ENTRY_IGNORED)
-    call table%option('STABILIZE', VALUE_OPTIONAL_REAL, 'Damping by the volume carries the step over a loss of stability: the ' // &
-      'part of the strain energy that it would dissipate if the step went on as its first increment did.', default= &
+    call table%option('STABILIZE', VALUE_OPTIONAL_REAL, 'Volumetric damping stabilizes the step at a loss of stability: the ' // &
+      'part of the strain energy that it would dissipate if the step continued like its first increment.', default= &
       'no damping; alone: 0.0002')
     call table%option('FACTOR', VALUE_REAL, 'STABILIZE: the damping itself, a force per volume and velocity.')
     call table%option('CONTINUE', VALUE_OPTIONAL_WORD, 'STABILIZE: with the factor of the step before.', allowed='YES|NO', &
       default='NO')
-    call table%option('ALLSDTOL', VALUE_TEXT, 'The factor is not changed on the way; history/damped_work tells what was ' // &
-      'dissipated.', status=ENTRY_IGNORED)
-    call table%add_dialect_note('STABILIZE is passed over under calculix, which does not know it.')
+    call table%option('ALLSDTOL', VALUE_TEXT, 'The factor is constant in the step; history/damped_work has the dissipated ' // &
+      'work.', status=ENTRY_IGNORED)
+    call table%add_dialect_note('STABILIZE is ignored under calculix, which does not have it.')
     call table%option('LONG TERM|ADIABATIC', VALUE_TEXT, 'Only viscoelasticity and heat use it, which are refused.', &
       status=ENTRY_IGNORED)
     call table%option('RIKS', VALUE_NONE, 'Prescribe the displacement of the loaded nodes in place of their force to go ' // &
@@ -606,9 +606,9 @@ contains
     call table%option('SET', VALUE_NAME, 'All slave nodes are printed.', status=ENTRY_IGNORED)
     call table%option('SUMMARY', VALUE_TEXT, '', status=ENTRY_IGNORED)
 
-    call table%card('SECTION PRINT', SCOPE_STEP, 'Prints the force and the moment that the stress carries through a ' // &
+    call table%card('SECTION PRINT', SCOPE_STEP, 'Prints the force and the moment that the stress transmits through a ' // &
       'surface, its area, centre and mean normal to the .dat file.', data='variables: SOF, SOM, SOAREA; each of them ' // &
-      'asks for all')
+      'prints all')
     call table%option('SURFACE', VALUE_NAME, 'A surface of element faces.', default='required')
     call table%option('NAME', VALUE_NAME, 'Name of the section, which is not needed.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
@@ -618,7 +618,7 @@ contains
   end subroutine describe_prints
 
 
-  !> What the PRINT cards share.
+  !> The parameters common to the PRINT cards.
   subroutine describe_print(table)
     type(card_table_type), intent(inout) :: table
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step; 0 none.', &
@@ -638,9 +638,9 @@ contains
     character(*), parameter :: ALL_FIELDS = 'The result file holds all fields at all nodes.'
     integer :: i
     do i = 1, size(NAMES)
-      call table%card(trim(NAMES(i)), SCOPE_STEP, 'Asks for results: job.vtkhdf always holds all fields; under the calculix ' // &
-        'dialect job.frd holds those asked for.', data='variables: U, RF, NT; S, E, ME, THE, PEEQ, ENER, SDV, ERR, NOE; CDIS, ' // &
-        'CSTR, CELS')
+      call table%card(trim(NAMES(i)), SCOPE_STEP, 'Requests results: job.vtkhdf always holds all fields; under the calculix ' // &
+        'dialect job.frd holds the requested ones.', data='variables: U, RF, NT; S, E, ME, THE, PEEQ, ENER, SDV, ERR, NOE; ' // &
+        'CDIS, CSTR, CELS')
       call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
       call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')
       call table%option('FREQUENCYF', VALUE_TEXT, 'There is no flow.', status=ENTRY_IGNORED)
@@ -668,8 +668,8 @@ contains
       'OUTPUT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
       'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
       'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
-      'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|DISPLAY BODY|LOAD CASE NAME|END LOAD CASE NAME', 'It asks for output that ' // &
-      'we do not write; the result file holds all fields, and forces and moments are in its tables.')
+      'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|DISPLAY BODY|LOAD CASE NAME|END LOAD CASE NAME', 'Amontons does not ' // &
+      'write this output; the result file holds all fields, and forces and moments are in its tables.')
     call table%cards_with(ENTRY_IGNORED, 'CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
       'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
       'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no flow of ' // &
@@ -677,12 +677,12 @@ contains
     call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
     call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
-      'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS|CONSTRAINT CONTROLS', 'Contact and the solver are our own and need no ' // &
-      'such help.')
+      'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
+      'these settings.')
   end subroutine describe_ignored
 
 
-  !> Materials, temperatures and directions that we do not have.
+  !> Materials, temperatures and directions that are not supported.
   subroutine describe_rejected_materials(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'VISCOELASTIC|HYPOELASTIC|DRUCKER PRAGER|DRUCKER ' // &
@@ -698,7 +698,7 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'MOHR COULOMB|MOHR COULOMB HARDENING', 'Give the law by a routine UMAT (*USER ' // &
       'MATERIAL), whose DDSDDE need not be symmetric.')
     call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
-      'routine UMAT (*USER MATERIAL), which is told the length of the increment.')
+      'routine UMAT (*USER MATERIAL), which receives the length of the increment.')
     call table%cards_with(ENTRY_REJECTED, 'USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL PROPERTY', &
       'Of the user subroutines there are UMAT, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
@@ -712,7 +712,7 @@ contains
   end subroutine describe_rejected_materials
 
 
-  !> Procedures, changes of the model and loads that we do not have.
+  !> Procedures, changes of the model and loads that are not supported.
   subroutine describe_rejected_procedures(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
@@ -736,7 +736,7 @@ contains
   end subroutine describe_rejected_procedures
 
 
-  !> Constraints, structural elements, parts and generators that we do not have.
+  !> Constraints, structural elements, parts and generators that are not supported.
   subroutine describe_rejected_parts(table)
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &

@@ -1,7 +1,7 @@
-!> Deck steps: the cards of the steps, STEP to END STEP, to the list of steps, each with all that holds in it.
+!> Reads the cards of the steps, STEP to END STEP, into the list of steps, each with all loads and settings in force.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE: what a step changes of the model.
+!! MODEL CHANGE, TYPE=ELEMENT, CHANGE SOLID SECTION, CHANGE MATERIAL and EQUATION, REMOVE: the changes of the model by a step.
 module amontons_deck_steps
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, line_text
@@ -28,9 +28,9 @@ module amontons_deck_steps
   private
   public :: read_steps
 
-  !> What is known while the steps are read.
+  !> The state of the reader of the steps.
   type :: step_reader_type
-    type(step_type) :: step                      !< present step; what is sticky stays in it for the next one
+    type(step_type) :: step                      !< present step; settings that persist stay in it for the next one
     type(active_temperatures_type) :: thermal
     type(active_loads_type) :: active_loads
     type(output_requests_type) :: output
@@ -39,15 +39,15 @@ module amontons_deck_steps
     integer :: n = 0                             !< steps begun
     real(DP) :: total_time = 0                   !< at the end of the step before [time]
     logical :: has_static = .false.
-    logical :: has_rejected_card = .false.             !< a card of this step is refused, maybe its procedure
+    logical :: has_rejected_card = .false.             !< a card of this step, possibly its procedure, is rejected
     logical :: is_open = .false.
-    integer :: interaction = 0                   !< the one that the last CHANGE card names
-    integer :: material = 0                      !< the one that the last CHANGE MATERIAL made
+    integer :: interaction = 0                   !< interaction of the last CHANGE card
+    integer :: material = 0                      !< copy made by the last CHANGE MATERIAL
   end type step_reader_type
 
 contains
 
-  !> Reads all steps, and the BOUNDARY cards of the model, which hold from the first step.
+  !> Reads all steps, and the BOUNDARY cards of the model, which are in force from the first step.
   subroutine read_steps(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -157,7 +157,7 @@ contains
   end subroutine open_step
 
 
-  !> PERTURBATION: what such a step loads is forgotten when it is over.
+  !> PERTURBATION: the loads of such a step end with it.
   subroutine begin_perturbation(parameters, progress)
     type(parameter_type), intent(in) :: parameters(:)
     type(step_reader_type), intent(inout) :: progress
@@ -174,7 +174,7 @@ contains
   end subroutine begin_perturbation
 
 
-  !> Puts the finished step into the model.
+  !> Adds the complete step to the model.
   subroutine close_step(reader, model, c, progress)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -274,7 +274,7 @@ contains
     is_ok = .true.
     has_row = next_row(reader%cards, row)
     if (.not. has_row) row%n = 0
-    call check_n_fields(reader, row, 5)            ! the fifth of CalculiX is for flow
+    call check_n_fields(reader, row, 5)            ! the fifth field of CalculiX is for flow
     call read_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
     if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call report_note(reader, row%line, &
       'The length of the step must be positive; 1 is taken.')
@@ -291,7 +291,7 @@ contains
   end subroutine read_static
 
 
-  !> STABILIZE: damping by the volume, which the calculix dialect does not know.
+  !> STABILIZE: damping by the volume, which the calculix dialect ignores.
   subroutine read_damping(reader, c, dialect, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -326,7 +326,7 @@ contains
       integer :: status
       if (parameter_text(parameters, name) == '') return
       call parse_real(parameter_text(parameters, name), value, status)
-      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (status /= NUMBER_OK) return            ! reported when the card was checked
       if (value < 0) call report_error(reader, reader%cards%cards(c)%line, 'The value of ' // name // ' must not be negative.')
       number = max(value, 0.0_DP)
     end subroutine read_positive
@@ -347,7 +347,7 @@ contains
     clock = progress%total_time
     if (has_parameter(parameters, 'TOTAL TIME AT START')) then
       call parse_real(parameter_text(parameters, 'TOTAL TIME AT START'), clock, status)
-      if (status /= NUMBER_OK) return            ! told when the card was checked
+      if (status /= NUMBER_OK) return            ! reported when the card was checked
     end if
     if (has_parameter(parameters, 'TIME RESET')) clock = clock - progress%step%period
     progress%step%is_total_time_set = abs(clock - progress%total_time) > 0
@@ -356,7 +356,7 @@ contains
   end subroutine set_total_time
 
 
-  !> Tells times that do not fit together.
+  !> Reports inconsistent times.
   subroutine check_times(reader, line, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
@@ -404,7 +404,7 @@ contains
       if (is_row) is_row = next_row(reader%cards, row)
     case ('FIELD')
       if (is_row) call read_tolerances(reader, row, controls)
-      if (is_row) is_row = next_row(reader%cards, row)   ! the second line of Abaqus and CalculiX is passed over
+      if (is_row) is_row = next_row(reader%cards, row)   ! the second line of Abaqus and CalculiX is skipped
       if (is_row) is_row = next_row(reader%cards, row)
     case ('LINESEARCH')
       if (is_row) call read_step_lengths(reader, row, controls)
@@ -504,7 +504,7 @@ contains
   end subroutine read_step_lengths
 
 
-  !> The penetration allowed at a closed node over the edge length of its facet (our own).
+  !> The penetration allowed at a closed node over the edge length of its facet (specific to Amontons).
   subroutine read_gap_tolerance(reader, row, controls)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -571,7 +571,7 @@ contains
   end function is_element_change
 
 
-  !> MODEL CHANGE, TYPE=ELEMENT: takes elements out or puts them back, from this step on.
+  !> MODEL CHANGE, TYPE=ELEMENT: removes elements or adds them again, from this step on.
   subroutine read_element_change(reader, model, c, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -643,7 +643,7 @@ contains
   end subroutine read_section_change
 
 
-  !> The material that a name stands for now: the last one that CHANGE MATERIAL made of it.
+  !> The present material of a name: the last copy made by CHANGE MATERIAL.
   pure integer function present_material(model, material) result(last)
     type(model_type), intent(in) :: model
     integer, intent(in) :: material              !< of the MATERIAL card; 0: none
@@ -656,13 +656,13 @@ contains
   end function present_material
 
 
-  !> CHANGE MATERIAL: the elements of a material get a copy of it, which the cards that follow change.
+  !> CHANGE MATERIAL: the elements of a material get a copy of it, which the following cards change.
   subroutine read_material_change(reader, model, c, step, copy)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     type(step_type), intent(inout) :: step
-    integer, intent(out) :: copy                 !< index of the copy; 0: trouble, which was told
+    integer, intent(out) :: copy                 !< index of the copy; 0: an error, already reported
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(material_type) :: changed
@@ -683,7 +683,7 @@ contains
   end subroutine read_material_change
 
 
-  !> CHANGE PLASTIC: the hardening curve of a changed material. What it has hardened so far stays.
+  !> CHANGE PLASTIC: the hardening curve of a changed material. The accumulated plastic strain is kept.
   subroutine read_plastic_change(reader, c, model, copy)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -692,7 +692,7 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     logical :: is_moving
-    if (copy == 0) return                        ! told with CHANGE MATERIAL, or by the place of the card
+    if (copy == 0) return                        ! reported with CHANGE MATERIAL, or for the position of the card
     call open_card(reader, c, parameters, row)
     is_moving = parameter_word(parameters, 'HARDENING', 'ISOTROPIC') /= 'ISOTROPIC'
     associate (material => model%materials(copy))
@@ -706,7 +706,7 @@ contains
   end subroutine read_plastic_change
 
 
-  !> EQUATION, REMOVE: the equations whose first term is one of these degrees of freedom hold no more.
+  !> EQUATION, REMOVE: deletes the equations whose first term is one of these degrees of freedom.
   subroutine read_equation_removal(reader, model, c, step)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -718,7 +718,7 @@ contains
     integer :: i, first, last, n
     logical :: is_ok
     call open_card(reader, c, parameters, row)
-    if (.not. has_parameter(parameters, 'REMOVE')) return   ! told elsewhere
+    if (.not. has_parameter(parameters, 'REMOVE')) return   ! reported elsewhere
     if (parameter_word(parameters, 'REMOVE', '') == 'ALL') then
       where (model%equations%deck_dof > 0) model%equations%last_step = min(step - 1, model%equations%last_step)
       return

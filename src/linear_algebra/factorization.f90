@@ -1,4 +1,4 @@
-!> Factor: direct solvers of SuiteSparse: CHOLMOD for symmetric positive definite matrices, UMFPACK as the fall-back.
+!> Direct solvers of SuiteSparse: CHOLMOD for symmetric positive definite matrices, UMFPACK as the fall-back.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Cholesky: supernodal, with the ordering given or by METIS. `analyse` once for a pattern, `factorise` for each new
@@ -19,12 +19,12 @@ module amontons_factorization
 
   integer, parameter :: FACTOR_OK = 0               !< the factor can be used
   integer, parameter :: FACTOR_NOT_POSITIVE = 1     !< a pivot was not positive; the factor cannot be used
-  integer, parameter :: FACTOR_NEARLY_SINGULAR = 2  !< a pivot is rounding noise; the solutions mean little
+  integer, parameter :: FACTOR_NEARLY_SINGULAR = 2  !< a pivot is at rounding level; the solutions are unreliable
   integer, parameter :: FACTOR_NOT_FINITE = 3       !< the matrix holds NaN or an infinity
   integer, parameter :: STATUS_NO_MEMORY = 4        !< of the shim
   integer, parameter :: STATUS_TOO_LARGE = 5        !< of the shim
 
-  !> A pivot is what elimination leaves of a diagonal entry. Less than this part of it is rounding noise.
+  !> A pivot smaller than this fraction of its diagonal entry is at rounding level.
   real(DP), parameter :: TOL_PIVOT = 64 * epsilon(1.0_DP)
 
   !> A Cholesky factor P A P' = L L'. Components are for reading. A copy of it is empty: analyse again.
@@ -175,8 +175,8 @@ module amontons_factorization
 contains
 
   !> Orders the unknowns and finds the pattern of the factor, for all matrices of this pattern.
-  !> After it, estimate_memory and the statistics are known; no value is looked at. An earlier analysis is thrown away,
-  !> but its memory is used again.
+  !> After it, estimate_memory and the statistics are known; the values are not used. An earlier analysis is discarded,
+  !> but its memory is reused.
   subroutine analyse(factor, matrix, permutation, error)
     type(cholesky_type), intent(inout) :: factor         !< new, or used before
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle with its diagonal
@@ -211,14 +211,14 @@ contains
   end subroutine analyse
 
 
-  !> Factorises a matrix of the pattern analysed, in the memory of the last factorisation.
-  !> | status | what it means |
+  !> Factorises a matrix of the pattern analysed, reusing the memory of the last factorisation.
+  !> | status | meaning |
   !> |---|---|
   !> | FACTOR_OK | positive definite: solve works |
-  !> | FACTOR_NEARLY_SINGULAR | solve works, but a pivot (factor%min_pivot_unknown) is rounding noise |
+  !> | FACTOR_NEARLY_SINGULAR | solve works, but a pivot (factor%min_pivot_unknown) is at rounding level |
   !> | FACTOR_NOT_POSITIVE | broke at the unknown factor%min_pivot_unknown: indefinite or singular |
   !> | FACTOR_NOT_FINITE | the matrix holds NaN or an infinity |
-  !> An error is want of memory or a mistake of the program.
+  !> An error is lack of memory or a defect of the program.
   subroutine factorise(factor, matrix, status, shift, error)
     type(cholesky_type), intent(inout) :: factor
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle, of the pattern analysed
@@ -229,7 +229,7 @@ contains
     status = FACTOR_OK
     factor%is_ready = .false.
     if (matrix%n_rows /= factor%n_unknowns) then
-      call set_error(error, EXIT_INTERNAL, 'A factor was asked for another matrix than the one analysed.')
+      call set_error(error, EXIT_INTERNAL, 'The matrix to factorise is not the one analysed.')
       return
     end if
     if (factor%n_unknowns > 0) then
@@ -254,8 +254,8 @@ contains
   end subroutine solve_one
 
 
-  !> Rounds a factor to single precision: half its memory and half the time of a solution, for a preconditioner. Its halves
-  !! (solve_forward, solve_backward) and its trailing block are not there any more.
+  !> Rounds a factor to single precision: half its memory and half the time of a solution, for a preconditioner. Afterwards
+  !! solve_forward, solve_backward and the trailing block are not available.
   subroutine round_factor(factor)
     type(cholesky_type), intent(inout) :: factor         !< ready
     if (factor%n_unknowns > 0) call cholesky_round(factor%handle)
@@ -317,7 +317,7 @@ contains
   end function estimate_memory
 
 
-  !> Factorises an unsymmetric matrix, given by rows. The ordering is kept while the pattern stands.
+  !> Factorises an unsymmetric matrix, given by rows. The ordering is kept while the pattern does not change.
   !> Status FACTOR_OK, FACTOR_NEARLY_SINGULAR (it may still solve where the load is in the range) or FACTOR_NOT_FINITE.
   subroutine lu_factorise(lu, matrix, status, error)
     type(lu_type), intent(inout) :: lu
@@ -330,7 +330,7 @@ contains
     lu%n_unknowns = matrix%n_rows
     if (.not. c_associated(lu%handle)) lu%handle = lu_new()
     if (matrix%n_rows /= matrix%n_columns) then
-      call set_error(error, EXIT_INTERNAL, 'An LU factor was asked for a matrix that is not square.')
+      call set_error(error, EXIT_INTERNAL, 'The matrix to factorise is not square.')
       return
     else if (.not. c_associated(lu%handle)) then
       call set_error(error, EXIT_SOLVER, 'No memory for the solver.')
@@ -355,11 +355,11 @@ contains
     integer :: status
     status = 0
     if (lu%n_unknowns > 0) status = lu_solve_c(lu%handle, b, x)
-    if (status /= 0) x = 0   ! cannot be for a factor that is ready
+    if (status /= 0) x = 0   ! impossible for a factor that is ready
   end subroutine lu_solve
 
 
-  !> How many threads the BLAS of the whole process may use. Says whether the BLAS could be told (OpenBLAS can).
+  !> Sets the number of BLAS threads of the whole process. Returns whether the BLAS supports it (OpenBLAS does).
   subroutine set_blas_threads(n, is_known)
     integer, intent(in) :: n
     logical, intent(out), optional :: is_known
@@ -369,7 +369,8 @@ contains
   end subroutine set_blas_threads
 
 
-  !> Lets OpenBLAS use kernels that the processor can run, where it took those for unknown ones. Before the first use of the BLAS.
+  !> Selects kernels that the processor supports where OpenBLAS has selected those for unknown processors. To be called before the
+  !! first use of the BLAS.
   subroutine choose_blas_kernels(name)
     character(:), allocatable, intent(out) :: name     !< of the kernels in use; empty for another BLAS
     character(1, c_char), pointer :: letters(:)
@@ -391,7 +392,7 @@ contains
   !> The error behind a status of the shim; none for the FACTOR_... ones.
   subroutine set_solver_error(status, megabytes, error)
     integer, intent(in) :: status
-    real(DP), intent(in) :: megabytes                  !< wanted; 0: not known
+    real(DP), intent(in) :: megabytes                  !< required; 0: unknown
     type(error_type), allocatable, intent(out) :: error
     character(20) :: number
     select case (status)
@@ -399,7 +400,7 @@ contains
     case (STATUS_NO_MEMORY)
       write (number, '(i0)') nint(min(megabytes, 1.0e9_DP))
       if (megabytes > 0) then
-        call set_error(error, EXIT_SOLVER, 'Not enough memory for the factor: it wants ' // trim(number) // ' megabytes.')
+        call set_error(error, EXIT_SOLVER, 'Not enough memory for the factor: it needs ' // trim(number) // ' megabytes.')
       else
         call set_error(error, EXIT_SOLVER, 'Not enough memory to order and analyse the matrix.')
       end if
@@ -412,7 +413,7 @@ contains
   end subroutine set_solver_error
 
 
-  !> Gives everything back and makes the factor as new.
+  !> Frees all memory and resets the factor.
   subroutine clear_factor(factor)
     type(cholesky_type), intent(inout) :: factor
     call release_factor(factor)
@@ -420,7 +421,7 @@ contains
   end subroutine clear_factor
 
 
-  !> Makes the statistics as new.
+  !> Resets the statistics.
   subroutine reset_statistics(factor)
     type(cholesky_type), intent(inout) :: factor
     factor%n_unknowns = 0

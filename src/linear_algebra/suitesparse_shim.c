@@ -1,4 +1,4 @@
-/* SuiteSparse shim: CHOLMOD and UMFPACK behind opaque handles, for factor.f90.
+/* SuiteSparse shim: CHOLMOD and UMFPACK behind opaque handles, for factorization.f90.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
  * It is C because the layout of cholmod_common and cholmod_factor belongs to their C headers and changes with them
@@ -21,21 +21,21 @@
 #include "supernodes_shim.h"
 
 enum { MOST_COLUMNS = 512 }; /* of a supernode */
-enum { HUGE_PAGE = 2097152 }; /* the system gives large rooms in pages of this size if it is asked to */
+enum { HUGE_PAGE = 2097152 }; /* huge pages of the operating system, requested for large allocations */
 static const double WORTH_THREADS = 3.0e7; /* operations of a factorisation */
 
-/* The status codes that factor.f90 knows. */
+/* The status codes of factorization.f90. */
 enum { DONE = 0, NOT_POSITIVE = 1, NEARLY_SINGULAR = 2, NOT_FINITE = 3, NO_MEMORY = 4, TOO_LARGE = 5, INVALID = 6 };
 
 typedef struct {
   cholmod_common common;
   cholmod_factor *factor;
-  supernode_plan *plan;     /* which thread does what */
-  int is_single;            /* the numbers are of single precision */
-  double *value;            /* the numbers of the factor: ours, so that they outlive an analysis */
+  supernode_plan *plan;     /* distribution of the supernodes over the threads */
+  int is_single;            /* the entries are in single precision */
+  double *value;            /* the entries of the factor: owned by the handle, so that they outlive an analysis */
   size_t capacity;          /* of value */
   cholmod_sparse *permuted; /* lower triangle of P A P', the diagonal entry first in each column */
-  int *target;              /* where an entry of the caller's matrix stands in permuted */
+  int *target;              /* position in permuted of an entry of the caller's matrix */
   size_t n_entries;         /* of the caller's matrix */
 } cholesky;
 
@@ -48,7 +48,7 @@ typedef struct {
   double *work_x;
 } lu;
 
-/* What is switched off around a library call. */
+/* The settings that are disabled around a library call. */
 typedef struct {
   fenv_t environment;
   int levels;
@@ -135,7 +135,7 @@ void amontons_cholesky_free(void *handle)
   free(self);
 }
 
-/* Builds the pattern of tril(P A P') and the place of each entry of A in it: new values then take one pass. */
+/* Builds the pattern of tril(P A P') and the position of each entry of A in it: new values then need one pass. */
 static int permute_pattern(cholesky *self, int n, int *first, int *column)
 {
   cholmod_common *c = &self->common;
@@ -169,15 +169,15 @@ static int permute_pattern(cholesky *self, int n, int *first, int *column)
   return c->status;
 }
 
-/* Columns of the panels into which a supernode is cut: alike, and not too many. */
+/* Columns of the panels into which a supernode is cut: of equal size, and not too many. */
 static size_t panel_width(size_t columns)
 {
   size_t n = (columns + MOST_COLUMNS - 1) / MOST_COLUMNS;
   return (columns + n - 1) / n;
 }
 
-/* Cuts supernodes of many columns into panels, each with the rows from its own first column on: the room above the diagonal of a
- * block, which holds nothing, is then small. */
+/* Cuts supernodes of many columns into panels, each with the rows from its own first column on, so that
+ * little memory is wasted above the diagonal of a block. */
 static int cut_supernodes(cholmod_factor *l, cholmod_common *c)
 {
   const int *super = l->super, *pi = l->pi, *rows = l->s;
@@ -265,8 +265,8 @@ int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int 
   return status_of_cholmod(c->status);
 }
 
-/* Gives the factor room for its numbers. That of an earlier analysis is used again where it is large enough: fresh
- * memory makes a factorisation up to half as slow again, because the system hands it out page by page. */
+/* Allocates the entries of the factor. The memory of an earlier analysis is reused if it is large enough: new memory makes a
+ * factorisation up to 1.5 times as slow, because of page faults. */
 static int give_room(cholesky *self)
 {
   cholmod_factor *l = self->factor;
@@ -287,7 +287,7 @@ static int give_room(cholesky *self)
   return self->value != NULL;
 }
 
-/* The smallest square of a pivot over its diagonal entry, and the unknown that has it. */
+/* The smallest ratio of a squared pivot to its diagonal entry, and its unknown. */
 static double smallest_pivot(const cholesky *self, int *unknown)
 {
   const cholmod_factor *l = self->factor;
@@ -307,7 +307,7 @@ static double smallest_pivot(const cholesky *self, int *unknown)
 }
 
 /* Factorises new values in the pattern analysed and keeps the memory. A shift (or NULL) is added to the diagonal.
- * `unknown` is where it broke, or has the smallest pivot; `ratio` is that pivot's square over its diagonal entry. */
+ * `unknown` is where it failed, or has the smallest pivot; `ratio` is that pivot's square over its diagonal entry. */
 int amontons_cholesky_factorise(void *handle, const double *value, const double *shift, int *unknown, double *ratio)
 {
   cholesky *self = handle;
@@ -325,7 +325,7 @@ int amontons_cholesky_factorise(void *handle, const double *value, const double 
     free(x);
     return is_finite ? NO_MEMORY : NOT_FINITE;
   }
-  self->permuted->x = x; /* for this factorisation only: the room is wanted for other things afterwards */
+  self->permuted->x = x; /* for this factorisation only: the memory is reused afterwards */
   self->permuted->xtype = CHOLMOD_REAL;
   fenv_t environment;
   feholdexcept(&environment);
@@ -339,7 +339,7 @@ int amontons_cholesky_factorise(void *handle, const double *value, const double 
   return broken < 0 ? NO_MEMORY : broken > 0 ? NOT_POSITIVE : DONE;
 }
 
-/* Rounds the numbers of the factor to single precision: half the memory, and half the time of a solve. The next factorisation has
+/* Rounds the entries of the factor to single precision: half the memory, and half the time of a solve. The next factorisation has
  * double precision again. */
 void amontons_cholesky_round(void *handle)
 {
@@ -359,7 +359,7 @@ void amontons_cholesky_round(void *handle)
   self->is_single = 1;
 }
 
-/* One solve with a factor in single precision; b is scaled, so that no number is too small. */
+/* One solve with a factor in single precision; b is scaled, to avoid underflow. */
 static int solve_single(cholesky *self, const double *b, double *x)
 {
   const size_t n = self->factor->n;
@@ -458,7 +458,7 @@ void amontons_lu_free(void *handle)
   free(handle);
 }
 
-/* Takes a copy of the pattern if it is a new one. */
+/* Copies the pattern if it has changed. */
 static int take_pattern(lu *self, int n, const int *first, const int *column)
 {
   const size_t n_first = (size_t)n + 1, n_entries = first[n];
@@ -477,8 +477,8 @@ static int take_pattern(lu *self, int n, const int *first, const int *column)
   return 1;
 }
 
-/* Factorises an unsymmetric matrix given by compressed rows with ascending columns. The analysis is kept while the
- * pattern stands. `ratio` is the smallest over the largest pivot, `bytes` the memory taken or wanted. */
+/* Factorises an unsymmetric matrix given by compressed rows with ascending columns. The analysis is kept while
+ * the pattern does not change. `ratio` is the smallest over the largest pivot, `bytes` the memory used or required. */
 int amontons_lu_factorise(void *handle, int n, const int *first, const int *column, const double *value, double *ratio,
                           double *bytes)
 {
@@ -522,7 +522,7 @@ int amontons_lu_solve(void *handle, const double *b, double *x)
   return status_of_umfpack(status);
 }
 
-/* The kernels that this processor can run, by OpenBLAS's names: NULL where OpenBLAS's own choice is to stand. */
+/* The kernels that this processor supports, by their OpenBLAS names: NULL to keep OpenBLAS's choice. */
 static const char *kernels_of_processor(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -534,9 +534,9 @@ static const char *kernels_of_processor(void)
   return NULL;
 }
 
-/* OpenBLAS knows processors by their numbers. For one newer than itself it takes the kernels of the year 2004
- * (Prescott), a fifth as fast. Then it is told which ones to take and made to choose again. OPENBLAS_CORETYPE of the
- * user's stands. Returns the name of the kernels in use; NULL for another BLAS. To be called before the BLAS works. */
+/* OpenBLAS identifies processors by model numbers. For a newer one it selects the kernels of the year 2004 (Prescott), a fifth
+ * as fast. Then the kernels are set and the selection is repeated. A value of OPENBLAS_CORETYPE set by the user is kept. Returns
+ * the name of the kernels in use; NULL for another BLAS. To be called before the first use of the BLAS. */
 const char *amontons_choose_blas_kernels(void)
 {
   char *(*name)(void);
@@ -554,7 +554,7 @@ const char *amontons_choose_blas_kernels(void)
   return name();
 }
 
-/* Tells OpenBLAS, where it is the BLAS, how many threads to use, for the whole process. 0: another BLAS. */
+/* Sets the number of threads of OpenBLAS for the whole process. Returns 0 for another BLAS. */
 int amontons_set_blas_threads(int n)
 {
   void (*set)(int);

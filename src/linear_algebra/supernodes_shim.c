@@ -1,11 +1,11 @@
-/* Supernodes shim: the numbers of a supernodal Cholesky factor and its triangular solves, for suitesparse_shim.c.
+/* Supernodal Cholesky: numerical factorisation and triangular solves in parallel, for suitesparse_shim.c.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * CHOLMOD orders and analyses; its factor (rows of each supernode, places of the numbers) is filled and used here, because
- * CHOLMOD leaves threads to the BLAS alone, which gain nothing on small blocks and fight with those of OpenMP. Here the
- * elimination tree is shared: whole subtrees go to one thread each, and the few supernodes above them are worked on by all
- * threads together, each with some of the rows. The BLAS is called with one thread always. Who does what is settled by the
- * analysis, so that the same number of threads gives the same bits.
+ * CHOLMOD orders and analyses; its factor (rows of each supernode, positions of the entries) is computed and used here, because
+ * CHOLMOD is parallel only by the threads of the BLAS, which gain nothing on small blocks and compete with those of OpenMP. Here
+ * the elimination tree is distributed: each subtree to one thread, and the few supernodes above them to all threads together, each
+ * with some of the rows. The BLAS always runs with one thread. The analysis fixes the distribution, so that the same number of
+ * threads gives bitwise the same result.
  * Left-looking: E. Ng, B. Peyton, SIAM J. Sci. Comput. 14 (1993) 1034. It is C for the layout of cholmod_factor. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -18,7 +18,7 @@
 #include "supernodes_shim.h"
 
 enum { PANEL = 128, SLICE = 512, MOST_ABOVE = 256 };
-static const double EVEN = 1.04; /* a share of the subtrees this much larger than the mean is even enough */
+static const double EVEN = 1.04; /* admissible ratio of the largest share of the subtrees to the mean */
 
 extern void dsyrk_(const char *, const char *, const int *, const int *, const double *, const double *, const int *,
                    const double *, double *, const int *);
@@ -39,25 +39,25 @@ extern void sgemv_(const char *, const int *, const int *, const float *, const 
 static const double ONE = 1, MINUS = -1, ZERO = 0;
 static const int STEP = 1;
 
-/* What supernode `from` gives to a supernode above it: its rows from the `row`-th on. */
+/* The update of a supernode by its descendant `from`: rows of `from` from the `row`-th on. */
 typedef struct {
   int from, row;
 } update;
 
 struct supernode_plan {
-  int n_parts;            /* threads it was made for */
+  int n_parts;            /* number of threads of the plan */
   int n_supernodes, n_above;
   int *first;             /* (n_supernodes + 1) updates of a supernode */
   update *updates;
-  int *start, *members;   /* supernodes of each part, and at last those above the parts, ascending */
+  int *start, *members;   /* supernodes of each part, and last those above the parts, ascending */
   int *end;               /* (n_supernodes) first column behind the subtree in which it lies */
   int most_rows;          /* of a supernode */
   size_t most_update;     /* numbers of an update */
 };
 
-/* A supernode as it lies in the factor. */
+/* The storage of a supernode in the factor. */
 typedef struct {
-  int columns, rows, column;  /* numbers of both, first column */
+  int columns, rows, column;  /* number of columns and rows, first column */
   const int *row;
   double *x;                  /* rows x columns */
 } node;
@@ -80,7 +80,7 @@ void amontons_plan_free(supernode_plan *plan)
   free(plan);
 }
 
-/* The updates of each supernode, from below, in ascending order. */
+/* The updates of each supernode by its descendants, in ascending order. */
 static int list_updates(supernode_plan *plan, const cholmod_factor *l, const int *super_of)
 {
   const int *super = l->super;
@@ -108,7 +108,7 @@ static int list_updates(supernode_plan *plan, const cholmod_factor *l, const int
   return 1;
 }
 
-/* Multiplications of what is done for each supernode, and of its subtree. */
+/* Multiplications for each supernode, and for its subtree. */
 static void weigh(const supernode_plan *plan, const cholmod_factor *l, const int *parent, double *subtree)
 {
   for (int s = 0; s < plan->n_supernodes; s++) {
@@ -125,7 +125,8 @@ static void weigh(const supernode_plan *plan, const cholmod_factor *l, const int
   }
 }
 
-/* Gives the subtrees to the parts, the largest first, each to the part with the least. Returns whether that is even. */
+/* Distributes the subtrees over the parts: the largest first, each to the part with the least work. Returns whether the parts are
+ * balanced. */
 static int share(const int *roots, int n_roots, const double *subtree, int n_parts, int *part_of, double *load)
 {
   double sum = 0, most = 0;
@@ -149,7 +150,7 @@ static void insert(int *roots, int *n, int root, const double *subtree)
   roots[k] = root;
 }
 
-/* Cuts the tree: the largest subtree is opened, and its root goes above, until the rest can be shared evenly. */
+/* Cuts the tree: moves the root of the largest subtree above the parts, until the subtrees can be balanced. */
 static void cut(supernode_plan *plan, const int *parent, const double *subtree, int *part, int *work, double *load)
 {
   int n = plan->n_supernodes, n_roots = 0, *roots = work, *part_of = work + n, *child = work + 2 * n, *next = work + 3 * n;
@@ -173,7 +174,7 @@ static void cut(supernode_plan *plan, const int *parent, const double *subtree, 
   for (int k = 0; k < n_roots; k++) part[roots[k]] = part_of[k];
 }
 
-/* Lists the members of the parts; below its root a subtree belongs to the root's part. */
+/* Lists the members of the parts; a subtree belongs to the part of its root. */
 static int list_members(supernode_plan *plan, const cholmod_factor *l, const int *parent, int *part)
 {
   const int *super = l->super;
@@ -193,7 +194,7 @@ static int list_members(supernode_plan *plan, const cholmod_factor *l, const int
   return 1;
 }
 
-/* Settles who does what, for so many threads. NULL without memory. */
+/* Creates the plan for a number of threads. NULL without memory. */
 supernode_plan *amontons_plan_new(const cholmod_factor *l, int n_parts)
 {
   const int *super = l->super;
@@ -227,12 +228,12 @@ int amontons_plan_parts(const supernode_plan *plan)
   return plan->n_parts;
 }
 
-/* --- numbers ------------------------------------------------------------------------------------------------------- */
+/* --- numerical factorisation --------------------------------------------------------------------------------------- */
 
-/* What a thread works with. */
+/* The workspace of a thread. */
 typedef struct {
-  int *place;       /* (n) where a row stands in the present supernode */
-  int *relative;    /* places of the rows of an update */
+  int *place;       /* (n) position of a row in the present supernode */
+  int *relative;    /* positions of the rows of an update */
   double *product;  /* an update */
 } bench;
 
@@ -267,7 +268,7 @@ static void take_entries(const cholmod_sparse *a, const node *up, bench *work, i
   }
 }
 
-/* Subtracts what another supernode gives, in the rows from low to high (exclusive) of this one. */
+/* Subtracts the update by another supernode, in the rows from low to high (exclusive) of this one. */
 static void subtract_update(const cholmod_factor *l, const node *up, update from, bench *work, int low, int high)
 {
   node down = node_of(l, from.from);
@@ -281,7 +282,7 @@ static void subtract_update(const cholmod_factor *l, const node *up, update from
   if (first >= m) return;
   if (n > m) n = m;                            /* columns right of the last row are above the diagonal */
   int square = first == 0 ? n : 0, rest = m - first - square, ld = m - first;
-  const int is_dense = work->relative[m - 1] - work->relative[0] == m - 1; /* rows, and so the columns, stand side by side */
+  const int is_dense = work->relative[m - 1] - work->relative[0] == m - 1; /* rows, and so the columns, are contiguous */
   double *c = work->product;
   const double *beta = is_dense ? &ONE : &ZERO;
   if (is_dense) {
@@ -299,7 +300,7 @@ static void subtract_update(const cholmod_factor *l, const node *up, update from
   }
 }
 
-/* One supernode by one thread. Returns the column in which it broke, counted from 1; 0: done. */
+/* Factorises one supernode by one thread. Returns the column in which it failed, from 1; 0: success. */
 static int factorise_alone(const supernode_plan *plan, const cholmod_sparse *a, const cholmod_factor *l, int s, bench *work)
 {
   node up = node_of(l, s);
@@ -313,14 +314,14 @@ static int factorise_alone(const supernode_plan *plan, const cholmod_sparse *a, 
   return 0;
 }
 
-/* The share of a thread of the numbers from low to high. */
+/* The share of a thread of the range from low to high. */
 static int cut_at(int low, int high, int id, int team)
 {
   int whole = (high - low) / team * id + (high - low) % team * id / team;
   return id == team ? high : low + (whole & ~7);
 }
 
-/* Where the rows of a trapezoid are cut, so that the shares have equal areas. */
+/* The partition of the rows of a trapezoid into shares of equal area. */
 static int cut_area(const node *up, int id, int team)
 {
   double c = up->columns, all = c * c / 2 + c * (up->rows - c), area = all * id / team;
@@ -328,7 +329,7 @@ static int cut_area(const node *up, int id, int team)
   return (int)(area <= c * c / 2 ? sqrt(2 * area) : c + (area - c * c / 2) / c) & ~7;
 }
 
-/* One supernode by all threads of a team: to be called by each of them. */
+/* Factorises one supernode by all threads of a team: to be called by each of them. */
 static void factorise_together(const supernode_plan *plan, const cholmod_sparse *a, const cholmod_factor *l, int s,
                                bench *work, int id, int team, int *broken)
 {
@@ -355,7 +356,7 @@ static void factorise_together(const supernode_plan *plan, const cholmod_sparse 
 #pragma omp barrier
 }
 
-/* How a thread begins: its number, how many they are, and, after all have said whether they have room, whether one has not. */
+/* Starts a thread: its number, the number of threads, and whether the allocation of any thread failed. */
 static void join_team(int has_room, int *id, int *team, int *is_poor)
 {
   *id = 0;
@@ -371,8 +372,8 @@ static void join_team(int has_room, int *id, int *team, int *is_poor)
 #pragma omp barrier
 }
 
-/* Fills the factor with the numbers of a matrix: lower triangle, permuted, packed. Returns the column in which it broke, counted
- * from 1; 0: done; -1: no memory. */
+/* Factorises a matrix: lower triangle, permuted, packed. Returns the column in which it failed, from 1; 0: success; -1: no
+ * memory. */
 int amontons_plan_factorise(const supernode_plan *plan, const cholmod_sparse *a, cholmod_factor *l)
 {
   int broken = 0, is_poor = 0;

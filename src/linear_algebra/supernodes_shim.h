@@ -1,4 +1,4 @@
-/* Supernodes shim: what suitesparse_shim.c calls.
+/* Interface of the supernodal Cholesky factorisation to suitesparse_shim.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef AMONTONS_SUPERNODES_SHIM_H
 #define AMONTONS_SUPERNODES_SHIM_H

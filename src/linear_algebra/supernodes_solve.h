@@ -1,16 +1,16 @@
-/* Supernodes solve: triangular solves with a factor whose numbers are of the type REAL, for supernodes_shim.c, which includes it for
- * each type. KIND(name) is the name for that type; TRSV and GEMV are its procedures of the BLAS.
+/* Supernodal triangular solves with a factor whose entries have the type REAL; supernodes_shim.c includes this file for each type.
+ * KIND(name) is the name for that type; TRSV and GEMV are its procedures of the BLAS.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
 static const REAL KIND(PLUS) = 1, KIND(LESS) = -1, KIND(NONE) = 0;
 
-/* The numbers of a supernode. */
+/* The entries of a supernode. */
 static const REAL *KIND(numbers_of)(const cholmod_factor *l, int s)
 {
   return (const REAL *)l->x + ((const int *)l->px)[s];
 }
 
-/* x = inv(L_ss) x for one supernode, and what that gives to the rows below: to x within the subtree, to `above` beyond. */
+/* x = inv(L_ss) x for one supernode, and its update of the rows below: of x within the subtree, of `above` beyond. */
 static void KIND(forward_alone)(const cholmod_factor *l, int s, int end, REAL *x, REAL *above, REAL *product)
 {
   node up = node_of(l, s);

@@ -1,4 +1,4 @@
-!> Steps: times, controls, loads and output requests of each load step; the defaults of the controls live here.
+!> Load steps: times, controls with their defaults, loads, and output requests.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_steps
   use amontons_kinds, only: DP
@@ -17,16 +17,16 @@ module amontons_steps
 
   integer, parameter :: LINE_SEARCH_NONE = 0, LINE_SEARCH_ALL = 1, LINE_SEARCH_GLOBAL = 2, LINE_SEARCH_NODAL = 3, &
     LINE_SEARCH_AUTO = 4
-  integer, parameter :: TANGENT_EXACT = 0        !< by the whole tangent at the iterate
-  integer, parameter :: TANGENT_SYMMETRIC = 1    !< without the change of the contact forces: C'K C alone
+  integer, parameter :: TANGENT_EXACT = 0        !< by the consistent tangent at the iterate
+  integer, parameter :: TANGENT_SYMMETRIC = 1    !< without the linearised contact forces: C'K C alone
   integer, parameter :: TANGENT_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
 
   integer, parameter :: INTERFACE_AUTO = 0         !< contact subproblem: SKIN where the interface is too large for DENSE
   integer, parameter :: INTERFACE_DENSE = 1        !< on the dense matrix of the interface
-  integer, parameter :: INTERFACE_SKIN = 2         !< by iteration, with tiles of the contact skin
+  integer, parameter :: INTERFACE_SKIN = 2         !< iteratively, with the contact skin as preconditioner
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4
-  ! Fields of the .frd file, in their order there, which is CalculiX's.
+  ! Fields of the .frd file, in the order of CalculiX.
   integer, parameter :: N_FRD = 13, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
     FRD_THSTRAIN = 6, FRD_FORC = 7, FRD_PE = 8, FRD_ENER = 9, FRD_CONTACT = 10, FRD_CELS = 11, FRD_SDV = 12, FRD_ERROR = 13
 
@@ -49,11 +49,11 @@ module amontons_steps
     real(DP) :: r_n = 1.0e-6_DP            !< residual over the largest force [-]
     real(DP) :: c_n = 1.0e-6_DP            !< correction over the largest increment of displacement [-]
     real(DP) :: r_p = 1.0e-6_DP            !< residual tolerance after i_p iterations [-]
-    real(DP) :: r_l = 1.0e-8_DP            !< residual so small that the correction is not asked for [-]
+    real(DP) :: r_l = 1.0e-8_DP            !< residual tolerance below which the correction is not checked [-]
     ! LINE SEARCH
     real(DP) :: s_max = 1.01_DP            !< largest step length of the line search [-]
     real(DP) :: s_min = 0.25_DP            !< smallest step length of the line search [-]
-    ! Our own: the penetration allowed at a closed node over the edge length of its master facet
+    ! Specific to Amontons: admissible penetration of a closed node over the edge length of its master facet
     real(DP) :: gap_tolerance = 1.0e-9_DP  !< [-]
   end type controls_type
 
@@ -68,17 +68,17 @@ module amontons_steps
     logical :: is_local = .false.          !< GLOBAL=NO: in the directions of TRANSFORM, or of ORIENTATION
   end type print_request_type
 
-  !> What FILE and OUTPUT cards ask of one field of the .frd file.
+  !> The request of FILE and OUTPUT cards for one field of the .frd file.
   type :: frd_request_type
     logical :: is_wanted = .false.
     logical :: is_local = .false.          !< GLOBAL=NO: in the directions of TRANSFORM, or of ORIENTATION
     integer :: set = 0                     !< NSET: index of the node set; 0: all nodes
   end type frd_request_type
 
-  !> One load step with everything that acts in it.
+  !> One load step with all its loads and controls.
   type :: step_type
     character(:), allocatable :: title     !< text line after *STEP, may be empty
-    integer :: number = 1                  !< its place among the steps
+    integer :: number = 1                  !< its index among the steps
     logical :: is_nlgeom = .false.
     integer :: max_increments = 100        !< INC
     logical :: is_direct = .false.         !< DIRECT: fixed increments
@@ -88,28 +88,29 @@ module amontons_steps
     real(DP) :: period = 1                 !< [time]
     real(DP) :: dt_min = 1.0e-6_DP         !< [time]
     real(DP) :: dt_max = 1                 !< [time]
-    real(DP) :: dissipated_fraction = 0        !< STABILIZE: of the strain energy that is to be dissipated; 0: no damping [-]
+    real(DP) :: dissipated_fraction = 0        !< STABILIZE: fraction of the strain energy to dissipate; 0: no damping [-]
     real(DP) :: damping_factor = 0         !< STABILIZE, FACTOR: given in place of the fraction; 0: not [force time/length^4]
     logical :: is_damping_continued = .false.   !< STABILIZE, CONTINUE: with the factor of the step before
-    integer :: line_search = LINE_SEARCH_AUTO   !< SEARCH_...
-    integer :: direction = TANGENT_EXACT !< DIRECTION_...
+    integer :: line_search = LINE_SEARCH_AUTO   !< LINE_SEARCH_...
+    integer :: direction = TANGENT_EXACT !< TANGENT_...
     integer :: solver = SOLVER_AUTO        !< SOLVER_...
     integer :: interface = INTERFACE_AUTO  !< INTERFACE_...
     type(controls_type) :: controls
     type(prescribed_type), allocatable :: prescribed(:)
-    type(amplitude_type), allocatable :: amplitudes(:)       !< of its loads, where a user routine or a calling program sets them;
-                                           !< not there: those of the model
+    type(amplitude_type), allocatable :: amplitudes(:)       !< of its loads, where a user routine or calling program sets them;
+                                           !< not allocated: those of the model
     type(concentrated_type), allocatable :: concentrated(:)
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
     logical :: has_creep = .false.       !< VISCO: materials creep
-    logical :: is_perturbation = .false.   !< PERTURBATION: its loads alone, on the body at rest
+    logical :: is_perturbation = .false.   !< PERTURBATION: its loads alone, on the undeformed body
     type(print_request_type), allocatable :: prints(:)
-    type(interaction_type), allocatable :: interactions(:)  !< those in force if this or an earlier step changes some
-    logical, allocatable :: is_inactive(:)   !< (n_elements) elements taken out; not allocated: none
-    logical, allocatable :: is_reactivated(:)     !< (n_elements) elements put back in this step, free of strain; the same
+    type(interaction_type), allocatable :: interactions(:)  !< those in force; allocated if this or an earlier step changes some
+    logical, allocatable :: is_inactive(:)   !< (n_elements) elements removed; not allocated: none
+    logical, allocatable :: is_reactivated(:)     !< (n_elements) elements added again in this step, free of strain; not allocated:
+                                                  !! none
     integer, allocatable :: material(:)    !< (n_elements) materials from this step on; not allocated: those of the sections
-    logical, allocatable :: is_removed(:)  !< (n_pairs) pairs taken out; not allocated: none
+    logical, allocatable :: is_removed(:)  !< (n_pairs) pairs removed; not allocated: none
     real(DP), allocatable :: interference(:)   !< (n_pairs) overclosure allowed, ramped down over the step [length]
     logical, allocatable :: is_shrink_fit(:)   !< (n_pairs) the same for each node's own overclosure at the start of the step
     integer :: restart_frequency = 0       !< RESTART, WRITE: every n-th increment, and the last of the step, is kept; 0: none
@@ -118,12 +119,12 @@ module amontons_steps
     integer :: file_frequency = 1          !< the same for the result file
     real(DP), allocatable :: print_times(:)   !< TIME POINTS of the prints, ascending, in place of print_frequency [step time]
     real(DP), allocatable :: file_times(:)    !< the same for the result file
-    type(frd_request_type) :: frd(N_FRD)   !< what FILE and OUTPUT cards ask for, for the .frd file
+    type(frd_request_type) :: frd(N_FRD)   !< the requests of FILE and OUTPUT cards
   end type step_type
 
 contains
 
-  !> CalculiX's own defaults, taken under the calculix dialect.
+  !> The defaults of CalculiX, for the calculix dialect.
   pure function calculix_controls() result(controls)
     type(controls_type) :: controls
     controls%i_0 = 4

@@ -1,13 +1,13 @@
-!> Settle: contact is solved to the end while the bulk stays linear, so that a Newton step starts and ends with settled statuses.
+!> Contact subproblem: active-set and semismooth Newton iterations on contact with the bulk linearised (Josephy-Newton).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Theory: doc/theory/newton.md, "Contact subproblem". A Newton direction du is right for the statuses that its rows
-!! were made of. With the bulk linearised at u, its imbalance at u + du is known without the elements,
+!! Theory: doc/theory/newton.md, "Contact subproblem". A Newton direction du is valid for the statuses
+!! from which its contact rows were built. With the bulk linearised at u, the imbalance at u + du needs no elements,
 !!
 !!     Rhat(u + du) = Rhat(u) - E K du,
 !!
-!! so gaps, trial tractions and statuses can be asked for there and the direction corrected, again and again, on the
-!! condensed interface: the factor of the bulk stays. What is left for the next iteration is what the bulk does beyond K.
+!! so gaps, trial tractions and statuses are evaluated there and the direction is corrected iteratively on the condensed
+!! interface with the same factor of the bulk. The next Newton iteration treats the nonlinearity of the bulk.
 module amontons_contact_subproblem
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -25,23 +25,22 @@ module amontons_contact_subproblem
   public :: solve_contact_subproblem
 
   integer, parameter :: MAX_SUBPROBLEM_ITERATIONS = 30           !< corrections of one direction
-  integer, parameter :: MAX_CORRECTION_HALVINGS = 4          !< of a correction
-  real(DP), parameter :: TOL_MERIT_RATIO = 1.0e-2_DP       !< part of the merit at u that may be left at u + du [-]
-  real(DP), parameter :: STAGNATION_MERIT_RATIO = 0.99_DP       !< of the merit before: not less [-]
-  real(DP), parameter :: NEWTON_TOLERANCE_SHARE = 1.0e-2_DP    !< part of the residual that Newton allows that may be left in any
-                                                               !! case [-]
-  real(DP), parameter :: SKIN_SETTLED = 1.0e-6_DP  !< the same as TOL_MERIT_RATIO where the bulk is linear and directions are not
-                                                   !! exact [-]
-  real(DP), parameter :: TOL_MERIT_ROUNDING = 1.0e-10_DP     !< part of the largest merit of the rounds: no less is left where u
-                                                             !! had none [-]
+  integer, parameter :: MAX_CORRECTION_HALVINGS = 4          !< halvings of a correction
+  real(DP), parameter :: TOL_MERIT_RATIO = 1.0e-2_DP       !< admissible merit at u + du over that at u [-]
+  real(DP), parameter :: STAGNATION_MERIT_RATIO = 0.99_DP       !< merit over that of the previous cycle at which a cycle counts as
+                                                                !! stagnation [-]
+  real(DP), parameter :: NEWTON_TOLERANCE_SHARE = 1.0e-2_DP    !< admissible merit over the residual tolerance of Newton [-]
+  real(DP), parameter :: SKIN_SETTLED = 1.0e-6_DP  !< TOL_MERIT_RATIO with the skin and a linear bulk [-]
+  real(DP), parameter :: TOL_MERIT_ROUNDING = 1.0e-10_DP     !< admissible merit over the largest merit of the iterations: rounding
+                                                             !! level [-]
 
-  integer, parameter :: MAX_ITERATIONS_PER_SUBSTEP = 12       !< corrections of one portion of the way
-  integer, parameter :: FAST_SUBSTEP_ITERATIONS = 6         !< so many at most, and the next portion is twice as long
-  integer, parameter :: MAX_ITERATIONS_ALL_SUBSTEPS = 60      !< corrections of all portions
-  real(DP), parameter :: INITIAL_SUBSTEP_LENGTH = 1.0_DP / 8.0_DP   !< of the way [-]
-  real(DP), parameter :: MIN_SUBSTEP_LENGTH = 1.0_DP / 64.0_DP  !< of the way [-]
+  integer, parameter :: MAX_ITERATIONS_PER_SUBSTEP = 12       !< corrections of one substep
+  integer, parameter :: FAST_SUBSTEP_ITERATIONS = 6         !< with at most so many corrections the next substep is twice as long
+  integer, parameter :: MAX_ITERATIONS_ALL_SUBSTEPS = 60      !< corrections of all substeps
+  real(DP), parameter :: INITIAL_SUBSTEP_LENGTH = 1.0_DP / 8.0_DP   !< of the whole direction [-]
+  real(DP), parameter :: MIN_SUBSTEP_LENGTH = 1.0_DP / 64.0_DP  !< of the whole direction [-]
 
-  !> Where a direction ends.
+  !> The end of a direction.
   type :: subproblem_result_type
     real(DP) :: merit = huge(1.0_DP)
     real(DP), allocatable :: du(:, :)
@@ -53,10 +52,10 @@ module amontons_contact_subproblem
 
 contains
 
-  !> Corrects a direction until contact has settled at its end; where it does not, in portions of the way.
+  !> Corrects a direction until the contact subproblem converges at its end; if it does not, in substeps.
   !!
-  !! Only AUTO does so, and only with the condensed interface: the slides' line searches are to be seen as they are.
-  !! After: du, and the memory of the slave nodes with which u + du is to be evaluated; the state stands at u as before.
+  !! Only for AUTO, and only with the condensed interface: the other line searches use the uncorrected direction.
+  !! After: du, and the slave states with which u + du is to be evaluated; the state is at u as before.
   subroutine solve_contact_subproblem(system, model, step, state, du, slaves, error)
     type(equilibrium_type), intent(inout), target :: system   !< with the direction's factor
     type(model_type), intent(in) :: model
@@ -67,7 +66,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(configuration_type) :: start
     type(subproblem_result_type) :: best, candidate
-    logical :: is_schur_active, is_interface_singular             ! where the whole direction ends
+    logical :: is_schur_active, is_interface_singular             ! at the end of the whole direction
     slaves = state%new%slaves
     if (step%line_search /= LINE_SEARCH_AUTO .or. .not. system%is_schur_active) return
     start = save_configuration(system, state)
@@ -81,22 +80,22 @@ contains
       if (allocated(error)) return
       system%n_subproblem_iterations = system%n_subproblem_iterations + candidate%n_subproblem_iterations
       if (candidate%is_subproblem_solved) best = candidate
-      system%is_schur_active = is_schur_active .or. candidate%is_subproblem_solved   ! whatever trouble there was on the way
+      system%is_schur_active = is_schur_active .or. candidate%is_subproblem_solved   ! regardless of failures in a substep
       system%is_interface_singular = is_interface_singular .and. .not. candidate%is_subproblem_solved
     end if
     du = best%du
     slaves = best%slaves
-    system%is_subproblem_solved = best%is_subproblem_solved            ! if not, the factor may be gone
+    system%is_subproblem_solved = best%is_subproblem_solved            ! if not, the factor may be missing
     call restore_configuration(system, model, step, start, state, error)
   end subroutine solve_contact_subproblem
 
 
-  !> All corrections at the end of the whole direction; the best of the places found.
+  !> All corrections at the end of the whole direction. The result is the iterate with the least merit.
   subroutine solve_whole_step(system, model, step, start, state, du, best, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(configuration_type), intent(inout) :: start       !< u; out: nodes that keep to their edges are marked
+    type(configuration_type), intent(inout) :: start       !< u; out: slaves fixed to their extended edges are marked
     type(state_type), intent(inout) :: state
     real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
     type(subproblem_result_type), intent(out) :: best
@@ -116,10 +115,10 @@ contains
     call evaluate_linearized(system, model, start, du, state)
     do
       call extend_master_edges(system%contact, start%slaves, state%new%slaves, facet_tracks, is_extended)
-      if (is_extended .and. best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS) then   ! from the start, with the nodes that
-                                                                                             ! keep to their edges
+      if (is_extended .and. best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS) then   ! restart with slaves fixed to their
+        ! extended edges
         du = initial_du
-        best%merit = huge(1.0_DP)                  ! the next place is the best one
+        best%merit = huge(1.0_DP)                  ! the next iterate is the best one
         state%new%slaves = start%slaves
         best%n_subproblem_iterations = best%n_subproblem_iterations + 1
         call evaluate_linearized(system, model, start, du, state)
@@ -133,7 +132,7 @@ contains
       best%n_subproblem_iterations = best%n_subproblem_iterations + 1
       call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error)
       if (allocated(error)) return
-      if (best%outcome /= OUTCOME_OK .or. all(correction == 0.0_DP)) exit   ! GMRES finds nothing worth correcting
+      if (best%outcome /= OUTCOME_OK .or. all(correction == 0.0_DP)) exit   ! GMRES finds no correction
       call apply_damped_correction(system, model, start, correction, state, du)
     end do
     best%is_subproblem_solved = best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS .and. .not. is_cycle_found &
@@ -141,19 +140,19 @@ contains
   end subroutine solve_whole_step
 
 
-  !> The way in portions. At the part t of it the prescribed displacements have gone t of what they missed at u, and a force on
-  !! every node makes up for the rest of what was not in balance there. Contact settles at the end of each portion and goes on from
-  !! there; where it does not, the portion is halved.
+  !> Incremental solution of the subproblem. At the fraction t the fraction t of the remaining prescribed displacements is applied,
+  !! and a force on every node balances the fraction 1 - t of the imbalance at u. Each substep starts from the solution of the last
+  !! one; where the subproblem does not converge, the substep is halved.
   subroutine solve_by_substeps(system, model, step, start, state, accepted, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(configuration_type), intent(in) :: start          !< u
     type(state_type), intent(inout) :: state
-    type(subproblem_result_type), intent(out) :: accepted            !< settled only if that is at the end of the way
+    type(subproblem_result_type), intent(out) :: accepted            !< solved only if the last substep is
     type(error_type), allocatable, intent(out) :: error
     type(subproblem_result_type) :: candidate
-    type(configuration_type) :: from                       ! u with the forces of a part of the way
+    type(configuration_type) :: from                       ! u with the forces at t
     real(DP) :: t, substep_length
     integer :: n_rounds
     from = start
@@ -182,15 +181,15 @@ contains
   end subroutine solve_by_substeps
 
 
-  !> One portion: the whole of the first correction, which moves the supports, then as along the whole way.
+  !> One substep: the full first correction, which moves the supports, then damped corrections as for the whole direction.
   subroutine solve_substep(system, model, step, start, offset_fraction, state, candidate, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(configuration_type), intent(in) :: start          !< u, with the applied forces at the end of the portion
-    real(DP), intent(in) :: offset_fraction                  !< the portion over what is left of the way [-]
+    type(configuration_type), intent(in) :: start          !< u, with the applied forces at the end of the substep
+    real(DP), intent(in) :: offset_fraction                  !< the substep over the remaining fraction of the direction [-]
     type(state_type), intent(inout) :: state
-    type(subproblem_result_type), intent(inout) :: candidate         !< in: where it begins; out: where it ends
+    type(subproblem_result_type), intent(inout) :: candidate         !< in: start of the substep; out: its end
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: correction(:, :)
     type(active_set_history_type) :: active_set_history
@@ -222,16 +221,16 @@ contains
   end subroutine solve_substep
 
 
-  !> Whether no status changes and hardly anything is left of the merit.
+  !> Whether no status changes and the merit is within its tolerance.
   pure logical function has_subproblem_converged(system, step, start, largest_merit)
-    type(equilibrium_type), intent(in) :: system        !< as foreseen
+    type(equilibrium_type), intent(in) :: system        !< linearised evaluation
     type(step_type), intent(in) :: step
     type(configuration_type), intent(in) :: start          !< u
-    real(DP), intent(in) :: largest_merit                !< merit of the rounds [force]
+    real(DP), intent(in) :: largest_merit                !< merit of the iterations [force]
     real(DP) :: settled, negligible_force          ! [-], [force]
     settled = TOL_MERIT_RATIO
     negligible_force = NEWTON_TOLERANCE_SHARE * step%controls%r_n * system%largest_force
-    if (system%is_skin .and. system%is_constant) then   ! rounds do what further iterations would
+    if (system%is_skin .and. system%is_constant) then   ! no further Newton iteration is needed
       settled = SKIN_SETTLED
       negligible_force = skin_goal(system, step)
     end if
@@ -241,7 +240,7 @@ contains
   end function has_subproblem_converged
 
 
-  !> Whether the rounds have gone twice through the same statuses and stand no better than before: they would go on so.
+  !> Active-set cycling: two passes through the same cycle of statuses without a smaller merit.
   pure logical function is_cycling(active_set_history)
     type(active_set_history_type), intent(in) :: active_set_history
     integer :: k
@@ -252,7 +251,7 @@ contains
   end function is_cycling
 
 
-  !> Keeps the place if its merit is the least so far; of equal ones the first.
+  !> Records the iterate if its merit is the least so far; of equal ones the first.
   subroutine record_best(system, state, du, best)
     type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state
@@ -265,7 +264,9 @@ contains
   end subroutine record_best
 
 
-  !> Goes along a correction as far as the merit does not grow, else to the best of the lengths tried; of equal ones to the longest.
+  !> Applies the longest of the tried lengths of a correction at which the merit does not grow, else the one with the least merit;
+  !! of
+  !! equal ones the longest.
   subroutine apply_damped_correction(system, model, start, correction, state, du)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model

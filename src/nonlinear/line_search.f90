@@ -1,4 +1,4 @@
-!> Line search: how far to go along a direction: the one-step formula, global or node by node, guarded by the merit.
+!> Line search: step length along a direction by the one-step formula, global or nodal, safeguarded by the merit function.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! J. Mitchell, A simple one step line search for use in quasi-static solid mechanics contact calculations, 7th US
@@ -7,7 +7,7 @@
 !!     alpha = - d'R(u) / d'(R(u + d) - R(u))                                                                (LS)
 !!
 !! The sums run over all unknowns (ALL), over the slave nodes (GLOBAL), or alpha belongs to each node (NODAL). The slip
-!! scenarios of the nodes are found in every mode.
+!! scenarios of the nodes are determined in every mode.
 module amontons_line_search
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
@@ -28,37 +28,38 @@ module amontons_line_search
   public :: line_search_report_type, perform_line_search, MERIT_DECREASE_RATIO
 
   integer, parameter :: MAX_LENGTH_HALVINGS = 4
-  real(DP), parameter :: TOL_PRESCRIBED = 1.0e-13_DP      !< of the largest displacement: a prescribed one that misses less is
-                                                          !! there [-]
-  real(DP), parameter :: MAX_SLIDING = 1.2_DP      !< facets that a slave node may travel in one iteration while supports move [-]
-  real(DP), parameter :: NATURAL_MONOTONICITY_RATIO = 0.75_DP          !< the next correction over this one where the imbalance may
-                                                                       !! rise [-]
-  real(DP), parameter :: REJECTED_MERIT_GROWTH = 10.0_DP         !< AUTO goes no step if even the best makes the merit grow by more
-                                                                 !! than this [-]
-  real(DP), parameter :: MIN_REJECTED_RESIDUAL = 1.0e-2_DP       !< and leaves it larger than this part of the largest force [-]
-  real(DP), parameter :: MERIT_DECREASE_RATIO = 1.0_DP - 1.0e-9_DP   !< of a merit: what is not below this is the same but for
+  real(DP), parameter :: TOL_PRESCRIBED = 1.0e-13_DP      !< remaining prescribed displacement over the largest displacement that
+                                                          !! counts as zero [-]
+  real(DP), parameter :: MAX_SLIDING = 1.2_DP      !< sliding distance of a slave node in one iteration over the facet size while
+                                                   !! supports move, at most [-]
+  real(DP), parameter :: NATURAL_MONOTONICITY_RATIO = 0.75_DP          !< largest next correction over this one at which the merit
+                                                                       !! may grow [-]
+  real(DP), parameter :: REJECTED_MERIT_GROWTH = 10.0_DP         !< AUTO rejects the step if even the best length increases the
+                                                                 !! merit by more than this factor [-]
+  real(DP), parameter :: MIN_REJECTED_RESIDUAL = 1.0e-2_DP       !< and to more than this fraction of the largest force [-]
+  real(DP), parameter :: MERIT_DECREASE_RATIO = 1.0_DP - 1.0e-9_DP   !< merits whose ratio is not below this are equal up to
                                                                      !! rounding [-]
-  real(DP), parameter :: MAX_MERIT_GROWTH = 1.0_DP / MERIT_DECREASE_RATIO   !< AUTO takes the full step if the merit does not grow
-                                                                            !! by more than this [-]
+  real(DP), parameter :: MAX_MERIT_GROWTH = 1.0_DP / MERIT_DECREASE_RATIO   !< AUTO accepts the full step if the merit grows by no
+                                                                            !! more than this factor [-]
 
-  !> What the search did.
+  !> The result of the search.
   type :: line_search_report_type
     real(DP) :: step_length = 1                    !< of the whole step; for NODAL the mean over the nodes that moved [-]
-    logical :: is_whole_step = .true.              !< every unknown moved by the whole direction
-    logical :: is_displacement_complete = .true.                 !< the prescribed displacements have all arrived
+    logical :: is_whole_step = .true.              !< all unknowns moved by the full step
+    logical :: is_displacement_complete = .true.                 !< all prescribed displacements are reached
     real(DP) :: correction = 0                     !< largest change of a displacement [length]
     integer :: n_scenario(4) = 0
-    integer :: n_slip_converged = 0                      !< slave nodes that slip in balance
-    logical :: is_rejected = .false.                !< all lengths were far worse than none: the iterate is where it was
-    logical :: is_ascent_direction = .false.                 !< the direction goes against the imbalance: K is not positive along it
-    integer :: n_newly_opened = 0, n_closed = 0          !< slave nodes, from the iterate before to this one
+    integer :: n_slip_converged = 0                      !< slave nodes slipping in equilibrium
+    logical :: is_rejected = .false.                !< all lengths increase the merit too much: the iterate is unchanged
+    logical :: is_ascent_direction = .false.                 !< d'R(u) < 0: K is not positive along the direction
+    integer :: n_newly_opened = 0, n_closed = 0          !< slave nodes, from the last iterate to this one
   end type line_search_report_type
 
-  !> Where the search started.
+  !> The start of the search.
   type, extends(configuration_type) :: search_start_type
-    type(slave_state_type), allocatable :: predicted_slaves(:)      !< the slaves for the end of the whole direction
+    type(slave_state_type), allocatable :: predicted_slaves(:)      !< the slaves for the evaluation of the full step
     real(DP) :: pair = 0                           !< d'R(u)
-    logical :: is_merit_comparable = .false.             !< no prescribed displacement was missing at u
+    logical :: is_merit_comparable = .false.             !< the prescribed displacements were complete at u
   end type search_start_type
 
 contains
@@ -69,10 +70,10 @@ contains
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction d [length]
-    type(slave_state_type), intent(in) :: predicted_slaves(:)       !< the memory of the slave nodes with which u + d is evaluated
+    type(slave_state_type), intent(in) :: predicted_slaves(:)       !< the slave states with which u + d is evaluated
     type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
     type(line_search_report_type), intent(out) :: report
-    integer, intent(out) :: outcome                !< TROUBLE_... if no step length gives a sound configuration
+    integer, intent(out) :: outcome                !< OUTCOME_... if no step length gives a valid configuration
     type(search_start_type) :: start
     type(slip_result_type), allocatable :: verdicts(:)
     start%configuration_type = save_configuration(system, state)
@@ -102,7 +103,7 @@ contains
 
   contains
 
-    !> Takes another length if it lowers the merit against the full step.
+    !> Accepts another length if its merit does not exceed that of the full step.
     subroutine try_length(alpha)
       real(DP), intent(in) :: alpha
       real(DP) :: full_merit
@@ -120,7 +121,7 @@ contains
   end subroutine perform_line_search
 
 
-  !> Whether no prescribed displacement is missing, but for rounding.
+  !> Whether the prescribed displacements are complete up to rounding.
   pure logical function is_displacement_complete(system, u)
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -129,7 +130,7 @@ contains
 
 
   !> The full step, or the longest half, quarter, ... that leaves no element inverted. While supports move, no slave node
-  !! travels more than MAX_SLIDING facets: its gap and weights are linearised where it is, unless contact has settled ahead.
+  !! slides by more than MAX_SLIDING facets, since its gap and weights are linearised at u, unless the contact subproblem is solved.
   subroutine try_full_step(system, model, step, du, start, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -154,14 +155,14 @@ contains
   end subroutine try_full_step
 
 
-  !> Evaluates a configuration, starting from the contact memory of the iterate.
+  !> Evaluates a configuration, starting from the slave states of the iterate.
   subroutine evaluate_trial(system, model, step, start, u, is_full_step, state, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(search_start_type), intent(in) :: start
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    logical, intent(in) :: is_full_step                !< the end of the whole direction
+    logical, intent(in) :: is_full_step                !< the end of the full step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome
     state%new%u = u
@@ -171,7 +172,7 @@ contains
   end subroutine evaluate_trial
 
 
-  !> Tolerances and bounds of the slip scenarios and of all step lengths.
+  !> Tolerances and bounds of the slip scenarios and of the step lengths.
   pure type(slip_controls_type) function controls_of(system, step) result(controls)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -201,7 +202,7 @@ contains
   end subroutine classify_slave_nodes
 
 
-  !> The scenario of each node that this iteration moved by one; the others show that of an earlier iteration.
+  !> Records the scenario of each node to which this iteration applied one; the others keep that of an earlier iteration.
   pure subroutine note_scenarios(verdicts, slaves)
     type(slip_result_type), intent(in) :: verdicts(:)   !< (n_slaves)
     type(slave_state_type), intent(inout) :: slaves(:)   !< (n_slaves)
@@ -209,8 +210,8 @@ contains
   end subroutine note_scenarios
 
 
-  !> Each slipping node goes its own part of its tangential increment, if that lowers the merit against the full step. A node whose
-  !! step is cut at zero slip is set to stick there.
+  !> Each slipping node has its own length along its tangential increment, if the merit is then smaller than that of the full step.
+  !! A node whose step is cut at zero slip sticks there.
   subroutine try_nodal_lengths(system, model, step, start, verdicts, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -249,7 +250,7 @@ contains
   end subroutine try_nodal_lengths
 
 
-  !> A slave node of exact contact sticks in the next evaluation. (A law, or a routine of the user, decides by itself.)
+  !> A slave node of exact contact sticks in the next evaluation. (A compliant law or user routine determines the status itself.)
   pure subroutine set_to_stick(system, slave)
     type(equilibrium_type), intent(in) :: system
     type(slave_state_type), intent(inout) :: slave
@@ -261,10 +262,10 @@ contains
   end subroutine set_to_stick
 
 
-  !> AUTO: the full step if the merit does not grow, if nothing touches, or if contact has settled ahead and the next correction
-  !! is shorter: the imbalance of slender bodies has to rise first, since bending them stretches them. Else (LS) over all unknowns,
-  !! then halves, down to the least length of the line search; the best is taken, if it is not far worse than where the search
-  !! began.
+  !> AUTO: the full step if the merit does not grow, if all slaves are open, or if the contact subproblem is solved and the next
+  !! correction is shorter: in slender bodies bending first causes stretching, which increases the imbalance. Else (LS) over all
+  !! unknowns, then halves, down to the least length of the line search. The best length is accepted unless it increases the merit
+  !! too much.
   subroutine backtrack(system, model, step, du, start, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -277,9 +278,9 @@ contains
     real(DP) :: alpha, here, best_length, best_merit
     integer :: halving
     outcome = OUTCOME_OK
-    if (system%proximal_shift > 0.0_DP .and. system%is_subproblem_solved) return   ! a body on its way to its master: nothing
-                                                                                   ! pushes back yet
-    if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! as without contact
+    if (system%proximal_shift > 0.0_DP .and. system%is_subproblem_solved) return   ! an unsupported body moving to its master: no
+    ! contact force yet
+    if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! no contact
     if (.not. start%is_merit_comparable .or. system%merit <= MAX_MERIT_GROWTH * start%merit) return
     if (system%is_subproblem_solved) then
       if (next_correction_length(system) <= NATURAL_MONOTONICITY_RATIO * direction_norm(system, du)) return
@@ -310,11 +311,11 @@ contains
   end subroutine backtrack
 
 
-  !> The length of the correction that the factor at hand gives for the imbalance as it is: the natural level of P. Deuflhard
-  !! (Newton Methods for Nonlinear Problems, Springer 2004, section 3.3). It is in displacements, and does not see what stiff parts
-  !! do for a moment. Cost: one solution.
+  !> The norm of the simplified Newton correction, by the present factor at the present imbalance: the natural level function of
+  !! P. Deuflhard (Newton Methods for Nonlinear Problems, Springer 2004, section 3.3). It measures displacements, so that transient
+  !! forces in stiff parts have little weight. Cost: one solution.
   real(DP) function next_correction_length(system) result(length)
-    type(equilibrium_type), intent(inout) :: system     !< evaluated where the direction ends
+    type(equilibrium_type), intent(inout) :: system     !< evaluated at the end of the direction
     real(DP), allocatable :: b(:), v(:), flat(:)
     associate (constraints => system%constraints)
       allocate (b(constraints%n_free), v(constraints%n_free), flat(constraints%n_unknowns))
@@ -326,7 +327,7 @@ contains
   end function next_correction_length
 
 
-  !> The length of a direction over all nodes.
+  !> The norm of a direction over all nodes.
   pure real(DP) function direction_norm(system, du) result(length)
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]

@@ -1,12 +1,13 @@
-!> Restart: a snapshot of all that the next increment depends on, in memory for a rollback and on disk for a restart.
+!> Snapshot of all data on which the next increment depends, in memory for a rollback and on disk as a checkpoint.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! What goes on from a snapshot gives bitwise what went on without it. Everything that is kept from increment to
-!! increment is therefore in the snapshot, made again at the start of each increment, or made again from the snapshot in
-!! the same way: doc/developer/reliability.md has the list and the reasons.
+!! A job resumed from a snapshot gives bitwise the results of the uninterrupted job. All data kept from increment to increment is
+!! therefore in the snapshot, recomputed at the start of each increment, or recomputed from the snapshot in the same way:
+!! doc/developer/reliability.md has the list and the reasons.
 !!
-!! The checkpoint, job.restart, is one block of 64-bit words in the machine's own order: magic, version, length, checksum,
-!! then the words of `exchange_all`. It is written under a temporary name, synced and renamed, so the one there is whole.
+!! The checkpoint, job.restart, is one block of 64-bit words in native byte order: magic, version, length, checksum,
+!! then the words of `exchange_all`. It is written under a temporary name, synced and renamed, so that an existing checkpoint is
+!! always complete.
 module amontons_checkpoint
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
@@ -24,11 +25,11 @@ module amontons_checkpoint
   public :: snapshot_type, output_lengths_type, take_snapshot, restore_snapshot, write_checkpoint, read_checkpoint, pack_state, &
     unpack_state
 
-  integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it tells the byte order too
+  integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
   integer(I64), parameter :: FORMAT_VERSION = 10
   integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
-  !> All that the next increment depends on.
+  !> All data on which the next increment depends.
   type :: snapshot_type
     type(fields_type) :: fields                    !< committed
     type(stepper_type) :: stepper
@@ -37,15 +38,16 @@ module amontons_checkpoint
     real(DP) :: best_entries = 0                   !< system%reduced_system%best_entries
     integer, allocatable :: node_order(:)          !< system%reduced_system%node_order
     real(DP), allocatable :: u_start(:, :)         !< system%u_start [length]
-    integer, allocatable :: interface(:)           !< (n_nodes) bits: the node is on the interface, its unknowns 1, 2, 3 are held,
+    integer, allocatable :: interface(:)           !< (n_nodes) bits: the node is on the interface, its unknowns 1, 2, 3 are
+                                                   !! restrained,
     !< NLGEOM (system%is_interface_unknown, is_held, is_bulk_nlgeom)
-    real(DP), allocatable :: driven(:, :)          !< (8, n) what a calling program has set (list_driven)
+    real(DP), allocatable :: driven(:, :)          !< (8, n) values set by a calling program (list_driven)
     real(DP), allocatable :: friction(:)           !< (n_interactions) the same of coefficients of friction [-]
-    real(DP), allocatable :: bulk_factor_u(:, :)          !< system%bulk_factor_u: the factor of the bulk is made again from it
+    real(DP), allocatable :: bulk_factor_u(:, :)          !< system%bulk_factor_u: the factor of the bulk is recomputed from it
                                                           !! [length]
   end type snapshot_type
 
-  !> What the result files were at a snapshot.
+  !> Lengths and positions of the result files at a snapshot.
   type :: output_lengths_type
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
     integer(I64) :: archive(3) = 0                 !< of .res: last state, bytes, step of it
@@ -53,12 +55,12 @@ module amontons_checkpoint
     type(hdf5_pages_type) :: pages                      !< of .vtkhdf
   end type output_lengths_type
 
-  !> Words on their way into a file or out of it.
+  !> Words to be written to a file, or read from it.
   type :: packer_type
     logical :: is_packing = .true.
-    logical :: is_valid = .true.                   !< .false.: it does not hold what was asked for
+    logical :: is_valid = .true.                   !< .false.: the words do not have the requested contents
     integer(I64), allocatable :: words(:)
-    integer(I64) :: n = 0                          !< words packed or taken out
+    integer(I64) :: n = 0                          !< words packed or unpacked
   contains
     generic :: exchange => exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
     procedure, private :: exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
@@ -66,10 +68,10 @@ module amontons_checkpoint
 
 contains
 
-  !> Notes what the next increment depends on.
+  !> Takes a snapshot of the data on which the next increment depends.
   subroutine take_snapshot(snapshot, state, system, newton, stepper, is_step_start)
     type(snapshot_type), intent(inout) :: snapshot
-    type(state_type), intent(in) :: state          !< its committed fields are noted
+    type(state_type), intent(in) :: state          !< its committed fields are copied
     type(equilibrium_type), intent(in) :: system
     type(newton_type), intent(in) :: newton
     type(stepper_type), intent(in) :: stepper
@@ -86,7 +88,7 @@ contains
   end subroutine take_snapshot
 
 
-  !> Where the factor of the bulk was made, and with which interface, if it may serve the next increment.
+  !> The displacements and the interface of the factor of the bulk, if the next increment may use it.
   subroutine save_bulk_factor(snapshot, system)
     type(snapshot_type), intent(inout) :: snapshot
     type(equilibrium_type), intent(in) :: system
@@ -103,7 +105,7 @@ contains
   end subroutine save_bulk_factor
 
 
-  !> Goes back to a snapshot. Errors: those of begin_step.
+  !> Restores a snapshot. Errors: those of begin_step.
   subroutine restore_snapshot(snapshot, model, step, state, system, newton, stepper, is_step_start, error)
     type(snapshot_type), intent(in) :: snapshot
     type(model_type), intent(in) :: model
@@ -126,7 +128,7 @@ contains
   end subroutine restore_snapshot
 
 
-  !> The interface as it was; the factor is made again when it is asked for, unless it is the same one still.
+  !> Restores the interface. The factor is recomputed when needed, unless the present one is the same.
   subroutine restore_bulk_factor(snapshot, system)
     type(snapshot_type), intent(in) :: snapshot
     type(equilibrium_type), intent(inout) :: system
@@ -149,7 +151,7 @@ contains
   end subroutine restore_bulk_factor
 
 
-  !> The order of the nodes decides the rounding of the factor: a factor analysed in another one is forgotten.
+  !> Restores the order of the nodes, which determines the rounding of the factor: a factor with another order is discarded.
   subroutine restore_node_order(snapshot, system)
     type(snapshot_type), intent(in) :: snapshot
     type(equilibrium_type), intent(inout) :: system
@@ -181,7 +183,7 @@ contains
   end subroutine write_checkpoint
 
 
-  !> A snapshot as words, for a restart file.
+  !> Packs a snapshot into words, for a restart file.
   subroutine pack_state(model, snapshot, words)
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot   !< not changed
@@ -195,10 +197,10 @@ contains
   end subroutine pack_state
 
 
-  !> The snapshot of some words. Before: its arrays have the shapes of the model. Errors (EXIT_IO): they do not fit.
+  !> Unpacks a snapshot from words. Before: its arrays have the shapes of the model. Errors (EXIT_IO): they do not fit.
   subroutine unpack_state(path, words, model, snapshot, error)
-    character(*), intent(in) :: path                 !< where they come from, for the message
-    integer(I64), allocatable, intent(inout) :: words(:)   !< gone on return
+    character(*), intent(in) :: path                 !< origin of the words, for the message
+    integer(I64), allocatable, intent(inout) :: words(:)   !< deallocated on return
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot
     type(error_type), allocatable, intent(out) :: error
@@ -215,7 +217,7 @@ contains
 
   !> Reads a checkpoint. Before: the arrays of the snapshot have the shapes of the model.
   !!
-  !! Errors (EXIT_IO): it is not there, damaged, from another version of the program, or of another deck.
+  !! Errors (EXIT_IO): it does not exist, is damaged, or is from another version of the program or another deck.
   subroutine read_checkpoint(path, model, snapshot, files, error)
     character(*), intent(in) :: path
     type(model_type), intent(in) :: model
@@ -240,7 +242,7 @@ contains
   end subroutine read_checkpoint
 
 
-  !> Reads the words of a file and checks that they are whole.
+  !> Reads the words of a file and checks that they are complete.
   subroutine read_words(path, packer, error)
     character(*), intent(in) :: path
     type(packer_type), intent(inout) :: packer
@@ -288,7 +290,7 @@ contains
   end subroutine set_damaged_error
 
 
-  !> The contents of a checkpoint, in the order of the file: into the parcel or out of it.
+  !> Packs or unpacks the contents of a checkpoint, in the order of the file.
   subroutine exchange_all(packer, model, snapshot, files)
     type(packer_type), intent(inout) :: packer
     type(model_type), intent(in) :: model
@@ -312,7 +314,7 @@ contains
   end subroutine exchange_all
 
 
-  !> Where the job is in time.
+  !> The time and the counters of the job.
   subroutine exchange_stepper(packer, stepper)
     type(packer_type), intent(inout) :: packer
     type(stepper_type), intent(inout) :: stepper
@@ -327,7 +329,7 @@ contains
   end subroutine exchange_stepper
 
 
-  !> A number for each node, if there are any: their order, or the interface.
+  !> An optional integer for each node: the order, or the interface.
   subroutine exchange_order(packer, n_nodes, order)
     type(packer_type), intent(inout) :: packer
     integer, intent(in) :: n_nodes
@@ -345,7 +347,7 @@ contains
   end subroutine exchange_order
 
 
-  !> A table whose rows are known and whose columns are not.
+  !> A table with a known number of rows and an unknown number of columns.
   subroutine exchange_table(packer, n_rows, table)
     type(packer_type), intent(inout) :: packer
     integer, intent(in) :: n_rows
@@ -364,7 +366,7 @@ contains
   end subroutine exchange_table
 
 
-  !> Where the factor of the bulk was made, if there is one.
+  !> The displacements at the factorisation of the bulk, if there is a factor.
   subroutine exchange_bulk(packer, n_nodes, u)
     type(packer_type), intent(inout) :: packer
     integer, intent(in) :: n_nodes
@@ -378,7 +380,7 @@ contains
   end subroutine exchange_bulk
 
 
-  !> The committed fields; those that are fixed come from the model.
+  !> The committed fields; constant ones come from the model.
   subroutine exchange_fields(packer, fields)
     type(packer_type), intent(inout) :: packer
     type(fields_type), intent(inout) :: fields
@@ -417,7 +419,7 @@ contains
   end subroutine exchange_fields
 
 
-  !> The memory of the slave nodes as it lies in the machine: a component that is added later is carried too.
+  !> The slave states as raw memory, so that every component is included.
   subroutine exchange_slaves(packer, slaves)
     type(packer_type), intent(inout) :: packer
     type(slave_state_type), allocatable, intent(inout) :: slaves(:)
@@ -425,7 +427,7 @@ contains
     integer :: n_words, n
     n = size(slaves)
     call packer%exchange(n)
-    if (.not. packer%is_packing .and. packer%is_valid .and. n /= size(slaves)) then   ! points of slave faces come and go
+    if (.not. packer%is_packing .and. packer%is_valid .and. n /= size(slaves)) then   ! the integration points of slave faces change
       deallocate (slaves)
       allocate (slaves(n))
     end if
@@ -437,7 +439,7 @@ contains
   end subroutine exchange_slaves
 
 
-  !> What the result files were.
+  !> The lengths and positions of the result files.
   subroutine exchange_files(packer, files)
     type(packer_type), intent(inout) :: packer
     type(output_lengths_type), intent(inout) :: files
@@ -470,7 +472,7 @@ contains
   end subroutine exchange_files
 
 
-  !> Words into the parcel or out of it. A parcel that is too short is not sound, and gives nothing.
+  !> Packs or unpacks words. If too few words remain, the packer becomes invalid and returns nothing.
   subroutine exchange_words(packer, words)
     type(packer_type), intent(inout) :: packer
     integer(I64), intent(inout) :: words(:)
@@ -537,7 +539,7 @@ contains
   end subroutine exchange_real
 
 
-  !> A list of reals, whose length is known.
+  !> A list of reals of known length.
   subroutine exchange_vector(self, values)
     class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:)
@@ -548,7 +550,7 @@ contains
   end subroutine exchange_vector
 
 
-  !> A matrix of reals, whose shape is known.
+  !> A matrix of reals of known shape.
   subroutine exchange_matrix(self, values)
     class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:, :)

@@ -1,21 +1,21 @@
 !> Every verb of the module amontons_library once; verbs.c and test_verbs.py do the same in the same order.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-module heard
+module line_counter
   use amontons_library, only: log_sink_type
   implicit none
   private
   public :: counter_type
 
-  !> Counts the lines that it hears; of a line that holds several, each.
+  !> Counts the lines that it receives; of a line that holds several, each.
   type, extends(log_sink_type) :: counter_type
     integer, pointer :: n_lines => null()
   contains
-    procedure :: hear
+    procedure :: write_lines
   end type counter_type
 
 contains
 
-  subroutine hear(self, text)
+  subroutine write_lines(self, text)
     class(counter_type), intent(inout) :: self
     character(*), intent(in) :: text
     integer :: i, first
@@ -27,9 +27,9 @@ contains
       if (i > first) self%n_lines = self%n_lines + 1
       first = i + 1
     end do
-  end subroutine hear
+  end subroutine write_lines
 
-end module heard
+end module line_counter
 
 
 program verbs
@@ -38,7 +38,7 @@ program verbs
     try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
     get_names, get_matrix, VERDICT_CONTINUE, classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
     slip_result_type, STATUS_STICK, STATUS_SLIP, NO_FRICTION_LIMIT
-  use heard, only: counter_type
+  use line_counter, only: counter_type
   implicit none
   type(job_type), allocatable :: job
   type(job_options_type) :: options

@@ -1,4 +1,4 @@
-!> Tests of equilibrium: two blocks against forces known by hand, the linear forecast, norms, and what is restored.
+!> Tests of equilibrium: two blocks against forces known by hand, the linearised evaluation, norms, and restored configurations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_equilibrium
   use amontons_kinds, only: DP
@@ -25,7 +25,7 @@ program test_equilibrium
 
 contains
 
-  !> The upper block shortened by 1 %: E A 0.01 at its top, and the same at its bottom, which is free: the residual there.
+  !> The upper block shortened by 1 %: E A 0.01 at its top, and the same as residual at its free bottom.
   subroutine check_forces(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -50,7 +50,7 @@ contains
   end subroutine check_forces
 
 
-  !> An element turned inside out, with its number, and a displacement that is no number.
+  !> An inverted element is reported with its number; so is a displacement that is NaN.
   subroutine check_outcomes(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -71,7 +71,7 @@ contains
   end subroutine check_outcomes
 
 
-  !> Norms of nodes with and without angles, whose length stands for them; what rounding makes of displacements is no residual.
+  !> Norms of nodes with and without angles, scaled by their rotation length; residuals at rounding level are zero.
   subroutine check_norms(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -107,7 +107,7 @@ contains
   end subroutine check_norms
 
 
-  !> Small displacements: the forecast is the evaluation, and after it the configuration can be had back.
+  !> Small displacements: the linearised evaluation equals the evaluation, and the configuration can be restored after it.
   subroutine check_forecast(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -145,7 +145,7 @@ contains
   end subroutine check_forecast
 
 
-  !> The unknowns that contact can reach: slaves and the facets below them; far nodes only where they are asked for.
+  !> Unknowns of the interface: slaves and the facets below them; far nodes only on request.
   subroutine check_interface(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model

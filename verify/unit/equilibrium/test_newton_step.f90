@@ -48,7 +48,7 @@ contains
   end subroutine pressed_blocks
 
 
-  !> (K - dF_c) du against central differences of the residual, on what no support holds.
+  !> (K - dF_c) du against central differences of the residual, at unknowns without support.
   subroutine check_tangent(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -80,8 +80,7 @@ contains
   end subroutine check_tangent
 
 
-  !> The direction leaves nothing of C' (R - (K - dF_c) du), with and without the condensed interface; and the matrix of the tangent
-  !! is the operator.
+  !> C' (R - (K - dF_c) du) = 0 for the direction, with and without the condensed interface; the tangent matrix equals the operator.
   subroutine check_direction(suite, has_interface)
     type(suite_type), intent(inout) :: suite
     logical, intent(in) :: has_interface
@@ -116,7 +115,7 @@ contains
   end subroutine check_direction
 
 
-  !> A shift adds to each node a part of its own mean stiffness; a shift of zero takes it away again.
+  !> A shift adds to each node a fraction of its own mean stiffness; a shift of zero removes it.
   subroutine check_shift(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -144,7 +143,7 @@ contains
   end subroutine check_shift
 
 
-  !> A correction goes the part of the missing displacements that is asked for, and nothing of it with 0; it needs the interface.
+  !> A correction applies the given fraction of the remaining prescribed displacements, none with 0; it needs the interface.
   subroutine check_correction(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model

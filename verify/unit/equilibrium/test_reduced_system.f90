@@ -1,4 +1,4 @@
-!> Tests of the reduced system: factor and iteration against a product, what is kept and what is made anew, shifts.
+!> Tests of the reduced system: factor and iteration against a product, reuse and recomputation of the factor, shifts.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_reduced_system
   use amontons_kinds, only: DP
@@ -51,7 +51,7 @@ contains
   end subroutine make_chain
 
 
-  !> The product of A with what its inverse makes of a vector is that vector.
+  !> A times inv(A) x is x.
   real(DP) function error_of_inverse(system) result(largest)
     type(reduced_system_type), intent(inout) :: system
     real(DP), allocatable :: x(:), y(:), back(:)
@@ -64,7 +64,7 @@ contains
   end function error_of_inverse
 
 
-  !> The factor of A = C' K C: 60 unknowns less three that are fixed and one that depends.
+  !> The factor of A = C' K C: 60 unknowns less three fixed ones and a dependent one.
   subroutine check_factor(suite)
     type(suite_type), intent(inout) :: suite
     type(reduced_system_type) :: system
@@ -92,7 +92,7 @@ contains
   end subroutine check_factor
 
 
-  !> A factor that is current is kept, and made anew when it is declared old, with other values or with springs.
+  !> A current factor is kept, and recomputed when it is declared outdated, with other values or with springs.
   subroutine check_kept(suite)
     type(suite_type), intent(inout) :: suite
     type(reduced_system_type) :: system
@@ -121,7 +121,7 @@ contains
   end subroutine check_kept
 
 
-  !> No unknown is left.
+  !> No free unknowns.
   subroutine prescribe_all(constraints)
     type(constraints_type), intent(inout) :: constraints
     integer :: i
@@ -133,7 +133,7 @@ contains
   end subroutine prescribe_all
 
 
-  !> A matrix that is not positive has a shift where that helps, at most five; the status says where it does not.
+  !> A matrix that is not positive definite is shifted, at most five times; the status says if no shift helps.
   subroutine check_shift(suite)
     type(suite_type), intent(inout) :: suite
     type(reduced_system_type) :: system
@@ -153,7 +153,7 @@ contains
   end subroutine check_shift
 
 
-  !> Iteration where the step asks for it: a preconditioner, with a message; given up, a factor takes its place.
+  !> Iteration where the step requests it: a preconditioner, with a message; after it is abandoned, a factor.
   subroutine check_iteration(suite)
     type(suite_type), intent(inout) :: suite
     type(reduced_system_type) :: system
@@ -175,7 +175,7 @@ contains
   end subroutine check_iteration
 
 
-  !> Small systems have a factor; very large ones not surely, and one that serves once not from 30000 unknowns on.
+  !> A factor is small for small systems, not for very large ones, and not for one use from 30000 unknowns on.
   subroutine check_sizes(suite)
     type(suite_type), intent(inout) :: suite
     call suite%that('sizes: small', is_factor_small(29999, .false.))

@@ -1,6 +1,5 @@
-!> Tests of tiles and free motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number
-!! of
-!! threads; a free body, one that slides, one that is held, and an unsymmetric tangent.
+!> Tests of tiles and rigid motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number
+!! of threads; a free body, a sliding one, a restrained one, and an unsymmetric tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_skin_tiles
   use amontons_kinds, only: DP
@@ -45,7 +44,7 @@ contains
   end subroutine test_cuts
 
 
-  !> x_F = inv(T_F' ((1 + D_R) K - D_u) T_F) r_F with all matrices full of numbers.
+  !> x_F = inv(T_F' ((1 + D_R) K - D_u) T_F) r_F with dense matrices.
   subroutine test_corrections()
     integer, parameter :: N = 24, M = 20
     type(tangent_parts_type) :: parts
@@ -107,7 +106,7 @@ contains
   end function sparse_of
 
 
-  !> A tetrahedron of six springs: so many of its rigid motions are left when unknowns of its first node are held.
+  !> A tetrahedron of six springs: the number of rigid motions left when unknowns of its first node are restrained.
   subroutine test_motions(is_held, n_held, n_wanted)
     logical, intent(in) :: is_held
     integer, intent(in) :: n_held, n_wanted

@@ -1,4 +1,4 @@
-!> Unit test of factorization: residual ratios, bitwise repeatability, and every exit of a factorization.
+!> Unit test of factorization: residual ratios, bitwise repeatability, and every status of a factorization.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_factorization
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf

@@ -1,4 +1,4 @@
-!> Unit test of amontons_steps: when output is due, where increments have to end, and CalculiX's controls.
+!> Unit test of amontons_steps: when output is due, where increments have to end, and the controls of CalculiX.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_steps
   use amontons_kinds, only: DP
@@ -13,7 +13,7 @@ program test_steps
 
 contains
 
-  !> Every n-th increment, the times asked for, and the last.
+  !> Every n-th increment, the requested times, and the last.
   subroutine check_output()
     type(step_type) :: step
     integer :: i
@@ -28,7 +28,7 @@ contains
   end subroutine check_output
 
 
-  !> The next of both lists, or the end; a time that was just met does not come again.
+  !> The next of both lists, or the end; a time just reached is not returned again.
   subroutine check_times()
     type(step_type) :: step
     step%period = 2
@@ -42,7 +42,7 @@ contains
   end subroutine check_times
 
 
-  !> Cuts shrink, growth grows, the looser set is looser.
+  !> Cut-back factors are below 1, growth factors above; the CalculiX tolerances are larger.
   subroutine check_controls()
     type(controls_type) :: own, other
     type(step_type) :: step

@@ -1,4 +1,4 @@
-!> Tests of the contact subproblem: contact at the end of a direction of linear blocks, which is then the solution of the increment.
+!> Tests of the contact subproblem: with linear blocks its solution is the solution of the increment.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_contact_subproblem
   use amontons_kinds, only: DP
@@ -99,7 +99,7 @@ contains
   end subroutine check_left_alone
 
 
-  !> Corrections are counted; a second run from the corrected direction has hardly any to make.
+  !> Corrections are counted; a second run from the corrected direction needs few.
   subroutine check_corrections(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model

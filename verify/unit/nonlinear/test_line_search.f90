@@ -1,4 +1,4 @@
-!> Tests of the line search: lengths on two blocks whose residual is known along the direction, and the ends that are not sound.
+!> Tests of the line search: lengths on two blocks whose residual is known along the direction, and invalid configurations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_line_search
   use amontons_kinds, only: DP
@@ -25,7 +25,8 @@ program test_line_search
 
 contains
 
-  !> Blocks far from each other, all supports where they belong, and one free node of the slave moved: linear, with one solution.
+  !> Blocks far from each other, all supports at their prescribed displacements, and one free node of the slave moved: linear, with
+  !! one solution.
   subroutine disturb(model, step, system, state, du)
     type(model_type), intent(out) :: model
     type(step_type), intent(out) :: step
@@ -45,7 +46,7 @@ contains
   end subroutine disturb
 
 
-  !> The Newton direction of a linear system: every mode takes it whole.
+  !> The Newton direction of a linear system: every mode accepts the full step.
   subroutine check_linear_direction(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -68,7 +69,8 @@ contains
   end subroutine check_linear_direction
 
 
-  !> Directions longer and shorter than Newton's: (LS) finds the inverse of the factor, within s_min and s_max; NONE does not look.
+  !> Directions longer and shorter than Newton's: (LS) finds the inverse of the factor, within s_min and s_max; NONE takes the full
+  !! step.
   subroutine check_lengths(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -97,7 +99,7 @@ contains
   end subroutine check_lengths
 
 
-  !> While a prescribed displacement is missing, merits cannot be compared: the step stays whole, and is complete after it.
+  !> While prescribed displacements are incomplete, merits cannot be compared: the full step is taken, and completes them.
   subroutine check_missing_displacements(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -122,7 +124,7 @@ contains
   end subroutine check_missing_displacements
 
 
-  !> A node that would go through its element: the step is halved until none is inverted, and given up after four halvings.
+  !> A node that would invert its element: the step is halved until no element is inverted, and fails after four halvings.
   subroutine check_inverted_elements(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
