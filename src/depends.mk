@@ -93,7 +93,7 @@ uses_surface_projection = kinds tensor topology shape_functions facets analytic_
 uses_master_symmetry_planes = kinds steps model facets surface_projection
 uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 
-# friction
+# contact_laws
 uses_slip_scenarios = kinds
 uses_pressure_overclosure = kinds surfaces slip_scenarios
 uses_local_equilibrium = kinds tensor surfaces slip_scenarios pressure_overclosure

@@ -87,7 +87,7 @@ def test_pages_of_the_source(site: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     assert broken_links(site, "api") == []
     assert fetched(site / "api") == set()
-    first = re.match(r"!> ([\w :]+)", (ROOT / "src" / "friction" / "slip_scenarios.f90").read_text())
+    first = re.match(r"!> ([\w :]+)", (ROOT / "src" / "contact_laws" / "slip_scenarios.f90").read_text())
     assert first and f"<p>{first[1]}" in (site / "api" / "module" / "amontons_slip_scenarios.html").read_text()
 
 
