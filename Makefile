@@ -261,7 +261,7 @@ hooks: ## Let git run `make lint` before each commit
 install: all ## Install program, library, header, modules, man page and completions below PREFIX (default /usr/local)
 	@$(MAKE) place
 
-VERSION = $(shell sed -n "s/.*VERSION = '\(.*\)'.*/\1/p" $(wildcard src/base/version.f90 src/*/version.f90))
+VERSION = $(shell sed -n "s/.*VERSION = '\(.*\)'.*/\1/p" src/base/version.f90)
 SHARE = $(DESTDIR)$(PREFIX)/share
 fill = sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' $(1) > $(2)
 
@@ -272,7 +272,7 @@ place:
 	  $(SHARE)/fish/vendor_completions.d
 	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
-	install -m 644 $(wildcard src/driver/amontons.h src/*/amontons.h) $(DESTDIR)$(PREFIX)/include
+	install -m 644 src/driver/amontons.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
 	$(call fill,share/amontons.pc.in,$(DESTDIR)$(PREFIX)/lib/pkgconfig/amontons.pc)
 	$(call fill,share/amontonsConfig.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfig.cmake)

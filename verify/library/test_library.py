@@ -288,7 +288,7 @@ def test_many_jobs_in_four_threads() -> None:
 
 
 #: Modules below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
-WORDY = {"restart_file", "facets", "posix", "reduced_system", "text", "user_routines"}
+WORDY = {"containers", "restart_file", "facets", "posix", "reduced_system", "text", "user_routines"}
 #: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the turn, and what the compiler makes: lengths of
 #: strings (slen), types of variables without values (def_init), its own beginnings and ends.
 STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|inside|stop_signal|"

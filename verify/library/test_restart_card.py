@@ -229,7 +229,7 @@ def test_what_cannot_be_read(run: Run, friction: tuple[Path, Parts], tmp_path: P
             (tmp_path / "bad.res").write_bytes(good[:place] + bytes([good[place] ^ 1 << chance.randrange(8)]) + good[place + 1 :])
             fails(run, tmp_path, "new oldjob=bad", IO, "is damaged|holds no state|another version|does not fit")
     write(tmp_path, new="*RESTART, READ\n*NODE\n1, 0., 0., 0.\n*AMPLITUDE, NAME=A, DEFINITION=USER\n" + steps[1])
-    fails(run, tmp_path, f"new oldjob={folder}/old", DECK, r"new.inp:2: .*NODE cannot stand before the steps")
+    fails(run, tmp_path, f"new oldjob={folder}/old", DECK, r"new.inp:2: .*NODE is not allowed before the steps")
     fails(run, tmp_path, f"new oldjob={folder}/old", DECK, r"new.inp:4: .*must be in the deck of the old job")
     write(tmp_path, new="*RESTART, READ\n" + steps[1].replace("*STATIC", "*NONSENSE\n*STATIC"))
     fails(run, tmp_path, f"new oldjob={folder}/old", DECK, r"new.inp:\d+: .*NONSENSE is not known")

@@ -267,7 +267,7 @@ def test_libraries_on_the_card(run: Run, tmp_path: Path) -> None:
     assert [name for name in same_results(a, b) if "PointData" in name or "integration" in name] == []
     (folder / "card.vtkhdf").unlink()
     (folder / "fric.f90").write_text("subroutine fric\nend subroutine fric\n")
-    for library, code, sentence in (("nothing.f", IO, "nothing.f are not there"), ("fric.f90", SETUP, "needs the user routine UMAT")):
+    for library, code, sentence in (("nothing.f", IO, "nothing.f do not exist"), ("fric.f90", SETUP, "needs the user routine UMAT")):
         (folder / "card.inp").write_text(card.replace("j2.f", library))
         done = run(["deck/card", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
         assert done.returncode == code, done.stdout

@@ -168,7 +168,7 @@ contains
     call suite%that('iteration: chosen', system%is_iterative .and. system%n_factorised == 0 .and. allocated(system%message))
     call abandon_iteration(system)
     call suite%that('iteration: given up', .not. system%is_iterative .and. system%is_iteration_abandoned)
-    call suite%that('iteration: and said so', index(system%message, 'a factor is made in its place') > 0)
+    call suite%that('iteration: and said so', index(system%message, 'a factor is used in its place') > 0)
     call factorise_reduced_system(system, stiffness, .false., constraints, mesh, status, error)
     call suite%that('iteration: a factor', status == FACTOR_OK .and. system%n_factorised == 1 .and. .not. system%is_iterative)
     call suite%near('iteration: and its inverse', error_of_inverse(system), 0.0_DP, 1.0e-11_DP)
