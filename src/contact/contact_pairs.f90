@@ -641,8 +641,8 @@ contains
 
   !> Sets the origin of an open node that closes: the first touch on its straight path from the committed state.
   !!
-  !! All points move along straight lines, so the gap decreases linearly but for rotating normals; a node already in contact keeps its
-  !! old position as origin. The projection is repeated at both positions, because the node may be over another facet by now.
+  !! All points move along straight lines, so the gap decreases linearly but for rotating normals; a node already in contact
+  !! keeps its old position as origin. The projection is repeated at both positions, because the node may be over another facet.
   subroutine set_first_touch_origin(contact, model, u_old, u, slave)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
