@@ -15,8 +15,8 @@ module amontons_failure
     FAMILY_FLIP, FAMILY_UNSETTLED, FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL
 
   integer, parameter :: FAILURE_NONE = 0
-  integer, parameter :: FAILURE_MATERIAL = 1       !< labels: the element that is inverted, or whose material has no answer
-  integer, parameter :: FAILURE_SINGULAR = 2       !< labels: the inverted element, or the element whose material update failed
+  integer, parameter :: FAILURE_MATERIAL = 1       !< labels: the inverted element, or the element whose material update failed
+  integer, parameter :: FAILURE_SINGULAR = 2       !< the tangent is singular
   integer, parameter :: FAILURE_NOT_FINITE = 3     !< a force is not finite
   integer, parameter :: FAILURE_CONSTRAINTS = 4    !< detail: the constraints in conflict in the current configuration
   integer, parameter :: FAILURE_FREE_PUSHED = 5    !< unsupported body without equilibrium; labels: its farthest node
