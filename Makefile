@@ -75,7 +75,7 @@ export FC CC INCLUDES LDLIBS PYTHON
 # --- the modules --------------------------------------------------------------------------------------------------
 # src/depends.mk is generated from the use lines by `make depends`; `make lint` proves that it is not stale.
 include src/depends.mk
-FOLDERS := src $(patsubst %/,%,$(sort $(wildcard src/*/)))
+FOLDERS := $(patsubst %/,%,$(sort $(wildcard src/*/)))
 MODULE_FILES := $(wildcard $(addsuffix /*.f90,$(FOLDERS)))
 MODULES := $(basename $(notdir $(MODULE_FILES)))
 SHIMS := $(basename $(notdir $(wildcard $(addsuffix /*.c,$(FOLDERS)))))

@@ -138,16 +138,16 @@ uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_l
 
 # equilibrium
 uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner mesh steps constraints
-uses_skin_tiles = kinds errors blas sparse
+uses_skin_tiles = kinds containers errors blas sparse
 uses_contact_skin = kinds errors dense sparse constraints reduced_system skin_tiles
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface constraints
-uses_free_rigid_motions = kinds dense sparse constraints
+uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner constraints
 uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
-uses_robin_springs = kinds errors tensor sparse contact_constraint_rows state contact_pairs contact_linearization contact_operators
+uses_robin_springs = kinds errors tensor sparse contact_constraint_rows state contact_pairs contact_linearization contact_operators equilibrium
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 
 # model_check
-uses_model_check_bodies = kinds text errors topology model element
+uses_model_check_bodies = kinds text containers errors topology model element
 uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes

@@ -1,11 +1,12 @@
-!> Hash table of names, table of labels, growing list of integers, and integer sort.
+!> Hash table of names, table of labels, growing list of integers, disjoint sets, and orders.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_containers
-  use amontons_kinds, only: NAME_LENGTH, I64
+  use amontons_kinds, only: DP, NAME_LENGTH, I64
   use amontons_text, only: name_key
   implicit none
   private
-  public :: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, edit_distance
+  public :: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, ascending_order, &
+    find_root, unite_trees, edit_distance
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
 
@@ -283,15 +284,26 @@ contains
   end subroutine sort_ascending
 
 
-  !> Stable ascending merge sort, bottom-up; a second array is permuted with the keys. Cost: n log n.
+  !> Sorts integers in place, stable; a second array is permuted with the keys. Cost: n log n.
   pure subroutine sort_integers(keys, companion)
     integer, intent(inout) :: keys(:)                  !< (n)
     integer, intent(inout), optional :: companion(:)   !< (n) moved as the keys are
-    integer, allocatable :: order(:), other(:)
+    integer, allocatable :: order(:)
+    if (size(keys) < 2) return
+    if (all(keys(2:) >= keys(:size(keys) - 1))) return
+    order = ascending_order(real(keys, DP))
+    keys = keys(order)
+    if (present(companion)) companion = companion(order)
+  end subroutine sort_integers
+
+
+  !> The order in which keys ascend; equal keys keep their order. Bottom-up merge sort. Cost: n log n.
+  pure function ascending_order(keys) result(order)
+    real(DP), intent(in) :: keys(:)                    !< (n)
+    integer, allocatable :: order(:)                   !< (n)
+    integer, allocatable :: other(:)
     integer :: n, width, first, i
     n = size(keys)
-    if (n < 2) return
-    if (all(keys(2:) >= keys(:n - 1))) return
     order = [(i, i=1, n)]
     allocate (other(n))
     width = 1
@@ -304,14 +316,13 @@ contains
       if (width > n / 2) exit
       width = 2 * width
     end do
-    keys = keys(order)
-    if (present(companion)) companion = companion(order)
-  end subroutine sort_integers
+  end function ascending_order
 
 
   !> Merges from(first:middle-1) and from(middle:end-1), both ordered by key, into to(first:end-1).
   pure subroutine merge_runs(keys, from, to, first, middle, end)
-    integer, intent(in) :: keys(:), from(:)
+    real(DP), intent(in) :: keys(:)
+    integer, intent(in) :: from(:)
     integer, intent(inout) :: to(:)
     integer, intent(in) :: first, middle, end
     integer :: i, j, k
@@ -333,6 +344,29 @@ contains
       end if
     end do
   end subroutine merge_runs
+
+
+  !> Root of a node in a forest of disjoint sets (union-find), with path halving.
+  integer function find_root(parent, node) result(root)
+    integer, intent(inout) :: parent(:)                !< of each node; a root is its own parent
+    integer, intent(in) :: node
+    root = node
+    do while (parent(root) /= root)
+      parent(root) = parent(parent(root))
+      root = parent(root)
+    end do
+  end function find_root
+
+
+  !> Unites the trees of two nodes; the smaller number is the root.
+  subroutine unite_trees(parent, a, b)
+    integer, intent(inout) :: parent(:)
+    integer, intent(in) :: a, b
+    integer :: root_a, root_b
+    root_a = find_root(parent, a)
+    root_b = find_root(parent, b)
+    parent(max(root_a, root_b)) = min(root_a, root_b)
+  end subroutine unite_trees
 
 
   !> Exchanges two arrays without copying.

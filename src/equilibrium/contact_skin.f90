@@ -30,7 +30,7 @@ module amontons_contact_skin
     integer, allocatable :: tile_of_node(:)        !< (n_nodes) tile of each slave node, at the computation of P; 0: no slave node
     integer :: n_tiles = 0
     integer :: n_slow = 0                          !< slow Krylov solves since P was computed
-    integer :: unsolved_limit = 2                        !< slow solves until P is recomputed
+    integer :: slow_limit = 2                      !< slow solves until P is recomputed
     integer, allocatable, private :: unknown_of(:) !< (n_free) index of each free unknown among all
     integer, allocatable, private :: free_of(:)    !< (free unknowns of the skin) number among all free ones
     integer, allocatable, private :: skin_of_free(:)   !< (the same) unknown of the skin

@@ -40,7 +40,7 @@ module amontons_equilibrium
   private
   public :: equilibrium_type, create_equilibrium, begin_step, plan_solver, begin_increment, evaluate_equilibrium, &
     directional_residual, residuals_above_rounding
-  public :: max_components, nodal_norms
+  public :: max_components, nodal_norms, MAX_INTERFACE_GAP
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, start_clock, stop_clock
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &

@@ -7,9 +7,11 @@
 !! then, and does not detect it.
 module amontons_free_rigid_motions
   use amontons_kinds, only: DP
+  use amontons_containers, only: find_root, unite_trees
   use amontons_sparse, only: sparse_type
   use amontons_constraints, only: constraints_type
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
+  use amontons_two_level_preconditioner, only: rigid_motion
   implicit none
   private
   public :: free_motions_type, find_motions, is_singular_along
@@ -70,12 +72,12 @@ contains
     parent = [(i, i=1, n_nodes)]
     do i = 1, stiffness%n_rows, 3                  ! the rows of a node have the same columns
       do p = stiffness%first(i), stiffness%first(i + 1) - 1
-        call unite((i + 2) / 3, (stiffness%column(p) + 2) / 3)
+        call unite_trees(parent, (i + 2) / 3, (stiffness%column(p) + 2) / 3)
       end do
     end do
     do k = 1, base%n_rows
       do p = 1, size(base%rows(k)%unknown)
-        call unite((base%rows(k)%pivot + 2) / 3, (base%rows(k)%unknown(p) + 2) / 3)
+        call unite_trees(parent, (base%rows(k)%pivot + 2) / 3, (base%rows(k)%unknown(p) + 2) / 3)
       end do
     end do
     allocate (body(n_nodes), source=0)
@@ -83,31 +85,8 @@ contains
     do i = 1, n_nodes                              ! the root of a tree is its smallest number
       if (parent(i) == i) n_bodies = n_bodies + 1
       if (parent(i) == i) body(i) = n_bodies
-      if (parent(i) /= i) body(i) = body(root_of(i))
+      if (parent(i) /= i) body(i) = body(find_root(parent, i))
     end do
-
-  contains
-
-    !> The root of a node.
-    pure integer function root_of(node) result(root)
-      integer, intent(in) :: node
-      root = node
-      do while (parent(root) /= root)
-        root = parent(root)
-      end do
-    end function root_of
-
-    !> Puts two nodes into one tree.
-    subroutine unite(a, b)
-      integer, intent(in) :: a, b
-      integer :: r, s
-      r = root_of(a)
-      s = root_of(b)
-      parent(max(r, s)) = min(r, s)
-      parent(a) = min(r, s)
-      parent(b) = min(r, s)
-    end subroutine unite
-
   end subroutine find_coupled
 
 
@@ -138,11 +117,8 @@ contains
       end if
       x = (place(:, i) - 0.5_DP * (low(:, body(i)) + high(:, body(i)))) / extent(body(i))
       do k = 1, 3
-        z(k, at + k) = 1.0_DP
+        z(:, at + k) = rigid_motion(k, x)
       end do
-      z(5:6, at + 1) = [x(3), -x(2)]
-      z([4, 6], at + 2) = [-x(3), x(1)]
-      z(4:5, at + 3) = [x(2), -x(1)]
     end do
   end subroutine fill_motions
 

@@ -607,10 +607,10 @@ contains
     if (allocated(error)) return
     system%n_krylov = system%n_krylov + report%n_iterations
     if (report%n_iterations > SKIN_OLD) system%skin%n_slow = system%skin%n_slow + 1
-    if (system%skin%n_slow > system%skin%unsolved_limit) then
+    if (system%skin%n_slow > system%skin%slow_limit) then
       call discard_bulk_factor(system)
       system%skin%n_slow = 0
-      system%skin%unsolved_limit = 4 * system%skin%unsolved_limit      ! recompute it later next time
+      system%skin%slow_limit = 4 * system%skin%slow_limit      ! recompute it later next time
     end if
     if (report%status == KRYLOV_CONVERGED .or. report%residual <= SKIN_ENOUGH) return
     outcome = OUTCOME_LINEAR_SOLVER

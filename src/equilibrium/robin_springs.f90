@@ -15,6 +15,7 @@ module amontons_robin_springs
   use amontons_contact_pairs, only: contact_type, current_row
   use amontons_contact_linearization, only: contact_tangent_type
   use amontons_contact_operators, only: assemble_spring_matrix
+  use amontons_equilibrium, only: MAX_INTERFACE_GAP
   implicit none
   private
   public :: find_near, robin_springs, skin_rows
@@ -22,7 +23,6 @@ module amontons_robin_springs
   real(DP), parameter :: SHEARED = 0.3_DP          !< spring across the normal over the mean stick slope of a compliant law [-]
   real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
   real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
-  real(DP), parameter :: NEAR = 0.5_DP             !< largest gap of an open node with a spring over the edge length [-]
 
 contains
 
@@ -35,7 +35,7 @@ contains
     do s = 1, size(is_near)
       associate (slave => fields%slaves(s))
         is_near(s) = slave%facet > 0
-        if (is_near(s)) is_near(s) = slave%status /= STATUS_OPEN .or. slave%gap <= NEAR * contact%edge(slave%pair)
+        if (is_near(s)) is_near(s) = slave%status /= STATUS_OPEN .or. slave%gap <= MAX_INTERFACE_GAP * contact%edge(slave%pair)
       end associate
     end do
   end function find_near

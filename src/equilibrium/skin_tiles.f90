@@ -10,6 +10,7 @@
 module amontons_skin_tiles
   use amontons_kinds, only: DP, SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
+  use amontons_containers, only: ascending_order, sort_integers
   use amontons_sparse, only: sparse_type
   use amontons_blas, only: sgetrf, sgetrs
   implicit none
@@ -67,7 +68,8 @@ contains
         cycle
       end if
       axis = longest_axis(place(:, order(low:high)))
-      call sort_by(place(axis, :), order(low:high))
+      call sort_integers(order(low:high))            ! equal coordinates are ordered by their index
+      order(low:high) = order(low - 1 + ascending_order(place(axis, order(low:high))))
       middle = (low + high) / 2
       first(n_open + 1:n_open + 2) = [middle + 1, low]
       last(n_open + 1:n_open + 2) = [high, middle]
@@ -81,44 +83,6 @@ contains
     real(DP), intent(in) :: place(:, :)            !< (3, n) [length]
     axis = maxloc(maxval(place, dim=2) - minval(place, dim=2), dim=1)
   end function longest_axis
-
-
-  !> Sorts indices by keys; equal keys keep the order of the indices. Bottom-up merge sort. Cost: n log(n).
-  pure subroutine sort_by(key, index)
-    real(DP), intent(in) :: key(:)
-    integer, intent(inout) :: index(:)
-    integer :: merged(size(index)), width, low, middle, high, a, b, k
-    width = 1
-    do while (width < size(index))
-      do low = 1, size(index), 2 * width
-        middle = min(low + width, size(index) + 1)
-        high = min(low + 2 * width, size(index) + 1)
-        a = low
-        b = middle
-        do k = low, high - 1
-          if (is_first_next()) then
-            merged(k) = index(a)
-            a = a + 1
-          else
-            merged(k) = index(b)
-            b = b + 1
-          end if
-        end do
-      end do
-      index = merged
-      width = 2 * width
-    end do
-
-  contains
-
-    !> Whether the next index comes from the first of the two runs.
-    pure logical function is_first_next()
-      is_first_next = b >= high
-      if (is_first_next .or. a >= middle) return
-      is_first_next = key(index(a)) < key(index(b)) .or. (key(index(a)) <= key(index(b)) .and. index(a) < index(b))
-    end function is_first_next
-
-  end subroutine sort_by
 
 
   !> Factorises the tangent on each tile. The threads share the tiles; the result does not depend on their number.

@@ -18,6 +18,7 @@ module amontons_two_level_preconditioner
   private
   public :: two_level_preconditioner_type, build_coarse_space, factorise_two_level, apply_preconditioner, choose_n_parts, &
     two_level_megabytes
+  public :: rigid_motion
 
   integer, parameter :: TARGET_NODES_PER_PART = 60              !< target size of a part; MAX_PARTS has precedence
   integer, parameter :: MAX_PARTS = 400               !< six columns each: limit of a cheap dense inverse

@@ -7,9 +7,10 @@ module amontons_model_check_bodies
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
   use amontons_topology, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
+  use amontons_containers, only: find_root, unite_trees
   implicit none
   private
-  public :: body_type, bodies_type, find_bodies, body_name, find_root, unite_trees
+  public :: body_type, bodies_type, find_bodies, body_name
   public :: report_error, report_warning, label_list, step_list, join_item, counted_noun
 
   !> Elements connected by their nodes, or one node without elements that occurs in an equation.
@@ -83,29 +84,6 @@ contains
     bodies%n = bodies%n + 1
     bodies%of_node(node) = bodies%n
   end subroutine number_body
-
-
-  !> Root of a node, with path halving.
-  integer function find_root(parent, node) result(root)
-    integer, intent(inout) :: parent(:)
-    integer, intent(in) :: node
-    root = node
-    do while (parent(root) /= root)
-      parent(root) = parent(parent(root))
-      root = parent(root)
-    end do
-  end function find_root
-
-
-  !> Unites the trees of two nodes; the smaller number is the root.
-  subroutine unite_trees(parent, a, b)
-    integer, intent(inout) :: parent(:)
-    integer, intent(in) :: a, b
-    integer :: root_a, root_b
-    root_a = find_root(parent, a)
-    root_b = find_root(parent, b)
-    parent(max(root_a, root_b)) = min(root_a, root_b)
-  end subroutine unite_trees
 
 
   !> Computes boxes, elements, volumes and masses.

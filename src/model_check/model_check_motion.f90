@@ -20,8 +20,9 @@ module amontons_model_check_motion
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
+  use amontons_containers, only: find_root, unite_trees
   use amontons_model_check_bodies, only: report_error, report_warning, step_list, join_item, body_type, bodies_type, body_name, &
-    find_bodies, find_root, unite_trees
+    find_bodies
   use amontons_model_check_contact, only: is_closed, can_close_later
   use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
   implicit none

@@ -21,7 +21,7 @@ MAX_ARGUMENTS = 9
 MAX_NESTING = 4
 MAX_FILE_LINES = 900
 MODULES_THAT_STOP = {"main"}
-MODULES_THAT_PRINT = {"main", "journal", "logger"}
+MODULES_THAT_PRINT = {"main", "logger"}
 MODULES_THAT_SET_UP = {"model_setup", "user_routine_setup"}
 FOLDERS_THAT_SET_UP = {"model", "input"}
 

@@ -1,7 +1,9 @@
-!> Unit test of amontons_containers: names, labels, lists, sorting and the distance of words.
+!> Unit test of amontons_containers: names, labels, lists, order, disjoint sets and the distance of words.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_containers
-  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, edit_distance
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, &
+    ascending_order, find_root, unite_trees, edit_distance
+  use amontons_kinds, only: DP
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -9,6 +11,8 @@ program test_containers
   call check_labels()
   call check_list()
   call check_sort()
+  call check_order()
+  call check_trees()
   call check_distance()
   call suite%finish()
 
@@ -96,5 +100,29 @@ contains
     call suite%that('of nothing', edit_distance('', 'ABC') == 3)
     call suite%that('several', edit_distance('KITTEN', 'SITTING') == 3)
   end subroutine check_distance
+
+
+  !> Equal keys keep their order.
+  subroutine check_order()
+    real(DP), parameter :: KEYS(6) = [2.5_DP, -1.0_DP, 2.5_DP, 0.0_DP, -1.0_DP, 7.0_DP]
+    call suite%that('order', all(ascending_order(KEYS) == [2, 5, 4, 1, 3, 6]))
+    call suite%that('one key', all(ascending_order(KEYS(:1)) == [1]))
+    call suite%that('no key', size(ascending_order(KEYS(:0))) == 0)
+  end subroutine check_order
+
+
+  !> Nodes that were put together have one root, the smallest number.
+  subroutine check_trees()
+    integer :: parent(10), roots(10), i
+    parent = [(i, i=1, 10)]
+    call unite_trees(parent, 9, 4)
+    call unite_trees(parent, 7, 9)
+    call unite_trees(parent, 2, 10)
+    roots = [(find_root(parent, i), i=1, 10)]
+    call suite%that('two trees and nodes alone', all(roots == [1, 2, 3, 4, 5, 6, 4, 8, 4, 2]))
+    call unite_trees(parent, 10, 7)
+    roots = [(find_root(parent, i), i=1, 10)]
+    call suite%that('both together', all(roots == [1, 2, 3, 2, 5, 6, 2, 8, 2, 2]))
+  end subroutine check_trees
 
 end program test_containers

@@ -1,14 +1,12 @@
-!> Unit test of amontons_model_check_bodies: lists in words, and trees of nodes.
+!> Unit test of amontons_model_check_bodies: lists in words, and the report.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_model_check_bodies
   use amontons_errors, only: diagnostic_list_type
-  use amontons_model_check_bodies, only: find_root, unite_trees, report_error, report_warning, label_list, step_list, join_item, &
-    counted_noun
+  use amontons_model_check_bodies, only: report_error, report_warning, label_list, step_list, join_item, counted_noun
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   call check_lists()
-  call check_trees()
   call check_report()
   call suite%finish()
 
@@ -27,21 +25,6 @@ contains
     call suite%that('two subjects', counted_noun('node', [7, 9], 'is', 'are') == '2 nodes (7 and 9) are')
     call suite%that('an enumeration', join_item(join_item('', 'a', .false.), 'b', .true.) == 'a and b')
   end subroutine check_lists
-
-
-  !> Nodes that were put together have one root, the smallest number.
-  subroutine check_trees()
-    integer :: parent(10), roots(10), i
-    parent = [(i, i=1, 10)]
-    call unite_trees(parent, 9, 4)
-    call unite_trees(parent, 7, 9)
-    call unite_trees(parent, 2, 10)
-    roots = [(find_root(parent, i), i=1, 10)]
-    call suite%that('two trees and nodes alone', all(roots == [1, 2, 3, 4, 5, 6, 4, 8, 4, 2]))
-    call unite_trees(parent, 10, 7)
-    roots = [(find_root(parent, i), i=1, 10)]
-    call suite%that('both together', all(roots == [1, 2, 3, 2, 5, 6, 2, 8, 2, 2]))
-  end subroutine check_trees
 
 
   !> Errors and warnings are counted apart.
