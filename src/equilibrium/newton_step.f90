@@ -305,14 +305,15 @@ contains
 
 
   !> Whether the contact subproblem is solved on the contact skin: where the interface is too large for a dense matrix, and where
-  !! the bulk is solved by iteration. Below that the dense interface is the default: where nodes with friction close within an
-  !! increment, the two solvers may end with different statuses (decision 0021).
+  !! the bulk is solved by iteration and all laws are hard. Below that the dense interface is the default: where nodes with friction
+  !! close within an increment, the two solvers may end with different statuses (decision 0021).
   pure logical function takes_skin(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
     takes_skin = step%interface == INTERFACE_SKIN
     if (step%interface /= INTERFACE_AUTO) return
-    takes_skin = system%reduced_system%is_iterative .or. system%skin%is_ready   ! an existing one is kept
+    takes_skin = system%skin%is_ready .or. &       ! an existing one is kept
+      (system%reduced_system%is_iterative .and. .not. any(system%contact_tangents%is_compliant_node))
     if (takes_skin .or. .not. allocated(system%is_interface_unknown)) return
     takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS
   end function takes_skin

@@ -112,7 +112,8 @@ def has(job: Job, name: str) -> bool:
 
 def rounding(job: Job) -> dict[str, float]:
     """What a change of all places by d, a few of their last digits, makes of fields: d of displacements and gaps, d over the shortest edge of strains, and
-    with the stiffness of bodies and of springs of contact stresses and forces."""
+    with the stiffness of bodies and of springs of contact stresses and forces. Such a force moves the model by its compliance, the largest displacement
+    over the largest load."""
     with h5py.File(job.path) as file:
         points, cells, firsts = (file[f"VTKHDF/{name}"][:] for name in ("Points", "Connectivity", "Offsets"))
         young, nu = (file[f"AMONTONS/materials/{name}"][:] for name in ("youngs_modulus", "poissons_ratio"))
@@ -128,7 +129,8 @@ def rounding(job: Job) -> dict[str, float]:
     bed = float((contact["stiffness"] / np.maximum(contact["area"], shortest**2)).max(initial=0.0)) if contact else 0.0
     loads = max(np.abs(job.history[name]).max(initial=0.0) for name in ("applied_force", "reaction_force", "contact_force"))
     stress, force = stiffness * strain, 2 * np.pi * stiffness * strain * shortest * size + 10 * np.finfo(float).eps * loads   # around an axis
-    return {"L": d, "1": max(strain, bed * d / stiffness if stiffness > 0 else 0.0), "S": max(stress, bed * d), "F": max(force, spring * d)}
+    moved = force * np.abs(job.field("U")).max() / loads if loads > 0 else 0.0
+    return {"L": d + moved, "1": max(strain, bed * d / stiffness if stiffness > 0 else 0.0), "S": max(stress, bed * d), "F": max(force, spring * d)}
 
 
 def same(job: Job, wanted: Job, tolerance: float, view: View | InUnits | None = None) -> None:
