@@ -394,8 +394,9 @@ contains
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: TIME_DELAY_TEXT = 'The amplitude runs this much later.'
     call table%card('BOUNDARY', SCOPE_BOTH, 'Prescribes displacements; before the first step it goes to them over ' // &
-      'the first step.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node, ' // &
-      'PINNED, ENCASTRE, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM')
+      'the first step.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node and a ' // &
+      'word: PINNED (1 to 3), ENCASTRE (1 to 6), XSYMM (1, 5, 6), YSYMM (2, 4, 6), ZSYMM (3, 4, 5), XASYMM (2, 3, 4), ' // &
+      'YASYMM (1, 3, 5) or ZASYMM (1, 2, 6); 4 to 6 are the rotations of the reference nodes of rigid bodies and couplings')
     call table%option('OP', VALUE_WORD, 'NEW releases what earlier steps prescribed.', allowed='MOD|NEW', default='MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the displacement grows linearly over ' // &
       'the step.')

@@ -79,13 +79,13 @@ contains
     integer, intent(inout) :: n_changed          !< displacements given differently before in this step
     type(prescribed_type) :: new
     integer, allocatable :: nodes(:)
-    logical :: is_fixed(6), is_ok
+    logical :: is_fixed(6), is_ok, is_word
     integer :: i, dof, n_passed
     is_ok = .true.
     new = common
     new%line = reader%cards%line_number(row%line)
     call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-    call read_dofs(reader, row, is_fixed, new%end, is_ok)
+    call read_dofs(reader, row, is_fixed, new%end, is_word, is_ok)
     if (.not. is_ok) return
     n_passed = 0
     do i = 1, size(nodes)
@@ -96,7 +96,7 @@ contains
         if (new%node > 0) call prescribe_dof(new, step, active_loads, n_changed)
       end do
     end do
-    if (n_passed == 0) return
+    if (n_passed == 0 .or. is_word) return
     if (abs(new%end) > 0) then
       call report_error(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom are 1 to 3 (4 to 6 ' // &
         'at reference nodes of rigid bodies and couplings).')
@@ -121,17 +121,19 @@ contains
 
 
   !> The degrees of freedom of a BOUNDARY row: first, last, value; or a word.
-  subroutine read_dofs(reader, row, is_fixed, value, is_ok)
+  subroutine read_dofs(reader, row, is_fixed, value, is_word, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     logical, intent(out) :: is_fixed(6)
     real(DP), intent(out) :: value               !< [length]
+    logical, intent(out) :: is_word              !< the row names a support, such as ENCASTRE
     logical, intent(inout) :: is_ok
     integer :: first, last, status
     is_fixed = .false.
     value = 0
     call field_integer(reader%cards, row, 2, first, status)
-    if (status /= NUMBER_OK) then
+    is_word = status /= NUMBER_OK
+    if (is_word) then
       call read_support_word(reader, row, is_fixed, is_ok)
       return
     end if
@@ -153,7 +155,7 @@ contains
   end subroutine read_dofs
 
 
-  !> Expands a word such as PINNED or XSYMM.
+  !> Expands a word such as PINNED or XSYMM. Nodes without rotations ignore its degrees of freedom 4 to 6.
   subroutine read_support_word(reader, row, is_fixed, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -162,21 +164,22 @@ contains
     is_fixed = .false.
     call check_n_fields(reader, row, 2)
     select case (name_key(field_text(reader%cards, row, 2)))
-    case ('ENCASTRE', 'PINNED')
+    case ('ENCASTRE')
+      is_fixed = .true.
+    case ('PINNED')
       is_fixed(:3) = .true.
     case ('XSYMM')
-      is_fixed(1) = .true.
+      is_fixed([1, 5, 6]) = .true.
     case ('YSYMM')
-      is_fixed(2) = .true.
+      is_fixed([2, 4, 6]) = .true.
     case ('ZSYMM')
-      is_fixed(3) = .true.
+      is_fixed([3, 4, 5]) = .true.
     case ('XASYMM')
-      is_fixed(2:3) = .true.
+      is_fixed([2, 3, 4]) = .true.
     case ('YASYMM')
-      is_fixed(1) = .true.
-      is_fixed(3) = .true.
+      is_fixed([1, 3, 5]) = .true.
     case ('ZASYMM')
-      is_fixed(1:2) = .true.
+      is_fixed([1, 2, 6]) = .true.
     case default
       is_ok = .false.
       call report_error(reader, row%line, 'The second field must be the first degree of freedom, or ENCASTRE, PINNED, ' // &

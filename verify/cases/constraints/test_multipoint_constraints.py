@@ -158,6 +158,37 @@ def test_kinematic_coupling_without_rows(run_deck: Run, tmp_path: Path, dialect:
     assert ("CalculiX binds none" in " ".join(done.stdout.split())) == (dialect == "calculix")
 
 
+WORDS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345",
+         "XASYMM": "234", "YASYMM": "135", "ZASYMM": "126"}  # fmt: skip
+
+
+@pytest.mark.parametrize("card", ["*RIGID BODY, NSET=BOTTOM, REF NODE=90\n",
+                                  "*SURFACE, NAME=DOWN\n1, S1\n*COUPLING, REF NODE=90, SURFACE=DOWN, CONSTRAINT NAME=C\n*KINEMATIC\n"])  # fmt: skip
+@pytest.mark.parametrize("word", WORDS)
+def test_support_words_at_a_reference_node(run_deck: Run, tmp_path: Path, word: str, card: str) -> None:
+    """A word and the degrees of freedom that it leaves hold the bottom of a cube as its own supports do, and no note is printed."""
+    force = "*CLOAD\n7, 1, 3.\n8, 2, 2.\n"
+    assert run_deck(job("", "*BOUNDARY\nBOTTOM, 1, 3\n" + force)).returncode == 0
+    clamped = read_rows(tmp_path, "displacements")
+    left = "".join(f"90, {k}\n" for k in "123456" if k not in WORDS[word])
+    done = run_deck(job("*NODE, NSET=ALL\n90, .5, .5, -2.\n" + card, f"*BOUNDARY\n90, {word}\n{left}{force}"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "*WARNING" not in done.stdout
+    rows = read_rows(tmp_path, "displacements")
+    for node in range(1, 9):
+        check(rows, node, clamped[node], 0.01, "displacement")
+
+
+@pytest.mark.parametrize("word", [word for word in WORDS if word != "ENCASTRE"])
+def test_what_a_support_word_leaves_free(run_deck: Run, word: str) -> None:
+    """Without those degrees of freedom the cube can move, which the check of the model says."""
+    cards = "*NODE, NSET=ALL\n90, .5, .5, -2.\n*RIGID BODY, NSET=BOTTOM, REF NODE=90\n"
+    done = run_deck(job(cards, f"*BOUNDARY\n90, {word}\n*CLOAD\n7, 1, 3.\n"))
+    assert done.returncode == 4
+    motions = " ".join(re.findall(r" can (.*?): no support", done.stdout))
+    assert sum(motions.count(verb) for verb in ("move along", "turn about")) == 6 - len(WORDS[word])
+
+
 def test_distributing_coupling(run_deck: Run, tmp_path: Path) -> None:
     """A force off the centre: the nodes get w (f + J^-1 m x r), with J of four equal weights at the corners."""
     cards = "*NODE, NSET=ALL\n90, 2.5, .5, 1.\n*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C\n*DISTRIBUTING\n1, 6\n"

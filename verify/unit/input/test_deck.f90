@@ -603,6 +603,8 @@ contains
     call read_good(suite, 'the later value counts', MODEL_PART // STEP_START // B // '1,1,1,.5;BOT,1,1,.25;' // &
       STEP_END, model, n_notes=1)
     call suite%near('the later one', model%steps(1)%prescribed(1)%end, 0.25_DP, 0.0_DP)
+    call read_good(suite, 'words at nodes of solids', MODEL_PART // B // '1,ENCASTRE;2,ZSYMM;3,XASYMM;' // STEP_PART, model)
+    call suite%that('no rotations', all(model%steps(1)%prescribed%dof == [1, 2, 3, 3, 2, 3]))
     call expect_error(suite, MODEL_PART // B // 'nix,1;' // STEP_PART, 'node set ''nix''')
     call expect_error(suite, MODEL_PART // B // '1,WELDED;' // STEP_PART, 'ENCASTRE')
     call expect_error(suite, MODEL_PART // B // '1,3,2;' // STEP_PART, 'not above the last')
