@@ -42,7 +42,8 @@ module amontons_analysis
   use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state
   use amontons_restart_file, only: read_restart_state
   use amontons_driven_loads, only: start_loads, begin_loads, list_driven, restore_driven
-  use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
+  use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, &
+    describe_result_files
   use amontons_dense, only: solve_symmetric_eigen
   use amontons_factorization, only: set_blas_threads, choose_blas_kernels
   implicit none
@@ -606,6 +607,7 @@ contains
     !$omp critical (result_files)
     call close_files(analysis, error)
     !$omp end critical (result_files)
+    if (.not. allocated(error)) call logger%say(describe_result_files(analysis))
   end subroutine finish_analysis
 
 

@@ -5,6 +5,7 @@
 !! belong to one commit, or the checkpoint contains the pages that restore the files to that commit.
 module amontons_job_files
   use amontons_kinds, only: DP, I64
+  use amontons_text, only: NEWLINE
   use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
@@ -26,7 +27,7 @@ module amontons_job_files
   use amontons_driven_loads, only: driven_loads_type
   implicit none
   private
-  public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files
+  public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, describe_result_files
 
   real(DP), parameter :: MAX_CHECKPOINT_SHARE = 0.03_DP     !< largest share of checkpoints in the run time [-]
 
@@ -314,5 +315,19 @@ contains
     if (.not. allocated(error)) call save_checkpoint(analysis, .true., error)
     call discard_results(analysis%results)
   end subroutine close_result_file
+
+
+  !> Two lines for the end of a job: its result files, and the command for its report page.
+  function describe_result_files(analysis) result(text)
+    type(analysis_type), intent(in) :: analysis    !< with result files
+    character(:), allocatable :: text
+    character(:), allocatable :: fields
+    fields = job_path(analysis%options, '.vtkhdf')
+    text = '  result files:  ' // fields // '  ' // job_path(analysis%options, '.sta') // '  ' // job_path(analysis%options, '.cvg')
+    if (analysis%lengths(3) > 0) text = text // '  ' // job_path(analysis%options, '.dat')
+    if (analysis%frd_counts(1) > 0) text = text // '  ' // job_path(analysis%options, '.frd')
+    if (allocated(analysis%archive%path)) text = text // '  ' // analysis%archive%path
+    text = text // NEWLINE // '  report page:   make report JOB=' // fields // '   (installed: amontons-report ' // fields // ')'
+  end function describe_result_files
 
 end module amontons_job_files

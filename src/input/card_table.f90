@@ -716,20 +716,42 @@ contains
   !> Procedures, changes of the model and loads that are not supported.
   subroutine describe_rejected_procedures(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(ENTRY_REJECTED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|FREQUENCY|COMPLEX ' // &
-      'FREQUENCY|BUCKLE|HEAT TRANSFER|UNCOUPLED TEMPERATURE-DISPLACEMENT|COUPLED TEMPERATURE-DISPLACEMENT|' // &
-      'ELECTROMAGNETICS|GREEN|HCF|CRACK PROPAGATION|SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION|SUBSTRUCTURE ' // &
-      'GENERATE|GEOSTATIC|SOILS|ANNEAL|DIRECT CYCLIC|RANDOM RESPONSE|RESPONSE SPECTRUM|MASS DIFFUSION|ACOUSTIC|' // &
-      'PIEZOELECTRIC|COUPLED THERMAL-ELECTRICAL|STEADY STATE TRANSPORT|MATRIX GENERATE|MATRIX ASSEMBLE|COMPLEX ' // &
-      'EIGENVALUE EXTRACTION|CFD|REFINE MESH|STEADY STATE DETECTION', 'Use *STATIC; to read and check a ' // &
-      'deck without solving it, run amontons --check.')
+    call table%cards_with(ENTRY_REJECTED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|RANDOM RESPONSE|RESPONSE SPECTRUM', &
+      'Inertia is not computed. For slow loads use *STATIC with the same loads and amplitudes, for a known acceleration ' // &
+      '*DLOAD with GRAV; vibration and impact need a program for dynamics.')
+    call table%cards_with(ENTRY_REJECTED, 'FREQUENCY|COMPLEX FREQUENCY|COMPLEX EIGENVALUE EXTRACTION', 'Natural ' // &
+      'frequencies are not computed: let an eigenvalue program do this step. Whether supports and contact hold all bodies ' // &
+      'is checked by amontons --check.')
+    call table%cards_with(ENTRY_REJECTED, 'BUCKLE', 'Buckling factors are not computed. Move the nodes by a small ' // &
+      'imperfection, and increase the load as a prescribed displacement in a *STEP, NLGEOM: the largest reaction is the ' // &
+      'buckling load.')
+    call table%cards_with(ENTRY_REJECTED, 'HEAT TRANSFER|UNCOUPLED TEMPERATURE-DISPLACEMENT|COUPLED TEMPERATURE-DISPLACEMENT|' // &
+      'COUPLED THERMAL-ELECTRICAL', 'Heat flow is not computed: take the temperatures from another program and give them ' // &
+      'to the nodes by *TEMPERATURE in a *STATIC step; *EXPANSION makes strains of them.')
+    call table%cards_with(ENTRY_REJECTED, 'ELECTROMAGNETICS|MASS DIFFUSION|ACOUSTIC|PIEZOELECTRIC|CFD', 'This field is not ' // &
+      'computed: take its result from another program, as pressures (*DLOAD) or temperatures (*TEMPERATURE) of a *STATIC step.')
+    call table%cards_with(ENTRY_REJECTED, 'GEOSTATIC|SOILS', 'Pore pressure is not computed. For dry or drained soil use ' // &
+      '*STATIC with *INITIAL CONDITIONS, TYPE=STRESS and the weight by *DLOAD with GRAV.')
+    call table%cards_with(ENTRY_REJECTED, 'GREEN|SUBSTRUCTURE GENERATE|MATRIX GENERATE|MATRIX ASSEMBLE', 'The library returns ' // &
+      'the matrices: get_matrix in Fortran, amontons_matrix in C, Job.matrix in Python.')
+    call table%cards_with(ENTRY_REJECTED, 'SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION', 'Run the deck with changed numbers ' // &
+      'from a script; the Python package amontons runs jobs and returns their results.')
+    call table%cards_with(ENTRY_REJECTED, 'DIRECT CYCLIC|STEADY STATE TRANSPORT|STEADY STATE DETECTION', 'Repeat the ' // &
+      'motion in *STATIC steps until the results repeat.')
+    call table%cards_with(ENTRY_REJECTED, 'ANNEAL', 'Write a deck with the deformed coordinates and the material without ' // &
+      'hardening, and continue there.')
+    call table%cards_with(ENTRY_REJECTED, 'REFINE MESH', 'Refine the mesh in the program that made it.')
+    call table%cards_with(ENTRY_REJECTED, 'HCF|CRACK PROPAGATION', 'Fatigue and crack growth are not computed: ' // &
+      'take the stresses of a *STATIC step from job.vtkhdf or job.frd to a program for them.')
     call table%cards_with(ENTRY_REJECTED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
       'INITIALIZATION DATA', 'The model is the same in all steps.')
     call table%cards_with(ENTRY_REJECTED, 'SUBMODEL', 'Write the displacements of the cut boundary themselves into a file ' // &
       'with *BOUNDARY that *INCLUDE reads, or let the routine DISP give them (*BOUNDARY, USER).')
-    call table%cards_with(ENTRY_REJECTED, 'BASE MOTION|CORRELATION LENGTH|CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|' // &
-      'RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|CAVITY DEFINITION|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
+    call table%cards_with(ENTRY_REJECTED, 'CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|' // &
+      'CAVITY DEFINITION', 'Heat flow is not computed: take the temperatures from another program and give them to the nodes ' // &
+      'by *TEMPERATURE.')
+    call table%cards_with(ENTRY_REJECTED, 'BASE MOTION|CORRELATION LENGTH|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
       'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|LOAD CASE|END ' // &
       'LOAD CASE|FOUNDATION|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
       'GEOMETRIC CONSTRAINT|GEOMETRIC TOLERANCES|RANDOM FIELD|RETAINED NODAL DOFS|SUBSTRUCTURE MATRIX OUTPUT|' // &

@@ -18,7 +18,7 @@ import pytest
 
 from verify.cases.output.test_report import BROWSER, open_in_browser
 from verify.conftest import ROOT, Run
-from verify.tools.card_reference import page_of, read_cards
+from verify.tools.card_reference import page_of
 from verify.tools.module_table import page as modules_page
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
@@ -35,7 +35,7 @@ def site(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(ROOT / "doc", folder / "doc")
     shutil.copy(ROOT / "mkdocs.yml", folder)
-    (folder / "doc" / "manual" / "cards.md").write_text(page_of(read_cards(run(["--cards"]).stdout)))
+    (folder / "doc" / "manual" / "cards.md").write_text(page_of(run(["--cards"]).stdout))
     (folder / "doc" / "developer" / "modules.md").write_text(modules_page())
     done = subprocess.run([str(MKDOCS), "build", "--strict", "-d", str(folder / "out")], cwd=folder, capture_output=True, text=True,
                           env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, check=False)  # fmt: skip

@@ -19,9 +19,17 @@ HEAD = """# Cards
 
 Written by `make doc` from `amontons --cards`, which comes from the table by which decks are read. A parameter that is *refused*
 ends the job before it starts, with the sentence shown; one *without effect* is accepted, and a note says so. The examples are cut from
-decks that the tests run.
+decks that the tests run. Two more lists stand at the end: [cards read past with a note](#cards-read-past-with-a-note) and
+[cards refused](#cards-refused).
 
 """
+
+#: The headings of the last two lists, by the first words of their line in `--cards`.
+PASSED_OVER = {"Cards read past with a note": "Cards read past with a note", "Cards refused": "Cards refused"}
+INTRODUCTIONS = {
+    "Cards read past with a note": "They cannot change the solution. The note in the output says where they stand and why they have no effect.",
+    "Cards refused": "They end the job before it starts, with the sentence on the right: what to do instead.",
+}
 
 
 @dataclass
@@ -39,9 +47,11 @@ class Card:
 
 
 def read_cards(text: str) -> list[Card]:
-    """All cards, in the order of the table."""
+    """All cards that are used, in the order of the table."""
     cards: list[Card] = []
     for line in text.splitlines():
+        if line.startswith(tuple(PASSED_OVER)):
+            break
         head = re.match(r"(\*[A-Z][A-Z0-9 -]*?)  \((.*)\)$", line)
         if head:
             cards.append(Card(head.group(1), head.group(2)))
@@ -69,11 +79,34 @@ def _add_line(card: Card, line: str) -> None:
     card.taken.append((name, rest))
 
 
-def page_of(cards: list[Card]) -> str:
-    """The page: a list of all cards, then each of them."""
+def read_other_cards(text: str) -> dict[str, list[tuple[str, list[str]]]]:
+    """Heading of each of the last two lists to its sentences, each with the cards that it is about."""
+    lists: dict[str, list[tuple[str, list[str]]]] = {}
+    groups: list[tuple[str, list[str]]] | None = None
+    for line in text.splitlines():
+        start = next((words for words in PASSED_OVER if line.startswith(words)), None)
+        if start:
+            groups = lists.setdefault(PASSED_OVER[start], [])
+        elif groups is not None and line.startswith("    *"):
+            groups[-1][1].append(line.strip())
+        elif groups is not None and line.strip():
+            groups.append((line.strip(), []))
+    return lists
+
+
+def page_of(text: str) -> str:
+    """The page, from what `amontons --cards` prints: a list of all cards, each of them, those read past, those refused."""
+    cards = read_cards(text)
     links = ", ".join(f"[`{c.name}`](#{anchor(c.name)})" for c in cards)
     examples = find_examples()
-    return HEAD + links + "\n\n" + "\n".join(section(card, examples) for card in cards)
+    others = "\n".join(other_section(*entry) for entry in read_other_cards(text).items())
+    return HEAD + links + "\n\n" + "\n".join(section(card, examples) for card in cards) + "\n" + others
+
+
+def other_section(heading: str, groups: list[tuple[str, list[str]]]) -> str:
+    """A list of cards that are not used, by their sentences."""
+    rows = [f"| {', '.join(f'`{name}`' for name in names)} | {plain(sentence)} |" for sentence, names in groups]
+    return "\n".join([f"## {heading}", "", INTRODUCTIONS[heading], "", "| cards | |", "|---|---|", *rows, ""])
 
 
 def anchor(name: str) -> str:
@@ -137,4 +170,4 @@ def section(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> str:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(page_of(read_cards(sys.stdin.read())))
+    sys.stdout.write(page_of(sys.stdin.read()))

@@ -781,7 +781,7 @@ contains
     call suite%that('inc does not stay', model%steps(1)%max_increments == 7 .and. model%steps(2)%max_increments == 100)
     call expect_error(suite, MODEL_PART, 'no step')
     call expect_error(suite, MODEL_PART // '*STEP;' // STEP_END, 'no *STATIC', '*STEP')
-    call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC;.1,1.;' // STEP_END, 'Use *STATIC')
+    call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC;.1,1.;' // STEP_END, 'Inertia is not computed.')
     call expect_error(suite, MODEL_PART // STEP_START // STEP_PART, 'no *END STEP')
     call expect_error(suite, MODEL_PART // STEP_START, 'no *END STEP')
     call expect_error(suite, MODEL_PART // STEP_PART // STEP_END, 'must be in a step')
@@ -928,7 +928,7 @@ contains
         trim(REFUSED(i)) // ' is not supported.')
     end do
     call expect_error(suite, MODEL_PART // '*NONSENSE;1;' // STEP_PART, 'is not known', '*NONSENSE')
-    call expect_error(suite, MODEL_PART // STEP_START // '*FREQUENCY;10;' // STEP_END, 'Use *STATIC')
+    call expect_error(suite, MODEL_PART // STEP_START // '*FREQUENCY;10;' // STEP_END, 'Natural frequencies are not computed')
     call read_good(suite, 'noted cards', 'text;' // MODEL_PART // '*PREPRINT, ECHO=NO;*FILTER, NAME=T;1.,2.;' // &
       STEP_START // '*RESTART, WRITE;*MONITOR, NODE=1;' // STEP_END, model, n_notes=4)
     call suite%that('RESTART, WRITE keeps the checkpoint', model%keeps_checkpoint)
