@@ -9,7 +9,7 @@ module amontons_card_schema
   implicit none
   private
   public :: card_table_type, card_entry_type, parameter_schema_type, find_entry, match_parameters, render_card_table, suggest_card
-  public :: has_parameter, parameter_text, parameter_word
+  public :: has_parameter, parameter_text, parameter_word, list_parameters
   public :: SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
   public :: VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, VALUE_OPTIONAL_REAL
 
@@ -165,6 +165,21 @@ contains
       entry%options(entry%n_options)%message = message
     end associate
   end subroutine reject_words
+
+
+  !> The names of all cards and parameters, 'STEP,' and 'STEP,NLGEOM', to tell continuations of keyword lines from data.
+  subroutine list_parameters(table, names)
+    type(card_table_type), intent(in) :: table
+    type(name_table_type), intent(out) :: names
+    integer :: i, k, position
+    logical :: is_new
+    do i = 1, table%n
+      call names%add(table%entries(i)%key // ',', position, is_new)
+      do k = 1, table%entries(i)%n_options
+        call names%add(table%entries(i)%key // ',' // table%entries(i)%options(k)%name, position, is_new)
+      end do
+    end do
+  end subroutine list_parameters
 
 
   !> The entry of a keyword: exact, or its unique abbreviation; 0: unknown keyword.

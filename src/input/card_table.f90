@@ -56,7 +56,7 @@ contains
     call table%card('HEADING', SCOPE_MODEL, 'Text that describes the job; it is kept with the results.', data='free text')
     call table%card('INCLUDE', SCOPE_BOTH, 'Reads another file in place of this card; the file is looked for beside ' // &
       'this one first.')
-    call table%option('INPUT', VALUE_TEXT, 'Path of the file.', default='required')
+    call table%option('INPUT|FILE', VALUE_TEXT, 'Path of the file.')
 
     call table%card('PART', SCOPE_MODEL, 'Starts a part: nodes, elements, sets, surfaces and sections, written once for each of ' &
       // &

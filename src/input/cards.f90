@@ -5,7 +5,7 @@
 module amontons_cards
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_IO
-  use amontons_containers, only: sort_integers
+  use amontons_containers, only: name_table_type, sort_integers
   use amontons_text, only: read_text_file, read_relative_file, name_key, to_text, is_blank, BLANK_CHARACTERS, NEWLINE, &
     parse_integer, &
     parse_real
@@ -14,6 +14,7 @@ module amontons_cards
   public :: cards_type, parameter_type, data_row_type, deck_messages_type
   public :: open_cards, open_cards_text, publish_messages, line_text, read_parameters
   public :: start_deck_text, append_line, find_cards, start_rows, next_row, field_text, field_integer, field_real, is_empty_field
+  public :: has_open_keyword_line
 
   integer, parameter :: MAX_INCLUDE_DEPTH = 32          !< includes within includes
   integer, parameter :: MAX_LISTED_ERRORS = 200        !< errors listed one by one
@@ -81,16 +82,18 @@ module amontons_cards
     integer :: n_cards = 0
     type(card_type), allocatable :: cards(:)
     integer :: first_card_line = 0              !< 0: no card at all
+    type(name_table_type) :: known_parameters   !< 'STEP,' and 'STEP,NLGEOM' for each card and parameter; empty: not known
   end type cards_type
 
 contains
 
   !> Reads a deck from a file. Tries the path as written, then with .inp appended.
-  subroutine open_cards(path, cards, messages, error)
+  subroutine open_cards(path, cards, messages, error, known_parameters)
     character(*), intent(in) :: path
     type(cards_type), intent(out) :: cards
     type(deck_messages_type), intent(inout) :: messages
     type(error_type), allocatable, intent(out) :: error   !< EXIT_IO
+    type(name_table_type), intent(in), optional :: known_parameters   !< of all cards, see find_cards
     character(:), allocatable :: text, taken
     logical :: is_read
     call start_deck_text(cards)
@@ -105,19 +108,20 @@ contains
       return
     end if
     call append_file(cards, messages, taken, text, 0, 0)
-    call find_cards(cards)
+    call find_cards(cards, known_parameters)
   end subroutine open_cards
 
 
   !> Takes a deck from memory; its includes are relative to the working directory.
-  subroutine open_cards_text(text, name, cards, messages)
+  subroutine open_cards_text(text, name, cards, messages, known_parameters)
     character(*), intent(in) :: text
     character(*), intent(in) :: name            !< replaces the file name in messages
     type(cards_type), intent(out) :: cards
     type(deck_messages_type), intent(inout) :: messages
+    type(name_table_type), intent(in), optional :: known_parameters   !< of all cards, see find_cards
     call start_deck_text(cards)
     call append_file(cards, messages, name, text, 0, 0)
-    call find_cards(cards)
+    call find_cards(cards, known_parameters)
   end subroutine open_cards_text
 
 
@@ -206,12 +210,28 @@ contains
     integer(I64) :: end_of_line
     card = text(first:last)
     end_of_line = last
-    do while (ends_with_comma(card) .and. end_of_line + 2 <= len(text, I64))
+    do while (is_continued(text, end_of_line, card))
       call next_line(text, end_of_line, line)
-      if (scan(line, '=') == 0) return
       card = card // line
     end do
   end function card_with_continuations
+
+
+  !> Whether a keyword line that names a file continues: it ends with a comma, and the next line is no card and has a parameter
+  !! with a value.
+  pure function is_continued(text, last, card) result(is_so)
+    character(*), intent(in) :: text
+    integer(I64), intent(in) :: last            !< end of the keyword line so far
+    character(*), intent(in) :: card            !< the keyword line so far
+    logical :: is_so
+    character(:), allocatable :: line
+    integer(I64) :: end_of_line
+    is_so = ends_with_comma(card) .and. last + 2 <= len(text, I64)
+    if (.not. is_so) return
+    end_of_line = last
+    call next_line(text, end_of_line, line)
+    is_so = scan(line, '=') > 0 .and. index(adjustl(line), '*') /= 1
+  end function is_continued
 
 
   !> Whether the data lines of a card are in a file: NODE, ELEMENT or EQUATION with INPUT.
@@ -249,7 +269,7 @@ contains
     card = text(first:last)
     call append_line(cards, comment // card, here, number)
     line = cards%n_lines
-    do while (ends_with_comma(card) .and. last + 2 <= len(text, I64))
+    do while (is_continued(text, last, card))
       call next_line(text, last, included)
       number = number + 1
       card = card // included
@@ -308,7 +328,7 @@ contains
     path = ''
     call split_parameters(card, parameters)
     do i = 1, size(parameters)
-      if (parameters(i)%key == 'INPUT') path = parameters(i)%text
+      if (parameters(i)%key == 'INPUT' .or. parameters(i)%key == 'FILE') path = parameters(i)%text
     end do
   end subroutine include_path
 
@@ -395,11 +415,13 @@ contains
   end subroutine double_size
 
 
-  !> Cuts the lines into cards.
-  subroutine find_cards(cards)
+  !> Cuts the lines into cards. The known parameters decide whether a line after a trailing comma continues the keyword line.
+  subroutine find_cards(cards, known_parameters)
     type(cards_type), intent(inout) :: cards
+    type(name_table_type), intent(in), optional :: known_parameters   !< 'STEP,' and 'STEP,NLGEOM' for each card and parameter
     type(card_type), allocatable :: larger(:)
     integer :: line, last
+    if (present(known_parameters)) cards%known_parameters = known_parameters
     allocate (cards%cards(256))
     line = 1
     do while (line <= cards%n_lines)
@@ -438,9 +460,9 @@ contains
   end function is_keyword_line
 
 
-  !> The last continuation of a keyword line. A keyword line that ends with a comma continues in the next
-  !! line, unless that one is a card or starts like a number (some decks end a keyword line with a comma).
-  pure function last_keyword_line(cards, line) result(last_line)
+  !> The last continuation of a keyword line. A keyword line that ends with a comma continues in the next line, unless that one is
+  !! a card, starts like a number or names no parameter (some decks end a keyword line with a comma).
+  function last_keyword_line(cards, line) result(last_line)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: line
     integer :: last_line, next
@@ -458,9 +480,34 @@ contains
       if (is_keyword_line(cards, next)) return
       call line_bounds(cards, next, first, last)
       if (scan(cards%text(first:first), '0123456789+-.,') == 1) return
+      if (.not. has_parameters_only(cards, keyword_key(line_text(cards, line)), line_text(cards, next))) return
       last_line = next
     end do
   end function last_keyword_line
+
+
+  !> Whether a line holds parameters of a card: one with a value, or none but known ones. Of an unknown card every line does.
+  function has_parameters_only(cards, key, line) result(does_so)
+    type(cards_type), intent(in) :: cards
+    character(*), intent(in) :: key             !< keyword, squeezed
+    character(*), intent(in) :: line
+    logical :: does_so
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: i
+    does_so = scan(line, '=') > 0 .or. cards%known_parameters%find(key // ',') == 0
+    if (does_so) return
+    call split_parameters(',' // line, parameters)
+    does_so = all([(cards%known_parameters%find(key // ',' // parameters(i)%key) > 0, i=1, size(parameters))])
+  end function has_parameters_only
+
+
+  !> Whether the keyword line of a card, with its continuations, ends with a comma.
+  pure function has_open_keyword_line(cards, card) result(is_open)
+    type(cards_type), intent(in) :: cards
+    type(card_type), intent(in) :: card
+    logical :: is_open
+    is_open = ends_with_comma(keyword_text(cards, card))
+  end function has_open_keyword_line
 
 
   !> The part of a line without the blanks around it; first > last if it is blank.

@@ -5,12 +5,11 @@
 !! the step, and prints once; a list of TIME POINTS is ignored. The calculix dialect does the same.
 module amontons_deck
   use amontons_cards, only: data_row_type, parameter_type, deck_messages_type, open_cards, open_cards_text, publish_messages, &
-    line_text, &
-    read_parameters, start_rows, next_row
-  use amontons_card_schema, only: find_entry, has_parameter, suggest_card, match_parameters, parameter_text, SCOPE_MODEL, &
-    SCOPE_STEP, &
-    SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
+    line_text, field_text, has_open_keyword_line, read_parameters, start_rows, next_row
+  use amontons_card_schema, only: find_entry, has_parameter, list_parameters, suggest_card, match_parameters, parameter_text, &
+    SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
   use amontons_card_table, only: make_card_table
+  use amontons_containers, only: name_table_type
   use amontons_deck_mesh, only: element_draft_type, read_nodes, read_elements, read_sections, select_elements
   use amontons_deck_initial_conditions, only: read_orientations, read_initial_conditions
   use amontons_deck_materials, only: read_materials, finalize_materials
@@ -48,7 +47,10 @@ contains
     type(diagnostic_list_type), intent(inout) :: diagnostics
     type(error_type), allocatable, intent(out) :: error    !< EXIT_IO, EXIT_DECK
     type(reader_type) :: reader
-    call open_cards(options%deck, reader%cards, reader%messages, error)
+    type(name_table_type) :: names
+    call make_card_table(reader%table)
+    call list_parameters(reader%table, names)
+    call open_cards(options%deck, reader%cards, reader%messages, error, names)
     if (allocated(error)) return
     call read_model(reader, options, model, diagnostics, error)
   end subroutine read_deck
@@ -60,9 +62,12 @@ contains
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
     type(reader_type) :: reader
+    type(name_table_type) :: names
     type(model_type) :: model
     type(diagnostic_list_type) :: diagnostics
-    call open_cards(options%deck, reader%cards, reader%messages, error)
+    call make_card_table(reader%table)
+    call list_parameters(reader%table, names)
+    call open_cards(options%deck, reader%cards, reader%messages, error, names)
     if (allocated(error)) then
       text = ''
       return
@@ -80,10 +85,13 @@ contains
     type(diagnostic_list_type), intent(inout) :: diagnostics
     type(error_type), allocatable, intent(out) :: error    !< EXIT_DECK
     type(reader_type) :: reader
+    type(name_table_type) :: names
+    call make_card_table(reader%table)
+    call list_parameters(reader%table, names)
     if (allocated(options%deck)) then
-      call open_cards_text(text, options%deck, reader%cards, reader%messages)
+      call open_cards_text(text, options%deck, reader%cards, reader%messages, names)
     else
-      call open_cards_text(text, 'deck', reader%cards, reader%messages)
+      call open_cards_text(text, 'deck', reader%cards, reader%messages, names)
     end if
     call read_model(reader, options, model, diagnostics, error)
   end subroutine read_deck_text
@@ -98,7 +106,6 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(element_draft_type) :: draft
     logical :: is_flat
-    call make_card_table(reader%table)
     if (reader%messages%n_errors == 0) call join_decks(reader%cards, reader%messages, options, model%origin, error)
     if (allocated(error)) return
     model%deck_text = reader%cards%text(:reader%cards%text_length)
@@ -331,11 +338,24 @@ contains
       call read_parameters(reader%cards, card, parameters)
       call match_parameters(reader%table%entries(card%entry), parameters, card%line, &
         reader%dialect == DIALECT_CALCULIX, reader%messages)
-      if (reader%table%entries(card%entry)%data /= '') return
       call start_rows(card, row)
-      if (next_row(reader%cards, row)) call check_no_data(reader, row)
+      if (.not. next_row(reader%cards, row)) return
+      if (reader%table%entries(card%entry)%data == '') then
+        call check_no_data(reader, row)
+      else if (has_open_keyword_line(reader%cards, card) .and. starts_with_name(field_text(reader%cards, row, 1))) then
+        call report_note(reader, row%line, 'The keyword line above ends with a comma, but this line has no parameter of *' // &
+          reader%table%entries(card%entry)%keyword // ': it is taken as data.')
+      end if
     end associate
   end subroutine check_parameters
+
+
+  !> Whether a field begins as a name does, not as a number.
+  pure logical function starts_with_name(field)
+    character(*), intent(in) :: field
+    starts_with_name = verify(field, ' ') > 0
+    if (starts_with_name) starts_with_name = scan(field(1:1), '0123456789+-.') == 0
+  end function starts_with_name
 
 
   !> Checks the parameters of cards resolved before all others: errors are reported, notes are not.

@@ -56,7 +56,7 @@ contains
       end if
     end do
     if (messages%n_errors > 0) return             ! the old text stays, for the messages
-    call find_cards(expanded)
+    call find_cards(expanded, cards%known_parameters)
     cards = expanded
   end subroutine generate_mesh
 

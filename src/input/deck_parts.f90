@@ -78,7 +78,7 @@ contains
     if (messages%n_errors == 0) call number_scopes(cards, work)
     if (messages%n_errors == 0) call write_flat(cards, work, messages)
     if (messages%n_errors > 0) return             ! the old text stays, for the messages
-    call find_cards(work%flat)
+    call find_cards(work%flat, cards%known_parameters)
     cards = work%flat
     is_flat = .true.
     do c = 1, size(work%instances)

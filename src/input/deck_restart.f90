@@ -60,7 +60,7 @@ contains
     call copy_lines(old, card_line(old, 'STEP', 1, old%n_lines + 1), &
       card_line(old, 'ENDSTEP', origin%label%step, old%n_lines), 0, joined)
     call copy_lines(cards, line, cards%n_lines, 1, joined)
-    call find_cards(joined)
+    call find_cards(joined, cards%known_parameters)
     cards = joined
   end subroutine join_decks
 

@@ -3,11 +3,12 @@
 program test_cards
   use amontons_kinds, only: DP
   use amontons_card_schema, only: card_table_type, find_entry, match_parameters, has_parameter, parameter_text, &
-    parameter_word
+    parameter_word, list_parameters
+  use amontons_containers, only: name_table_type
   use amontons_card_table, only: make_card_table, list_cards
   use amontons_cards, only: cards_type, parameter_type, data_row_type, deck_messages_type, open_cards, open_cards_text, &
     publish_messages, read_parameters, start_rows, next_row, field_text, field_integer, field_real, is_empty_field, &
-    line_text
+    line_text, has_open_keyword_line
   use amontons_errors, only: diagnostic_list_type, error_type, EXIT_IO
   use amontons_text, only: NEWLINE, NUMBER_OK, NUMBER_EMPTY, to_text
   use check, only: suite_type
@@ -48,12 +49,16 @@ contains
   end subroutine test_cutting
 
 
-  !> A trailing comma continues the keyword line, but not into numbers or the next card.
+  !> A trailing comma continues the keyword line, but not into numbers or the next card; where the parameters of the cards are
+  !! known, not into a line without any of them.
   subroutine test_continuation(suite)
     type(suite_type), intent(inout) :: suite
     type(cards_type) :: cards
+    type(card_table_type) :: table
+    type(name_table_type) :: names
     type(deck_messages_type) :: messages
     type(parameter_type), allocatable :: parameters(:)
+    integer :: i
     call open_cards_text('*ELEMENT, TYPE=C3D8,' // NL // '** in between' // NL // ' ELSET=E1,' // NL // 'OTHER' // NL &
       // '1,2,3' // NL // '*NODE,' // NL // ' -1,2,3' // NL // '*STEP,' // NL // '*STATIC,', 'deck', cards, messages)
     call suite%that('continued card', cards%cards(1)%data_first == 5 .and. cards%cards(1)%data_last == 5)
@@ -62,6 +67,16 @@ contains
     call suite%that('the last of them', parameters(3)%key == 'OTHER' .and. .not. parameters(3)%has_value)
     call suite%that('a number is data', cards%cards(2)%data_first == 7)
     call suite%that('the next card is a card', cards%n_cards == 4 .and. cards%cards(3)%key == 'STEP')
+    call make_card_table(table)
+    call list_parameters(table, names)
+    call open_cards_text('*BOUNDARY,' // NL // 'AB,1,1,0' // NL // '*BOUNDARY,' // NL // 'AB,' // NL // '*BOUNDARY,' // NL // &
+      'OP=NEW' // NL // 'AB,1' // NL // '*STEP,' // NL // 'nlgeom , PERTURBATION,' // NL // 'INC=3' // NL // '*NSET,NSET=A,' // &
+      NL // 'GENERATE' // NL // '1,2' // NL // '*STEP,' // NL // 'NLGEOM,AB' // NL // '*NO CARD,' // NL // 'AB', &
+      'deck', cards, messages, names)
+    call suite%that('data or continuation', all(cards%cards(:cards%n_cards)%data_first - cards%cards(:cards%n_cards)%line == &
+      [1, 1, 2, 3, 2, 1, 2]))
+    call suite%that('open keyword lines', all([(has_open_keyword_line(cards, cards%cards(i)), i=1, cards%n_cards)] .eqv. &
+      [.true., .true., .false., .false., .false., .true., .false.]))
   end subroutine test_continuation
 
 

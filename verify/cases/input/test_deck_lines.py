@@ -1,0 +1,108 @@
+"""Lines of a deck that are easily lost: data after a trailing comma, what follows an INCLUDE.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from verify.conftest import Run
+
+YOUNG = 1000.0
+CUBE = f"""*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=LOW
+1, 2, 3, 4
+*NSET, NSET=HIGH
+5, 6, 7, 8
+*MATERIAL, NAME=M
+*ELASTIC
+{YOUNG}, 0.
+*SOLID SECTION, ELSET=E, MATERIAL=M
+"""
+BOUNDARY = "*BOUNDARY\nLOW, 1, 3\n"
+STEP = "*STEP\n*STATIC\n"
+LOAD = "*CLOAD\nHIGH, 3, 2.5\n"
+END = "*NODE PRINT, NSET=HIGH\nU\n*END STEP\n"
+LIFT = 4 * 2.5 / YOUNG  # of the top by four forces of 2.5 on an area of 1
+
+
+def output_of(done: object) -> str:
+    """The output of a job, in one line."""
+    return re.sub(r"\s+", " ", done.stdout + done.stderr)  # type: ignore[attr-defined]
+
+
+def lifts(folder: Path) -> list[float]:
+    """Displacements along z of the top in the last block of job.dat."""
+    rows = [line.split() for line in (folder / "job.dat").read_text().splitlines() if re.match(r" +[5-8] ", line)]
+    return [float(row[3]) for row in rows[-4:]]
+
+
+@pytest.mark.parametrize(("card", "told"), [
+    ("*BOUNDARY,\nLOW, 1, 3\n" + STEP + LOAD, "BOUNDARY"),
+    ("*BOUNDARY,\n** the bottom\nLOW, ENCASTRE\n" + STEP + LOAD, "BOUNDARY"),
+    (BOUNDARY + STEP + "*CLOAD,\nHIGH, 3, 2.5\n", "CLOAD"),
+    (BOUNDARY + STEP + "*CLOAD, OP=NEW,\nHIGH, 3, 2.5\n", "CLOAD"),
+    (BOUNDARY + STEP + "*CLOAD,\nOP=NEW,\nHIGH, 3, 2.5\n", "CLOAD"),
+    (BOUNDARY + "*STEP,\nINC=10,\nUNSYMM=NO\n*STATIC,\n1., 1.\n*CLOAD,\nOP=NEW\nHIGH, 3, 2.5\n", ""),
+    (BOUNDARY + "*NSET, NSET=MORE,\nGENERATE\n5, 8\n" + STEP + "*CLOAD\nMORE, 3, 2.5\n", ""),
+    (BOUNDARY + "*NSET, NSET=MORE,\nHIGH\n" + STEP + "*CLOAD\nMORE, 3, 2.5\n", "NSET"),
+])  # fmt: skip
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+def test_trailing_commas(run_deck: Run, tmp_path: Path, dialect: str, card: str, told: str) -> None:
+    """After a trailing comma a line without parameters of the card is data, and a note names the card; parameters continue it."""
+    done = run_deck(f"** dialect: {dialect}\n" + CUBE + card + END)
+    assert done.returncode == 0, done.stdout
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+    note = "The keyword line above ends with a comma, but this line has no parameter of *"
+    assert (note in output_of(done)) == (told != "")
+    assert f"{note}{told}" in output_of(done) or not told
+
+
+def test_trailing_comma_in_a_part(run_deck: Run, tmp_path: Path) -> None:
+    """The same inside a part, where names become those of the instance."""
+    part = CUBE[: CUBE.index("*MATERIAL")] + "*NSET, NSET=MORE,\nHIGH\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+    deck = f"*PART, NAME=P\n{part}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n*END ASSEMBLY\n"
+    deck += f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, 0.\n*BOUNDARY,\nI.LOW, 1, 3\n{STEP}*CLOAD,\nI.MORE, 3, 2.5\n"
+    done = run_deck(deck + END.replace("HIGH", "I.HIGH"))
+    assert done.returncode == 0, done.stdout
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+
+
+def test_wrong_parameter_after_a_trailing_comma(run_deck: Run) -> None:
+    """A line with an equals sign is no data: its parameter is refused by name."""
+    done = run_deck(CUBE + BOUNDARY + STEP + "*CLOAD,\nCOLOUR=RED\nHIGH, 3, 2.5\n" + END)
+    assert done.returncode == 3
+    assert "no parameter COLOUR" in output_of(done)
+
+
+@pytest.mark.parametrize("include", ["INPUT=more.inp", "FILE=more.inp", "INPUT=more.inp,", "\nINPUT=more.inp", "\nFILE=more.inp,"])
+def test_include(run_deck: Run, tmp_path: Path, include: str) -> None:
+    """INPUT and FILE name the file; a comma at the end takes no line of the deck away."""
+    (tmp_path / "more.inp").write_text("*BOUNDARY\nLOW, 1, 3\n")
+    done = run_deck(CUBE + f"*INCLUDE, {include}\n" + STEP + LOAD + END)
+    assert done.returncode == 0, done.stdout
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+
+
+def test_node_file_with_a_trailing_comma(run_deck: Run, tmp_path: Path) -> None:
+    """Nodes of a file and of the lines below the card that names it."""
+    nodes = "5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n"
+    (tmp_path / "nodes.txt").write_text(nodes)
+    deck = CUBE.replace(nodes, "").replace("*NODE, NSET=ALL\n", "*NODE, INPUT=nodes.txt,\n")
+    done = run_deck(deck + BOUNDARY + STEP + LOAD + END)
+    assert done.returncode == 0, done.stdout
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
