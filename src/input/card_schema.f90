@@ -45,7 +45,7 @@ module amontons_card_schema
     character(:), allocatable :: keyword        !< as printed: 'END STEP'
     character(:), allocatable :: key            !< squeezed: 'ENDSTEP'
     integer :: scope = SCOPE_MODEL                 !< IN_...
-    character(:), allocatable :: parent         !< key of the card whose block it belongs to; empty: none
+    character(:), allocatable :: parent         !< keys of the cards whose blocks it belongs to, separated by |; empty: none
     integer :: status = ENTRY_SUPPORTED
     character(:), allocatable :: description       !< what it does; for rejected ones the message
     character(:), allocatable :: data           !< its data lines in words; empty: no data lines
@@ -76,7 +76,7 @@ contains
     integer, intent(in) :: where                 !< IN_...
     character(*), intent(in) :: sentence
     character(*), intent(in), optional :: data   !< data lines in words; absent: none
-    character(*), intent(in), optional :: parent !< keyword of the card whose block it belongs to
+    character(*), intent(in), optional :: parent !< keywords of the cards whose blocks it belongs to, separated by |
     integer, intent(in), optional :: status      !< default ENTRY_SUPPORTED
     type(card_entry_type), allocatable :: larger(:)
     integer :: position
@@ -513,10 +513,12 @@ contains
     type(card_entry_type), intent(in) :: entry
     character(:), allocatable, intent(inout) :: text
     character(*), parameter :: SCOPE_TEXTS(3) = ['in the model        ', 'in a step           ', 'in the model or step']
-    integer :: i
+    integer :: i, k
     text = text // '*' // entry%keyword // '  (' // trim(SCOPE_TEXTS(entry%scope))
-    i = table%names%find(entry%parent)
-    if (i > 0) text = text // ', after *' // table%entries(i)%keyword
+    do k = 1, count_words(entry%parent)
+      i = table%names%find(nth_word(entry%parent, k))
+      if (i > 0) text = text // trim(merge(', after', ' or    ', k == 1)) // ' *' // table%entries(i)%keyword
+    end do
     text = text // ')' // NEWLINE // '    ' // entry%description // NEWLINE
     do i = 1, entry%n_options
       call render_option(entry%options(i), text)
