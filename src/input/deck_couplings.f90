@@ -240,6 +240,7 @@ contains
     integer :: s
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
+      if (.not. allocated(model%surfaces(s)%profile%piece_length)) cycle   ! its error is reported
       if (model%surfaces(s)%profile%n_carrier_nodes == 0) call report_error(reader, 0, 'The analytic surface ''' // &
         model%surfaces(s)%name // ''' needs a *RIGID BODY, ANALYTICAL SURFACE=' // model%surfaces(s)%name // ', REF NODE=.')
     end do
