@@ -25,7 +25,7 @@ module amontons_convergence
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
     real(DP) :: residual_at_gap = 0                            !< residual with compliant laws at the actual gap, over the
                                                                !! largest force [-]
-    real(DP) :: correction = 0                     !< over the largest increment of displacement [-]
+    real(DP) :: correction(0:1) = 0                !< now and one iteration before, over the largest increment of displacement [-]
     real(DP) :: gap = 0                            !< worst violation of a closed node over the facet's edge [-]
     logical :: is_whole_step = .true.              !< the last step had length 1
     logical :: is_displacement_complete = .true.                 !< no prescribed displacement is still missing
@@ -36,21 +36,17 @@ contains
   !> Verdict on an iterate.
   !!
   !! Converged: the prescribed displacements are complete, the residual is at most r_n (r_p after i_p iterations), the gap error of
-  !! closed nodes is within its tolerance, and the correction is at most c_n. The last correction is the error of the *previous*
-  !! iterate. To first order, the error of this iterate is the correction of its residual: last correction times residual over
-  !! previous residual. The smaller of the two counts. A residual below r_l needs no correction.
+  !! closed nodes is within its tolerance, and the estimated error of displacement is at most c_n. A residual below r_l needs no
+  !! estimate.
   pure integer function assess_convergence(controls, measures) result(verdict)
     type(controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
-    real(DP) :: tolerance, correction, residual_left
+    real(DP) :: tolerance, residual_left
     tolerance = merge(controls%r_p, controls%r_n, measures%iteration > controls%i_p)
     residual_left = max(measures%residual(0), measures%residual_at_gap)
-    correction = measures%correction
-    if (measures%is_whole_step .and. measures%residual(0) < measures%residual(1)) &
-      correction = correction * measures%residual(0) / measures%residual(1)
     verdict = VERDICT_CONTINUE
     if (measures%is_displacement_complete .and. residual_left <= tolerance .and. measures%gap <= controls%gap_tolerance .and. &
-      (correction <= controls%c_n .or. residual_left <= controls%r_l)) then
+      (estimate_error(measures, tolerance) <= controls%c_n .or. residual_left <= controls%r_l)) then
       verdict = VERDICT_CONVERGED
     else if (measures%iteration >= controls%i_c) then
       verdict = VERDICT_TOO_SLOW
@@ -61,6 +57,28 @@ contains
       if (estimate_iterations(measures, tolerance) > real(controls%i_c, DP)) verdict = VERDICT_TOO_SLOW
     end if
   end function assess_convergence
+
+
+  !> Estimated error of displacement of an iterate, over the largest increment of displacement [-].
+  !!
+  !! The last correction is the error of the *previous* iterate. To first order the error of this one is the correction of its
+  !! residual. It is the least of the last correction, and the largest of three forecasts of the next one: the last two corrections,
+  !! each times the residual over the residual that it removed; and quadratic convergence. One residual alone forecasts too little
+  !! where stiff parts had most of it and soft parts have the rest. A first iteration has no forecast. Its correction counts only if
+  !! the residual was within the tolerance before it: the tangent of a start far from equilibrium may be far too stiff, e.g. by the
+  !! tension of a rope that the extrapolation of a rotation stretches.
+  pure real(DP) function estimate_error(measures, tolerance) result(error)
+    type(convergence_measures_type), intent(in) :: measures
+    real(DP), intent(in) :: tolerance              !< of the residual [-]
+    error = measures%correction(0)
+    if (measures%iteration == 1) then
+      if (measures%residual(1) > tolerance) error = huge(1.0_DP)
+    else if (measures%is_whole_step .and. measures%residual(0) < minval(measures%residual(1:)) .and. &
+      measures%correction(0) < measures%correction(1)) then
+      error = min(error, max(measures%residual(0) * maxval(measures%correction / measures%residual(1:)), &
+        error * (error / measures%correction(1))**2))
+    end if
+  end function estimate_error
 
 
   !> Early end of an attempt with contact that can be cut back (empirical): after EARLY_CHECK_ITERATION iterations the residual is

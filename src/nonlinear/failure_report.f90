@@ -241,7 +241,7 @@ contains
     if (newton%outcome /= OUTCOME_ELEMENT) then
       write (line, '(a,i0,a,es10.3,a,es10.3,a)') 'After ', newton%measures%iteration, &
         ' iterations the largest imbalance is ', max(newton%measures%residual(0), newton%measures%residual_at_gap), &
-        ' of the largest force, the correction ', newton%measures%correction, '.'
+        ' of the largest force, the correction ', newton%measures%correction(0), '.'
       lines = [line, [character(REPORT_LINE_LENGTH) :: 'Nodes with the largest imbalance:']]
       imbalance = norm2(system%residual, dim=1)
       do i = 1, min(N_WORST_NODES, model%mesh%n_nodes)

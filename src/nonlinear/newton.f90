@@ -66,6 +66,7 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state       !< trial = committed, with the new times
     real(DP) :: dt, sliding
+    logical :: is_extrapolated
     newton = newton_type(convergence_measures_type(), iteration_record_type(), active_set_history=active_set_history_type(), &
       n_shifted=system%n_shifted, &
       force_scale=newton%force_scale)
@@ -78,14 +79,16 @@ contains
       state%new%u = state%old%u + dt * state%old%v
       call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=sliding < MAX_PREDICTED_SLIDING)
     end if
-    if (newton%outcome /= OUTCOME_OK) then
+    is_extrapolated = newton%outcome == OUTCOME_OK
+    if (.not. is_extrapolated) then
       state%new%u = state%old%u
       state%new%slaves = state%old%slaves
       call begin_increment(system, model, step, is_step_start, state)
       call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.true.)
     end if
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
-    newton%force_scale = max(newton%force_scale, system%bulk_force)   ! contact forces excluded: a stiff law makes them arbitrary
+    ! Forces of stiff parts are arbitrary at an extrapolated start, contact forces of a stiff law at any.
+    if (.not. is_extrapolated) newton%force_scale = max(newton%force_scale, system%bulk_force)
     call record_residual(newton, system, [system%largest_residual, maxval(max_components(system, system%residual_at_gap, -1))], &
       step%controls%r_n)                           ! K may not be assembled yet
   end subroutine begin_newton
@@ -275,13 +278,13 @@ contains
     integer :: status
     largest = max(maxval(max_components(system, state%new%u - state%old%u, 1)), tiny(1.0_DP))
     newton%measures%iteration = newton%measures%iteration + 1
-    newton%measures%correction = report%correction / largest
+    newton%measures%correction = [report%correction / largest, newton%measures%correction(0)]
     newton%measures%is_whole_step = report%is_whole_step
     newton%measures%is_displacement_complete = report%is_displacement_complete
     associate (record => newton%record)
       record%iteration = newton%measures%iteration
       record%residual = max(newton%measures%residual(0), newton%measures%residual_at_gap)
-      record%correction = newton%measures%correction
+      record%correction = newton%measures%correction(0)
       record%n_status = [(count(state%new%slaves%status == status), status=0, 2)]
       record%n_closed = record%n_status(1) + record%n_status(2)
       record%n_scenario = report%n_scenario

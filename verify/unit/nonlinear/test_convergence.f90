@@ -10,6 +10,8 @@ program test_convergence
   type(suite_type) :: suite
   call check_converged(suite)
   call check_not_converged(suite)
+  call check_soft_parts(suite)
+  call check_first_iteration(suite)
   call check_divergence(suite)
   call check_estimate(suite)
   call check_early_end(suite)
@@ -49,7 +51,7 @@ contains
     measures = sample_measures()
     call suite%that('both limits', assess_convergence(sample_controls(), measures) == VERDICT_CONVERGED)
     measures%residual = [1.0e-4_DP, 1.0e-2_DP, 1.0_DP]
-    measures%correction = 0.5_DP                   ! times 1e-4 / 1e-2: 0.005
+    measures%correction = [0.05_DP, 1.0_DP]        ! times 1e-4 / 1e-2: 0.0005
     call suite%that('the correction that is left', assess_convergence(sample_controls(), measures) == VERDICT_CONVERGED)
     measures%residual = [0.9e-5_DP, 0.9e-5_DP, 1.0_DP]
     measures%correction = 10.0_DP
@@ -84,7 +86,7 @@ contains
     measures%correction = 1.1e-2_DP
     call suite%that('correction', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
     measures%residual = [1.0e-4_DP, 1.0e-2_DP, 1.0_DP]
-    measures%correction = 0.5_DP
+    measures%correction = [0.05_DP, 1.0_DP]
     measures%is_whole_step = .false.
     call suite%that('a shortened step scales no correction', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
     measures = sample_measures()
@@ -92,6 +94,37 @@ contains
     measures%iteration = 4
     call suite%that('r_p not before i_p', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
   end subroutine check_not_converged
+
+
+  !> Soft parts beside stiff ones: the residual of the stiff parts forecasts no correction of the soft ones.
+  subroutine check_soft_parts(suite)
+    type(suite_type), intent(inout) :: suite
+    type(convergence_measures_type) :: measures
+    measures = sample_measures()
+    measures%residual = [1.0e-5_DP, 1.0e-2_DP, 1.0_DP] * 1.1_DP
+    measures%correction = [0.5_DP, 1.0_DP]         ! halved: quadratic convergence forecasts an eighth
+    call suite%that('corrections that hardly shrink', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
+    measures%residual = [1.0e-4_DP, 1.0_DP, 1.0e-4_DP]   ! a stretched stiff part in between
+    measures%correction = [0.02_DP, 0.5_DP]
+    call suite%that('a residual that returns', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
+    measures%residual = [1.0e-4_DP, 1.0_DP, 2.0e-4_DP]   ! 0.5 for 2e-4 leaves 0.25 for 1e-4
+    call suite%that('the larger of two forecasts', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
+  end subroutine check_soft_parts
+
+
+  !> The first iteration: its correction counts where the start was in equilibrium to the tolerance.
+  subroutine check_first_iteration(suite)
+    type(suite_type), intent(inout) :: suite
+    type(convergence_measures_type) :: measures
+    measures = sample_measures()
+    measures%iteration = 1
+    measures%residual = [0.9e-3_DP, 0.5_DP, 0.0_DP]
+    call suite%that('from a start far from equilibrium', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
+    measures%residual(1) = 0.9e-3_DP
+    call suite%that('from a start near to it', assess_convergence(sample_controls(), measures) == VERDICT_CONVERGED)
+    measures%residual = [0.9e-5_DP, 0.5_DP, 0.0_DP]
+    call suite%that('a linear problem', assess_convergence(sample_controls(), measures) == VERDICT_CONVERGED)
+  end subroutine check_first_iteration
 
 
   !> Growth in two iterations running after i_0, and the last iteration allowed.

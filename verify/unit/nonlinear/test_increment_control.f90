@@ -110,8 +110,9 @@ contains
   subroutine check_verdicts()
     type(controls_type) :: controls
     type(convergence_measures_type) :: progress
-    progress = convergence_measures_type(iteration=3, residual=[5.0e-7_DP, 1.0e-2_DP, 1.0_DP], correction=1.0e-3_DP)
-    call suite%that('estimated correction 5e-8', assess_convergence(controls, progress) == VERDICT_CONVERGED)
+    progress = convergence_measures_type(iteration=3, residual=[5.0e-7_DP, 1.0e-2_DP, 1.0_DP], &
+      correction=[1.0e-3_DP, 1.0_DP])
+    call suite%that('estimated correction 5e-7', assess_convergence(controls, progress) == VERDICT_CONVERGED)
     progress%is_whole_step = .false.
     call suite%that('no estimate after a damped step', assess_convergence(controls, progress) == VERDICT_CONTINUE)
     progress%correction = 5.0e-7_DP

@@ -1,0 +1,84 @@
+"""Decks with a soft motion beside a stiff part, on which loose convergence criteria are easily met by a wrong answer.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from verify.decks.make_decks import block
+from verify.decks.solids import as_kind
+
+SPRING_SOFT, SPRING_CUBIC = 0.1, 1.0  # the spring's force: SPRING_SOFT u + SPRING_CUBIC u^3
+
+
+def field_controls(tolerance: float) -> str:
+    """*CONTROLS with one tolerance for residual and correction."""
+    return f"*CONTROLS, PARAMETERS=FIELD\n{tolerance:g}, {tolerance:g}, , {tolerance:g}, {0.01 * tolerance:g}\n"
+
+
+def spring_beside_bar(pull: float, force: float, n: int, controls: str = "") -> str:
+    """A bar of stiffness 1e8 under a pull, and at its end across it a spring that stiffens, under a small force; half of both after.
+
+    The table of the spring has steps of 0.01.
+    """
+    table = "".join(f"{SPRING_SOFT * u + SPRING_CUBIC * u**3:.12g}, {u:.12g}\n" for u in np.linspace(-4, 10, 1401))
+    steps = "".join(f"*STEP, NLGEOM\n*STATIC, DIRECT\n{1 / n:.10g}, 1.\n{controls}*CLOAD\n2, 1, {part * pull:.10g}\n"
+                    f"3, 2, {part * force:.10g}\n*NODE PRINT, NSET=END\nU\n*END STEP\n" for part in (1.0, 0.5))
+    return f"""*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+*NSET, NSET=END
+3
+*ELEMENT, TYPE=T3D2, ELSET=BAR
+1, 1, 2
+*MATERIAL, NAME=M
+*ELASTIC
+1e8, 0.
+*SOLID SECTION, ELSET=BAR, MATERIAL=M
+1.
+*ELEMENT, TYPE=SPRINGA, ELSET=SOFT
+2, 2, 3
+*SPRING, NONLINEAR, ELSET=SOFT
+
+{table}*BOUNDARY
+1, 1, 3
+2, 2, 3
+3, 1
+3, 3
+{steps}"""
+
+
+def cantilever_on_a_rope(load: tuple[float, float, float], anchor: tuple[float, float, float], slack: float, n: int = 10,
+                         controls: str = "") -> str:
+    """A clamped bar of C3D20R along z, 1 by 1 by 8, a corner of its end hung on a rope to the anchor; the corner is loaded in n
+    increments and unloaded in n. The deck is of the calculix dialect.
+    """
+    mesh = as_kind(block([0, 0.5, 1], [0, 0.5, 1], np.linspace(0, 8, 5), "BAR"), "C3D20R")
+    (tip,) = (int(k) + 1 for k in np.flatnonzero(np.linalg.norm(mesh.nodes - [0, 0, 8], axis=1) < 1e-9))
+    fixed = "\n".join(f"{k + 1}," for k in mesh.where(2, 0.0))
+    length = float(np.linalg.norm(np.array([0, 0, 8]) - anchor)) + slack
+    steps = "".join(f"*STEP, NLGEOM\n*STATIC, DIRECT\n{1 / n:.10g}, 1.\n{controls}*CLOAD\n"
+                    + "".join(f"TIP, {k}, {part * p:.10g}\n" for k, p in enumerate(load, start=1) if p)
+                    + "*NODE PRINT, NSET=TIP\nU\n*END STEP\n" for part in (1.0, 0.0))
+    return f"""** dialect: calculix
+{mesh.cards()}*NODE
+9001, {', '.join(f'{x:.10g}' for x in anchor)}
+9002, {length:.12g}, 0., 0.
+*NSET, NSET=FIXED
+{fixed}
+*NSET, NSET=TIP
+{tip}
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., .3
+*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL
+*MPC
+DIST, {tip}, {tip}, {tip}, 9001, 9001, 9001, 9002
+*BOUNDARY
+FIXED, 1, 3
+9001, 1, 3
+9002, 1, 3
+{steps}"""
