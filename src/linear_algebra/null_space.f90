@@ -10,14 +10,16 @@ module amontons_null_space
 contains
 
   !> Orthonormal vectors that a Gram matrix maps to (nearly) zero, in the first n columns.
-  subroutine find_null_space(gram, tolerance, n, vectors)
+  subroutine find_null_space(gram, tolerance, n, vectors, eigenvalues)
     real(DP), intent(in) :: gram(:, :)             !< (m, m)
     real(DP), intent(in) :: tolerance              !< of an eigenvalue over the largest [-]
     integer, intent(out) :: n
-    real(DP), intent(out) :: vectors(:, :)         !< (m, m)
+    real(DP), intent(out) :: vectors(:, :)         !< (m, m) all eigenvectors
+    real(DP), intent(out), optional :: eigenvalues(:)   !< (m) ascending
     real(DP) :: values(size(gram, 1))
     integer :: status
     call solve_symmetric_eigen(gram, values, vectors, status)
+    if (present(eigenvalues)) eigenvalues = values
     n = 0
     if (status == DENSE_OK) n = count(values <= tolerance * values(size(values)))
   end subroutine find_null_space

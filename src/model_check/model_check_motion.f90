@@ -34,6 +34,9 @@ module amontons_model_check_motion
   real(DP), parameter :: SUPPORT_TOLERANCE = 1.0e-12_DP
   real(DP), parameter :: CONTACT_TOLERANCE = 1.0e-10_DP
 
+  ! Supports on a line whose coordinates are rounded by 1 are up to sqrt(2) off it, and the line that fits them best as far again.
+  real(DP), parameter :: MAX_OFFSET_OF_ROUNDED = 2 * sqrt(2.0_DP)
+
   !> The motions that the supports of a step leave to each body.
   type :: bases_type
     integer, allocatable :: n(:)                   !< (n_bodies) 0 to 6
@@ -176,11 +179,13 @@ contains
     type(bodies_type), intent(in) :: bodies
     type(step_type), intent(in) :: step
     type(bases_type), intent(out) :: bases
-    real(DP), allocatable :: gram(:, :, :)
+    real(DP), allocatable :: gram(:, :, :), eigenvalues(:, :)
     real(DP) :: row(6)
+    integer, allocatable :: n_rows(:)              ! (n_bodies) of supports
     integer :: i, b
     allocate (gram(6, 6, bodies%n), source=0.0_DP)
-    allocate (bases%n(bodies%n), source=0)
+    allocate (eigenvalues(6, bodies%n))
+    allocate (bases%n(bodies%n), n_rows(bodies%n), source=0)
     allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
     do b = 1, bodies%n
       if (bodies%list(b)%n_elements == 0) call constrain_lone_node(model, bodies%list(b)%node, gram(:, :, b))
@@ -192,14 +197,93 @@ contains
         row = matmul(dof_direction(model, load%node, load%dof), &
           rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node)))
         call add_product(row, row, gram(:, :, b))
+        n_rows(b) = n_rows(b) + 1
       end associate
     end do
     call constrain_by_elements(model, bodies, gram)
     call constrain_line_rotation(model, bodies, gram)
     do b = 1, bodies%n
-      call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b))
+      call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b), eigenvalues(:, b))
     end do
+    call release_rounded_motions(model, bodies, step, n_rows, eigenvalues, bases)
   end subroutine find_bases
+
+
+  !> Adds the motions that only the rounding of the coordinates restrains: they move no support by more than its coordinates are
+  !! rounded. Supports on an inclined line, written with a few digits, leave the rotation about that line free.
+  subroutine release_rounded_motions(model, bodies, step, n_rows, eigenvalues, bases)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: n_rows(:)               !< (n_bodies) of supports
+    real(DP), intent(in) :: eigenvalues(:, :)      !< (6, n_bodies) of the Gram matrices, ascending
+    type(bases_type), intent(inout) :: bases       !< with all six eigenvectors of each body
+    real(DP), allocatable :: slack(:)              ! (n_bodies) of the displacement of a support [-]
+    integer :: n_candidates(bodies%n), i, b
+    real(DP) :: row(6)
+    allocate (slack(bodies%n), source=0.0_DP)
+    n_candidates = 0
+    do b = 1, bodies%n
+      if (bodies%list(b)%n_elements == 0 .or. n_rows(b) == 0) cycle
+      slack(b) = MAX_OFFSET_OF_ROUNDED * coordinate_rounding(model%mesh%coordinates, bodies%list(b)) / bodies%list(b)%size
+      n_candidates(b) = max(bases%n(b), count(eigenvalues(:, b) <= real(n_rows(b), DP) * slack(b)**2))
+    end do
+    if (all(n_candidates <= bases%n)) return
+    do i = 1, size(step%prescribed)
+      associate (load => step%prescribed(i))
+        b = bodies%of_node(load%node)
+        if (b == 0) cycle
+        row = matmul(dof_direction(model, load%node, load%dof), &
+          rigid_motion(bodies%list(b), model%mesh%coordinates(:, load%node)))
+        do while (n_candidates(b) > bases%n(b))
+          if (abs(dot_product(row, bases%motion(:, n_candidates(b), b))) <= slack(b)) exit
+          n_candidates(b) = n_candidates(b) - 1
+        end do
+      end associate
+    end do
+    bases%n = n_candidates
+  end subroutine release_rounded_motions
+
+
+  !> How far the coordinates of a body may be rounded [length]: half a unit of their last digit if they have four to six digits or
+  !! few decimals, else of the seventh digit. At most a small part of the mean size of its elements.
+  pure real(DP) function coordinate_rounding(x, body) result(rounding)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes)
+    type(body_type), intent(in) :: body
+    integer, parameter :: MIN_DIGITS = 4, MAX_DIGITS = 6, MAX_SAMPLES = 1000
+    real(DP), parameter :: SINGLE = 5.0e-7_DP      ! half a unit of the seventh digit [-]
+    real(DP), parameter :: EDGE_PART = 3.0e-4_DP   ! of the size of an element: no two nodes are that near [-]
+    real(DP) :: largest, written
+    integer :: digits, stride
+    largest = max(maxval(abs(body%low)), maxval(abs(body%high)))
+    rounding = SINGLE * largest
+    stride = max(1, size(x, 2) / MAX_SAMPLES)
+    do digits = MIN_DIGITS, MAX_DIGITS
+      written = 10.0_DP**(floor(log10(max(largest, tiny(1.0_DP)))) - digits + 1)
+      if (.not. all(is_written_with(x(:, ::stride), digits) .or. is_multiple(x(:, ::stride), written))) cycle
+      rounding = max(rounding, 0.5_DP * written)
+      exit
+    end do
+    rounding = min(rounding, EDGE_PART * (body%volume / real(body%n_elements, DP))**(1.0_DP / 3.0_DP))
+  end function coordinate_rounding
+
+
+  !> Whether a number has at most so many significant digits.
+  elemental logical function is_written_with(x, digits)
+    real(DP), intent(in) :: x
+    integer, intent(in) :: digits
+    is_written_with = is_multiple(x, 10.0_DP**(floor(log10(max(abs(x), tiny(1.0_DP)))) - digits + 1))
+  end function is_written_with
+
+
+  !> Whether a number is a multiple of a unit, but for rounding.
+  elemental logical function is_multiple(x, unit)
+    real(DP), intent(in) :: x, unit
+    real(DP), parameter :: ROUNDING = 1.0e-15_DP   ! of the number [-]
+    real(DP) :: n
+    n = x / unit
+    is_multiple = abs(n - anint(n)) <= max(1.0e-9_DP, 10 * ROUNDING * abs(n))
+  end function is_multiple
 
 
   !> Motions that the elements themselves restrain: displacements without stiffness are fixed at zero (the third of plane

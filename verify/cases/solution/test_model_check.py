@@ -120,6 +120,37 @@ def test_partly_held(run_deck: Run, tmp_path: Path, supports: str, motion: str) 
     assert len(errors) == 1
 
 
+def inclined_bar(digits: int, shift: float, held: str, stretch: float = 1.0) -> str:
+    """A bar of two cubes along (1, 2, 2)/3, coordinates written with some digits; sets EDGE (three nodes on a line along it) and END (four)."""
+    along, across, up = (1 / 3, 2 / 3, 2 / 3), (2 / 3, 1 / 3, -2 / 3), (-2 / 3, 2 / 3, -1 / 3)
+    places = [(i * stretch, j, k) for i in range(3) for k in range(2) for j in range(2)]
+    nodes = [tuple(shift + a * along[m] + b * across[m] + c * up[m] for m in range(3)) for a, b, c in places]
+    rows = "".join(f"{n}, " + ", ".join(f"{v:.{digits}g}" for v in x) + "\n" for n, x in enumerate(nodes, 1))
+    return (
+        f"*NODE\n{rows}*ELEMENT, TYPE=C3D8, ELSET=BAR\n1, 1, 5, 6, 2, 3, 7, 8, 4\n2, 5, 9, 10, 6, 7, 11, 12, 8\n"
+        "*NSET, NSET=EDGE\n1, 5, 9\n*NSET, NSET=END\n1, 2, 3, 4\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
+        f"*SOLID SECTION, ELSET=BAR, MATERIAL=M\n*STEP\n*STATIC\n*BOUNDARY\n{held}\n*CLOAD\n12, 1, 1.\n*END STEP\n"
+    )
+
+
+@pytest.mark.parametrize(("digits", "shift"), [(17, 0.0), (8, 0.0), (7, 0.0), (6, 0.0), (5, 0.0), (17, 1000.0), (8, 1000.0)])
+def test_held_on_a_line(run_deck: Run, tmp_path: Path, digits: int, shift: float) -> None:
+    """Three supports on a line leave the rotation about it, also where the rounding of their coordinates takes them off it."""
+    deck = inclined_bar(digits, shift, "EDGE, 1, 3")
+    (error,) = refuse(run_deck, tmp_path, deck, "the body of element 1 (set BAR, 2 elements) can turn about (0.33")
+    assert error.count("turn") == 1 and "move" not in error
+
+
+@pytest.mark.parametrize(("digits", "shift", "held", "stretch"), [
+    (5, 0.0, "EDGE, 1, 3\n2, 3", 1.0), (7, 1000.0, "EDGE, 1, 3\n2, 3", 1.0), (4, 0.0, "END, 1, 3", 1.0),
+    (5, 0.0, "END, 1, 3", 100.0), (7, 0.0, "END, 1, 3", 1000.0),
+])  # fmt: skip
+def test_held_well(run_deck: Run, digits: int, shift: float, held: str, stretch: float) -> None:
+    """One support more off the line holds the bar; a slender one is held at its end."""
+    done = run_deck(inclined_bar(digits, shift, held, stretch))
+    assert done.returncode == 0, done.stdout
+
+
 def test_released_in_a_later_step(run_deck: Run, tmp_path: Path) -> None:
     """OP=NEW in step 2 takes the supports of step 1 away: found before step 1 begins."""
     deck = Deck(steps=[[fixed("FLOOR1")], ["*BOUNDARY, OP=NEW\nFLOOR1, 3, 3"]])
