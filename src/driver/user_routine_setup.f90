@@ -20,6 +20,10 @@ module amontons_user_routine_setup
   private
   public :: open_user_routines, close_user_routines, handle_user_messages, update_user_amplitudes, restore_user_amplitudes
 
+  character(*), parameter :: ERROR_MARK = '*ERROR: '          !< start of the message of a crash
+  character(*), parameter :: CRASH_REMEDY = 'Set AMONTONS_FFLAGS to -fcheck=all in the environment and run the job again: ' // &
+    'the compiler''s checks name the line and the array.'
+
 contains
 
   !> Opens the user routines of the job and checks that those required by the deck exist.
@@ -32,7 +36,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: text
     real(DP) :: pnewdt
-    logical :: is_stopped
+    logical :: is_stopped, has_crashed
     integer :: m
     if (allocated(options%user)) call open_named(options%user, options, model%routines, error)
     if (allocated(error)) return
@@ -49,8 +53,11 @@ contains
           ROUTINE_SDVINI, '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
         if (allocated(error)) return
         call find_initial_tangent(material, max_stress_components(model, m), first_increment(model), error)
+        ! PNEWDT has no meaning in the undeformed state
+        call collect_user_messages(material%routines, pnewdt, text, is_stopped, has_crashed)
+        if (has_crashed) call set_error(error, EXIT_SETUP, 'In the call at rest for the material ''' // material%name // ''': ' // &
+          text(len(ERROR_MARK) + 1:len(text) - 1) // ' ' // CRASH_REMEDY)
         if (allocated(error)) return
-        call collect_user_messages(material%routines, pnewdt, text, is_stopped)   ! PNEWDT has no meaning in the undeformed state
       end associate
     end do
     call check_load_routines(model, options, error)
@@ -261,7 +268,7 @@ contains
   end subroutine check_routine
 
 
-  !> Logs the messages of the routines since the last call, takes the smallest PNEWDT, and ends the job after XIT.
+  !> Logs the messages of the routines since the last call, takes the smallest PNEWDT, and ends the job after XIT or a crash.
   subroutine handle_user_messages(model, logger, pnewdt, error)
     type(model_type), intent(in) :: model
     type(logger_type), intent(inout) :: logger
@@ -269,19 +276,24 @@ contains
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: text
     real(DP) :: smallest
-    logical :: is_stopped, has_stopped
+    logical :: is_stopped, has_stopped, has_crashed
     integer :: m
     has_stopped = .false.
     do m = 0, size(model%materials)
       if (m == 0) then
-        call collect_user_messages(model%routines, smallest, text, is_stopped)
+        call collect_user_messages(model%routines, smallest, text, is_stopped, has_crashed)
       else
         if (.not. is_first_of_library(model, m)) cycle
-        call collect_user_messages(model%materials(m)%routines, smallest, text, is_stopped)
+        call collect_user_messages(model%materials(m)%routines, smallest, text, is_stopped, has_crashed)
       end if
       pnewdt = min(pnewdt, smallest)
-      if (len(text) > 0) call logger%say('User routines: ' // text(:len(text) - 1))
       has_stopped = has_stopped .or. is_stopped
+      if (has_crashed) then
+        call set_error(error, EXIT_NOT_CONVERGED, text(index(text, ERROR_MARK, back=.true.) + len(ERROR_MARK):len(text) - 1) // &
+          ' ' // CRASH_REMEDY // ' All converged increments are on disk.')
+        return
+      end if
+      if (len(text) > 0) call logger%say('User routines: ' // text(:len(text) - 1))
     end do
     if (has_stopped) call set_error(error, EXIT_NOT_CONVERGED, 'A user routine has ended the job (XIT or STDB_ABQERR). ' // &
       'All converged increments are on disk.')

@@ -263,22 +263,25 @@ contains
   end subroutine pass_job_name
 
 
-  !> Reports of the routines since the last call of this procedure: the smallest PNEWDT (1: none), the lines of STDB_ABQERR,
-  !! whether XIT was called.
-  subroutine collect_user_messages(routines, smallest, text, is_stopped)
+  !> Reports of the routines since the last call of this procedure: the smallest PNEWDT (1: none), the lines of STDB_ABQERR or of
+  !! a crash, whether XIT was called or a routine has crashed.
+  subroutine collect_user_messages(routines, smallest, text, is_stopped, has_crashed)
     type(user_library_type), intent(in) :: routines
     real(DP), intent(out) :: smallest              !< [-]
     character(:), allocatable, intent(out) :: text
-    logical, intent(out) :: is_stopped
+    logical, intent(out) :: is_stopped, has_crashed
+    integer(c_int), parameter :: CRASHED = 2       ! as in the shim
     character(MESSAGE_LENGTH) :: buffer
     integer(c_int) :: stopped
     smallest = 1
     text = ''
     is_stopped = .false.
+    has_crashed = .false.
     if (.not. c_associated(routines%handle)) return
     call messages_c(routines%handle, smallest, stopped, buffer, len(buffer))
     text = text_before_null(buffer)
     is_stopped = stopped /= 0
+    has_crashed = stopped == CRASHED
   end subroutine collect_user_messages
 
 

@@ -3,7 +3,8 @@
  *
  * The routines have the argument lists of Abaqus. Calls are serialized, whatever the number of threads: common
  * blocks and saved variables of the user are safe. XIT and STDB_ABQERR are defined here; XIT leaves the routine, and its
- * caller gets a status. All state is in the handle, except a thread's pointer to its current call. */
+ * caller gets a status. A routine that crashes is left in the same way. All state is in the handle, except a thread's current
+ * call and, while a library is open, the signal handlers of the process. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>
@@ -12,6 +13,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -20,10 +22,15 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <link.h>
+#include <ucontext.h>
+#endif
 
 /* The routines, in the order of user_routines.f90. */
 enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, N_ROUTINES };
 static const char *const NAMES[N_ROUTINES] = {"umat", "fric", "uinter", "dload", "disp", "uamp", "sdvini"};
+static const char *const CAPITALS[N_ROUTINES] = {"UMAT", "FRIC", "UINTER", "DLOAD", "DISP", "UAMP", "SDVINI"};
 
 /* Status codes of opening; the same numbers as in user_routines.f90. */
 enum { OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4, NO_MEMORY = 5 };
@@ -35,15 +42,27 @@ typedef struct {
   void *routine[N_ROUTINES];
   pthread_mutex_t lock;
   double smallest;       /* smallest PNEWDT requested since the last query */
-  int is_stopped;        /* XIT was called, or STDB_ABQERR with -3 */
+  int is_stopped;        /* XIT_CALLED: or STDB_ABQERR with -3; CRASHED */
   int n_text;
   char text[TEXT_ROOM];  /* messages of STDB_ABQERR since the last query */
   char folder[1024], job[256];
+  char file[1024];       /* as named by the user */
+  uintptr_t low, high;   /* addresses of the library; 0: not known */
 } routines;
+
+/* How a routine was left, and the exit code of a job whose routine ends the process (EXIT_NOT_CONVERGED of errors.f90). */
+enum { XIT_CALLED = 1, CRASHED = 2, EXIT_CODE = 5 };
+
+/* Where a routine is called; numbers from 1, 0: none. */
+typedef struct {
+  int routine, element, point, node, step, increment;
+} call_place;
 
 /* The current call of a thread. */
 static _Thread_local routines *inside;
 static _Thread_local jmp_buf way_out;
+static _Thread_local call_place place_of_call;
+static _Thread_local int caught;   /* signal */
 
 /* --- procedures that the routines may call ------------------------------------------------------------------------ */
 
@@ -57,8 +76,8 @@ static void say(routines *self, const char *text, size_t length)
 
 static void leave(void)
 {
-  inside->is_stopped = 1;
-  longjmp(way_out, 1);
+  inside->is_stopped = XIT_CALLED;
+  longjmp(way_out, XIT_CALLED);
 }
 
 /* SUBROUTINE XIT */
@@ -125,6 +144,145 @@ void getjobname_(char *to, int *length, size_t room)
   give_text(to, room, length, inside ? inside->job : "job");
 }
 
+/* --- routines that crash ------------------------------------------------------------------------------------------ */
+
+enum { N_SIGNALS = 5, STACK_ROOM = 65536 };
+static const int SIGNALS[N_SIGNALS] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+static const char *const CAUSES[N_SIGNALS] = {
+  "it used memory that it does not own (an array index out of bounds, a missing argument, or arrays too large for the stack)",
+  "it used memory that it does not own (an array index out of bounds, or a missing argument)",
+  "it divided an integer by zero",
+  "it ran into code that is none (a call with wrong arguments)",
+  "it was aborted (often by memory overwritten before)"};
+static struct sigaction handlers_before[N_SIGNALS];
+static int n_open;
+static pthread_mutex_t handlers_lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* The sentence about a call that went wrong. */
+static int describe_call(const routines *self, const char *cause, char *to, int room)
+{
+  const call_place *at = &place_of_call;
+  int n = snprintf(to, (size_t)room, "The routine %s of %s has crashed", CAPITALS[at->routine], self->file);
+  if (at->element > 0) n += snprintf(to + n, (size_t)(room - n), " at element %d, integration point %d", at->element, at->point);
+  if (at->node > 0) n += snprintf(to + n, (size_t)(room - n), " at node %d", at->node);
+  if (at->increment > 0) n += snprintf(to + n, (size_t)(room - n), " in increment %d of step %d", at->increment, at->step);
+  n += snprintf(to + n, (size_t)(room - n), ": %s.", cause);
+  return n < room ? n : room - 1;
+}
+
+static const char *cause_of(int number)
+{
+  for (int i = 0; i < N_SIGNALS; i++)
+    if (SIGNALS[i] == number) return CAUSES[i];
+  return "";
+}
+
+/* The Fortran units, if the run-time library has this. */
+extern void _gfortran_flush_i4(void *unit) __attribute__((weak));
+
+/* Ends the process with the sentence about the current call. */
+static void end_process(const char *cause)
+{
+  static const char start[] = "*ERROR: ";
+  char text[2048];
+  routines *self = inside;
+  inside = NULL;
+  int n = describe_call(self, cause, text, (int)sizeof text - 100);
+  n += snprintf(text + n, 100, " When it is repaired, amontons --resume continues the job from its checkpoint.\n");
+  if (write(STDOUT_FILENO, start, sizeof start - 1) < 0 || write(STDOUT_FILENO, text, (size_t)n) < 0) _exit(EXIT_CODE);
+  _exit(EXIT_CODE);
+}
+
+/* Whether a signal comes from the code of the library itself, so that no lock of the C library is held. */
+static int is_from_library(const routines *self, void *context)
+{
+  uintptr_t address = 0;
+#if defined(__linux__) && defined(__x86_64__)
+  address = (uintptr_t)((ucontext_t *)context)->uc_mcontext.gregs[REG_RIP];
+#elif defined(__linux__) && defined(__aarch64__)
+  address = (uintptr_t)((ucontext_t *)context)->uc_mcontext.pc;
+#else
+  (void)context;
+#endif
+  return address >= self->low && address < self->high;
+}
+
+static void handle_signal(int number, siginfo_t *info, void *context)
+{
+  (void)info;
+  if (!inside) {
+    for (int i = 0; i < N_SIGNALS; i++)
+      if (SIGNALS[i] == number) sigaction(number, &handlers_before[i], NULL);
+    raise(number);
+    return;
+  }
+  if (!is_from_library(inside, context)) end_process(cause_of(number));
+  caught = number;
+  inside->is_stopped = CRASHED;
+  longjmp(way_out, CRASHED);
+}
+
+/* A routine that ends the process: STOP, or an error of the Fortran run-time library. */
+static void handle_exit(void)
+{
+  if (!inside) return;
+  fflush(NULL);
+  if (_gfortran_flush_i4) _gfortran_flush_i4(NULL);
+  end_process("it ended the process, by STOP or by an error of the Fortran library");
+}
+
+/* Catches signals while a library is open; those outside its routines go to the handlers before. */
+static void catch_signals(void)
+{
+  static int is_registered;
+  struct sigaction action = {0};
+  action.sa_sigaction = handle_signal;
+  action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
+  sigemptyset(&action.sa_mask);
+  pthread_mutex_lock(&handlers_lock);
+  if (n_open++ == 0)
+    for (int i = 0; i < N_SIGNALS; i++) sigaction(SIGNALS[i], &action, &handlers_before[i]);
+  if (!is_registered) is_registered = atexit(handle_exit) == 0;
+  pthread_mutex_unlock(&handlers_lock);
+}
+
+static void restore_signals(void)
+{
+  pthread_mutex_lock(&handlers_lock);
+  if (--n_open == 0)
+    for (int i = 0; i < N_SIGNALS; i++) sigaction(SIGNALS[i], &handlers_before[i], NULL);
+  pthread_mutex_unlock(&handlers_lock);
+}
+
+/* A stack for the handler of each thread: that of the routine may be full. */
+static void give_stack(void)
+{
+  static _Thread_local char room[STACK_ROOM];
+  static _Thread_local int is_given;
+  stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
+  if (is_given) return;
+  is_given = 1;
+  sigaltstack(&stack, NULL);
+}
+
+#ifdef __linux__
+/* The addresses of a library. */
+static int find_addresses(struct dl_phdr_info *info, size_t size, void *data)
+{
+  routines *self = data;
+  struct link_map *map = NULL;
+  (void)size;
+  if (dlinfo(self->library, RTLD_DI_LINKMAP, &map) || info->dlpi_addr != map->l_addr) return 0;
+  for (int i = 0; i < info->dlpi_phnum; i++) {
+    if (info->dlpi_phdr[i].p_type != PT_LOAD) continue;
+    const uintptr_t first = info->dlpi_addr + info->dlpi_phdr[i].p_vaddr, last = first + info->dlpi_phdr[i].p_memsz;
+    if (!self->low || first < self->low) self->low = first;
+    if (last > self->high) self->high = last;
+  }
+  return 1;
+}
+#endif
+
 /* --- compilation and loading --------------------------------------------------------------------------------------- */
 
 static int ends_with(const char *path, const char *const *endings)
@@ -176,20 +334,50 @@ static void read_log(const char *folder, char *message, int room)
   if (file) fclose(file);
 }
 
-/* Compiles a Fortran file into folder/routines.so, the modules into the folder too. 1: done. */
-static int compile(const char *source, const char *folder, char *message, int room)
+/* Words of AMONTONS_FFLAGS, separated by blanks. Returns the memory that they are in. */
+static char *add_flags(const char **words, int *n, int room)
 {
-  char target[1200], include[1200], modules[1200], beside[1200], log[1200];
-  const char *compiler = getenv("AMONTONS_FC");
-  if (!compiler || !*compiler) compiler = "gfortran";
-  snprintf(target, sizeof target, "%s/routines.so", folder);
-  snprintf(include, sizeof include, "-I%s", folder);
-  snprintf(modules, sizeof modules, "-J%s", folder);
-  snprintf(log, sizeof log, "%s/log", folder);
-  const char *slash = strrchr(source, '/');
-  snprintf(beside, sizeof beside, "-I%.*s", slash ? (int)(slash - source) + 1 : 1, slash ? source : ".");
-  const char *const words[] = {compiler, "-shared", "-fPIC", "-O2", "-g", "-w", "-std=legacy", "-frecursive", include, beside,
-                               modules, "-o", target, source, NULL};
+  const char *flags = getenv("AMONTONS_FFLAGS");
+  char *copy = flags ? strdup(flags) : NULL, *rest = NULL;
+  for (char *word = copy ? strtok_r(copy, " \t", &rest) : NULL; word && *n < room; word = strtok_r(NULL, " \t", &rest))
+    words[(*n)++] = word;
+  return copy;
+}
+
+/* Whether the lines of a fixed-form file have numbers in columns 73 to 80 and nothing beyond, as cards had. */
+static int has_sequence_numbers(const char *source)
+{
+  char line[1024];
+  int n_long = 0, is_so = 1;
+  FILE *file = fopen(source, "r");
+  while (is_so && file && fgets(line, sizeof line, file)) {
+    size_t length = strcspn(line, "\r\n"), digits = 0;
+    while (length > 0 && line[length - 1] == ' ') length--;
+    if (length <= 72 || strchr("cC*!", line[0])) continue;
+    n_long++;
+    for (size_t i = length; i > 72 && line[i - 1] >= '0' && line[i - 1] <= '9'; i--) digits++;
+    is_so = length == 80 && digits >= 2;
+  }
+  if (file) fclose(file);
+  return is_so && n_long > 0;
+}
+
+/* Whether a file has lines for the preprocessor. */
+static int has_directives(const char *source)
+{
+  char line[1024];
+  int has_one = 0;
+  FILE *file = fopen(source, "r");
+  while (!has_one && file && fgets(line, sizeof line, file)) has_one = line[0] == '#';
+  if (file) fclose(file);
+  return has_one;
+}
+
+/* Runs the compiler. 1: done. */
+static int run_compiler(const char *const *words, const char *folder, const char *output, char *message, int room)
+{
+  char log[1200];
+  snprintf(log, sizeof log, "%s/%s", folder, output);
   pid_t child = fork();
   if (child == 0) {
     int descriptor = open(log, O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -197,19 +385,48 @@ static int compile(const char *source, const char *folder, char *message, int ro
       dup2(descriptor, STDOUT_FILENO);
       dup2(descriptor, STDERR_FILENO);
     }
-    execvp(compiler, (char *const *)words);
+    execvp(words[0], (char *const *)(uintptr_t)words);
     _exit(127);
   }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) < 0) {
-    snprintf(message, (size_t)room, "%s cannot be started: %s", compiler, strerror(errno));
+    snprintf(message, (size_t)room, "%s cannot be started: %s", words[0], strerror(errno));
     return 0;
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return 1;
   read_log(folder, message, room);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    snprintf(message, (size_t)room, "there is no compiler %s; install it, or name one in AMONTONS_FC", compiler);
+    snprintf(message, (size_t)room, "there is no compiler %s; install it, or name one in AMONTONS_FC", words[0]);
   return 0;
+}
+
+/* Compiles a Fortran file into folder/routines.so, the modules into the folder too. 1: done. What compilers of Abaqus's users
+ * accept: lines of 132 columns in fixed form, old language, and constants of single precision beside arguments of double
+ * precision (sign(1.0, x)), by default reals of double precision if the file does not compile without. */
+static int compile(const char *source, const char *folder, char *message, int room)
+{
+  enum { MAX_WORDS = 64, N_PRECISION = 2 };
+  static const char *const precision[N_PRECISION] = {"-fdefault-real-8", "-fdefault-double-8"};
+  char target[1200], include[1200], modules[1200], beside[1200];
+  const char *compiler = getenv("AMONTONS_FC");
+  if (!compiler || !*compiler) compiler = "gfortran";
+  snprintf(target, sizeof target, "%s/routines.so", folder);
+  snprintf(include, sizeof include, "-I%s", folder);
+  snprintf(modules, sizeof modules, "-J%s", folder);
+  const char *slash = strrchr(source, '/');
+  snprintf(beside, sizeof beside, "-I%.*s", slash ? (int)(slash - source) + 1 : 1, slash ? source : ".");
+  const char *words[MAX_WORDS] = {compiler, "-shared", "-fPIC", "-O2", "-g", "-w", "-std=legacy", "-frecursive", include, beside,
+                                  modules, "-o", target, source};
+  int n = 14;
+  if (!has_sequence_numbers(source)) words[n++] = "-ffixed-line-length-132";
+  if (has_directives(source)) words[n++] = "-cpp";
+  char *flags = add_flags(words, &n, MAX_WORDS - N_PRECISION - 1);
+  int is_done = run_compiler(words, folder, "log", message, room);
+  for (int i = 0; i < N_PRECISION; i++) words[n++] = precision[i];
+  char ignored[16];
+  if (!is_done) is_done = run_compiler(words, folder, "second", ignored, sizeof ignored);
+  free(flags);
+  return is_done;
 }
 
 /* XIT and STDB_ABQERR must be visible to the loaded library, even if Amontons itself was loaded with local symbols. */
@@ -248,6 +465,9 @@ static int load(routines *self, const char *path, char *message, int room)
     return NOT_LOADED;
   }
   find_routines(self);
+#ifdef __linux__
+  dl_iterate_phdr(find_addresses, self);
+#endif
   for (int i = 0; i < N_ROUTINES; i++)
     if (self->routine[i]) return OPENED;
   return NO_ROUTINE;
@@ -267,6 +487,7 @@ int amontons_user_open(const char *path, char *message, int room, void **handle)
   if (!self) return NO_MEMORY;
   pthread_mutex_init(&self->lock, NULL);
   self->smallest = 1;
+  snprintf(self->file, sizeof self->file, "%s", path);
   int status = OPENED;
   if (ends_with(path, fortran)) {
     const char *where = getenv("TMPDIR");
@@ -280,6 +501,7 @@ int amontons_user_open(const char *path, char *message, int room, void **handle)
   if (status == OPENED) status = load(self, path, message, room);
   if (folder[0]) remove_folder(folder);
   if (status == OPENED) {
+    catch_signals();
     *handle = self;
   } else {
     if (self->library) dlclose(self->library);
@@ -293,6 +515,7 @@ void amontons_user_close(void *handle)
 {
   routines *self = handle;
   if (!self) return;
+  restore_signals();
   dlclose(self->library);
   pthread_mutex_destroy(&self->lock);
   free(self);
@@ -313,7 +536,7 @@ void amontons_user_job(void *handle, const char *folder, const char *job)
   snprintf(self->job, sizeof self->job, "%s", job);
 }
 
-/* Reports since the last query: the smallest PNEWDT, the messages, whether XIT was called. */
+/* Reports since the last query: the smallest PNEWDT, the messages, whether XIT was called or a routine has crashed. */
 void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *text, int room)
 {
   routines *self = handle;
@@ -331,14 +554,30 @@ void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *t
 
 /* --- the calls --------------------------------------------------------------------------------------------------- */
 
-/* Around each call: serialized, with return to this point after XIT. */
-#define CALL(self, statement)           \
-  do {                                  \
-    pthread_mutex_lock(&(self)->lock);  \
-    inside = (self);                    \
-    if (!setjmp(way_out)) statement;    \
-    inside = NULL;                      \
-    pthread_mutex_unlock(&(self)->lock);\
+/* A message of the call that has crashed. */
+static void report_crash(routines *self)
+{
+  char text[2048] = "*ERROR: ";
+  const int n = describe_call(self, cause_of(caught), text + 8, (int)sizeof text - 8);
+  say(self, text, (size_t)n + 8);
+}
+
+/* Around each call: serialized, with return to this point after XIT and after a crash; no call follows a crash. */
+#define CALL(self, where, statement)                         \
+  do {                                                       \
+    pthread_mutex_lock(&(self)->lock);                       \
+    if ((self)->is_stopped != CRASHED) {                     \
+      give_stack();                                          \
+      place_of_call = where;                                 \
+      inside = (self);                                       \
+      switch (setjmp(way_out)) {                             \
+      case 0: statement; break;                              \
+      case CRASHED: report_crash(self); break;               \
+      default: break;                                        \
+      }                                                      \
+      inside = NULL;                                         \
+    }                                                        \
+    pthread_mutex_unlock(&(self)->lock);                     \
   } while (0)
 
 typedef void umat_routine(double *stress, double *statev, double *ddsdde, double *sse, double *spd, double *scd, double *rpl,
@@ -385,10 +624,12 @@ void amontons_user_umat(void *handle, const char *cmname, const double *props, i
   const double none = 0;
   double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = 1;
   umat_routine *umat = (umat_routine *)(uintptr_t)self->routine[UMAT];
-  CALL(self, umat(stress, statev, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde,
-                  &drpldt, stran, dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr,
-                  &ntens, &nstatv, props, &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel,
-                  &v->npt, &one, &one, jstep, &v->increment, NAME_ROOM));
+  const call_place where = {UMAT, v->noel, v->npt, 0, v->step, v->increment};
+  CALL(self, where,
+       umat(stress, statev, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde, &drpldt, stran,
+            dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr, &ntens, &nstatv, props,
+            &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel, &v->npt, &one, &one, jstep,
+            &v->increment, NAME_ROOM));
   memset(v->stress, 0, sizeof v->stress);
   memset(v->ddsdde, 0, sizeof v->ddsdde);
   for (int j = 0; j < ntens; j++) {
@@ -410,7 +651,9 @@ void amontons_user_sdvini(void *handle, double *statev, int nstatv, const double
   routines *self = handle;
   const int ncrds = 3, one = 1;
   sdvini_routine *sdvini = (sdvini_routine *)(uintptr_t)self->routine[SDVINI];
-  CALL(self, sdvini(statev, coords, &nstatv, &ncrds, &noel, &npt, &one, &one));
+  const call_place where = {SDVINI, noel, npt, 0, 0, 0};
+  CALL(self, where,
+       sdvini(statev, coords, &nstatv, &ncrds, &noel, &npt, &one, &one));
   *is_taken = !self->is_stopped;
 }
 
@@ -425,7 +668,9 @@ void amontons_user_dload(void *handle, double *f, const double *time, const doub
   routines *self = handle;
   const int one = 1;
   dload_routine *dload = (dload_routine *)(uintptr_t)self->routine[DLOAD];
-  CALL(self, dload(f, &counts[0], &counts[1], time, &counts[2], &counts[3], &one, &one, coords, &counts[4], sname, NAME_ROOM));
+  const call_place where = {DLOAD, counts[2], counts[3], 0, counts[0], counts[1]};
+  CALL(self, where,
+       dload(f, &counts[0], &counts[1], time, &counts[2], &counts[3], &one, &one, coords, &counts[4], sname, NAME_ROOM));
   *is_taken = !self->is_stopped;
 }
 
@@ -439,7 +684,9 @@ void amontons_user_disp(void *handle, double *u, const double *time, const doubl
   const int none = 0;
   double answer[3] = {*u, 0, 0};
   disp_routine *disp = (disp_routine *)(uintptr_t)self->routine[DISP];
-  CALL(self, disp(answer, &counts[0], &counts[1], time, &counts[2], &none, &counts[3], coords));
+  const call_place where = {DISP, 0, 0, counts[2], counts[0], counts[1]};
+  CALL(self, where,
+       disp(answer, &counts[0], &counts[1], time, &counts[2], &none, &counts[3], coords));
   *u = answer[0];
   *is_taken = !self->is_stopped;
 }
@@ -470,8 +717,10 @@ void amontons_user_uamp(void *handle, const char *name, const double *props, int
   char no_name[NAME_ROOM];
   memset(no_name, ' ', sizeof no_name);
   uamp_routine *uamp = (uamp_routine *)(uintptr_t)self->routine[UAMP];
-  CALL(self, uamp(name, v->time, &v->old, &v->dt, &nprops, props, &nsvars, svars, flags, &none, &no_sensor, no_name, &none,
-                  &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_ROOM, NAME_ROOM));
+  const call_place where = {UAMP, 0, 0, 0, v->step, v->increment};
+  CALL(self, where,
+       uamp(name, v->time, &v->old, &v->dt, &nprops, props, &nsvars, svars, flags, &none, &no_sensor, no_name, &none,
+            &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_ROOM, NAME_ROOM));
   v->is_taken = !self->is_stopped;
 }
 
@@ -501,10 +750,12 @@ void amontons_user_fric(void *handle, const char *names, const double *props, in
   const double turn[4] = {1, 0, 0, 1}, no_field[2] = {0, 0};
   double ddtddt[4] = {0}, pnewdt = 1;
   fric_routine *fric = (fric_routine *)(uintptr_t)self->routine[FRIC];
-  CALL(self, fric(&v->lm, v->tau, v->ddtddg, v->ddtddp, v->dslip, &v->sed, &v->sfd, ddtddt, &pnewdt, statev, v->dgam, v->taulm,
-                  &v->press, &v->dpress, &v->ddpddh, v->slip, &v->step, &v->increment, v->time, &v->dtime, &none, names,
-                  names + NAME_ROOM, names + 2 * NAME_ROOM, &one, &v->node, &none, v->coords, v->coords, turn, v->temp, no_field,
-                  &v->nfdir, &v->mcrd, &none, &nstatv, &v->length, props, &nprops, NAME_ROOM, NAME_ROOM, NAME_ROOM));
+  const call_place where = {FRIC, 0, 0, v->node, v->step, v->increment};
+  CALL(self, where,
+       fric(&v->lm, v->tau, v->ddtddg, v->ddtddp, v->dslip, &v->sed, &v->sfd, ddtddt, &pnewdt, statev, v->dgam, v->taulm,
+            &v->press, &v->dpress, &v->ddpddh, v->slip, &v->step, &v->increment, v->time, &v->dtime, &none, names, names +
+            NAME_ROOM, names + 2 * NAME_ROOM, &one, &v->node, &none, v->coords, v->coords, turn, v->temp, no_field,
+            &v->nfdir, &v->mcrd, &none, &nstatv, &v->length, props, &nprops, NAME_ROOM, NAME_ROOM, NAME_ROOM));
   v->is_taken = !self->is_stopped;
 }
 
@@ -536,11 +787,13 @@ void amontons_user_uinter(void *handle, const char *names, const double *props, 
   double spd = 0, svd = 0, scd = 0, pnewdt = 1;
   int state = -1, sdi = 0;
   uinter_routine *uinter = (uinter_routine *)(uintptr_t)self->routine[UINTER];
-  CALL(self, uinter(v->stress, d, viscous, structural, flux, ddfddt, ddsddt, ddfddr, statev, &v->sed, &v->sfd, &spd, &svd, &scd,
-                    &pnewdt, v->rdisp, v->drdisp, v->temp, nothing, nothing, nothing, v->time, &v->dtime, nothing, names,
-                    names + NAME_ROOM, names + 2 * NAME_ROOM, props, v->coords, v->axes, turn, &v->area, &length, &v->node, &n,
-                    &nstatv, &none, &nprops, &v->mcrd, &v->step, &v->increment, &none, &none, &v->is_closed, &state, &sdi,
-                    &none, NAME_ROOM, NAME_ROOM, NAME_ROOM));
+  const call_place where = {UINTER, 0, 0, v->node, v->step, v->increment};
+  CALL(self, where,
+       uinter(v->stress, d, viscous, structural, flux, ddfddt, ddsddt, ddfddr, statev, &v->sed, &v->sfd, &spd, &svd, &scd,
+              &pnewdt, v->rdisp, v->drdisp, v->temp, nothing, nothing, nothing, v->time, &v->dtime, nothing, names, names +
+              NAME_ROOM, names + 2 * NAME_ROOM, props, v->coords, v->axes, turn, &v->area, &length, &v->node, &n, &nstatv,
+              &none, &nprops, &v->mcrd, &v->step, &v->increment, &none, &none, &v->is_closed, &state, &sdi, &none, NAME_ROOM,
+              NAME_ROOM, NAME_ROOM));
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) v->ddsddr[3 * j + i] = d[n * j + i];
   if (n < 3) v->stress[2] = 0;

@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 from pathlib import Path
@@ -452,8 +453,6 @@ def test_wrong_libraries_are_reported(run: Run, tmp_path: Path, name: str) -> No
     (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
     done = run(["job", f"user={name}"], cwd=tmp_path)
     assert done.returncode == code, done.stdout
-    import re
-
     assert re.search(sentence, done.stdout), done.stdout
     assert "*ERROR" in done.stdout
     assert not (tmp_path / "job.vtkhdf").exists()
@@ -518,6 +517,100 @@ def test_xit_ends_the_job(run: Run, tmp_path: Path) -> None:
     assert done.stdout.splitlines()[-1].startswith("*ERROR: A user routine has ended the job")
     with h5py.File(tmp_path / "job.vtkhdf") as file:
         assert file["VTKHDF/Steps/Values"][:].ravel().tolist() == [0.0, 0.25]
+
+
+CRASHES = {
+    "index": ("      K=100000000*KINC\n      STATEV(K)=1.D0\n", "it used memory that it does not own"),
+    "stack": ("      CALL DEEP(STATEV,NOEL)\n", "arrays too large for the stack"),
+    "division": ("      K=NOEL/(2-KINC)\n      STATEV(1)=K\n", "it divided an integer by zero"),
+    "stop": ("      STOP\n", "it ended the process, by STOP or by an error of the Fortran library"),
+    "library": ("      CALL CRASH\n", "it used memory that it does not own"),
+}
+DEEP = """
+      SUBROUTINE DEEP(A,N)
+      REAL*8 A(*),B(20000000)
+      B(N)=A(1)
+      CALL DEEP(B,N+1)
+      A(1)=B(N+1)
+      END
+      SUBROUTINE CRASH
+      USE ISO_C_BINDING
+      INTERFACE
+      SUBROUTINE MEMSET(P,K,N) BIND(C)
+      USE ISO_C_BINDING
+      INTEGER(C_INTPTR_T), VALUE :: P
+      INTEGER(C_INT), VALUE :: K
+      INTEGER(C_SIZE_T), VALUE :: N
+      END SUBROUTINE
+      END INTERFACE
+      CALL MEMSET(8_C_INTPTR_T,0_C_INT,4096_C_SIZE_T)
+      END
+"""
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("name", CRASHES)
+def test_routines_that_crash(run: Run, tmp_path: Path, name: str, threads: int) -> None:
+    """In the second increment: routine, file, element, point and increment are named. The first increment is on disk where the routine can
+    be left, else in the checkpoint."""
+    lines, cause = CRASHES[name]
+    routines = with_lines(f"      IF (TIME(2).GT.0.2D0) THEN\n{lines}      END IF\n", tmp_path)
+    routines.write_text(routines.read_text() + DEEP)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={routines.name}"], cwd=tmp_path, threads=threads)
+    assert done.returncode == NOT_CONVERGED, done.stdout
+    last = done.stdout.splitlines()[-1]
+    pattern = r"\*ERROR: The routine UMAT of changed.for has crashed at element [1-8], integration point [1-8] in increment 2 of step 1: "
+    assert re.match(pattern, last), done.stdout
+    assert cause in last
+    assert "Backtrace" not in done.stderr
+    if name in ("stop", "library"):
+        routines.write_text((ROUTINES / "j2.f").read_text())
+        assert run(["--resume", "job", f"user={routines.name}"], cwd=tmp_path, threads=threads).returncode == 0
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        assert file["VTKHDF/Steps/Values"][:2].ravel().tolist() == [0.0, 0.25]
+
+
+def test_crash_in_the_first_call(run: Run, tmp_path: Path) -> None:
+    """The call at rest is named, and the remedy is printed."""
+    routines = with_lines("      K=-100000000\n      PROPS(K)=STATEV(K)\n", tmp_path)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={routines.name}"], cwd=tmp_path)
+    assert done.returncode == SETUP, done.stdout
+    assert "In the call at rest for the material 'STUFF': The routine UMAT of changed.for has crashed" in done.stdout
+    assert "Set AMONTONS_FFLAGS to -fcheck=all" in done.stdout
+
+
+def test_checks_of_the_compiler(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The remedy for a crash: flags for the compiler that name line and array."""
+    routines = with_lines("      K=7*KINC\n      STRESS(K)=0.D0\n", tmp_path)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    monkeypatch.setenv("AMONTONS_FFLAGS", "-fcheck=all -O0")
+    done = run(["job", f"user={routines.name}"], cwd=tmp_path)
+    assert done.returncode == NOT_CONVERGED, done.stdout
+    assert "above upper bound of 6" in done.stderr and "changed.for" in done.stderr and "'stress'" in done.stderr
+    assert "it ended the process, by STOP or by an error of the Fortran library" in done.stdout.splitlines()[-1]
+
+
+LEGACY = {
+    "long line": "      EMOD=PROPS(1)                                                                        *1.0D0\n",
+    "constants": "      EMOD=SIGN(1.0,PROPS(1))*MAX(PROPS(1),0.0)\n",
+    "include": "      EMOD=PROPS(1)\n",
+    "mismatch": "      EMOD=PROPS(1)\n      CALL ANY(EMOD)\n      CALL ANY(1)\n",
+    "hollerith": "      EMOD=PROPS(1)\n      DATA TEXT/4HTEXT/\n      IF(EMOD)10,10,10\n   10 CONTINUE\n",
+    "cards": "      EMOD=PROPS(1)                                                     UMAT0010\n",
+}
+
+
+@pytest.mark.parametrize("name", LEGACY)
+def test_files_of_other_compilers(run: Run, tmp_path: Path, name: str) -> None:
+    """Lines of 132 columns, numbers of cards, constants of single precision, lines of the preprocessor: the same result."""
+    text = (ROUTINES / "j2.f").read_text().replace("      EMOD=PROPS(1)\n", LEGACY[name], 1)
+    if name == "include":
+        text = text.replace("      INCLUDE 'ABA_PARAM.INC'\n", '#include "aba_param.inc"\n', 1)
+    (tmp_path / "old.for").write_text(text + "      SUBROUTINE ANY(X)\n      END\n")
+    theirs, ours = run_two(run, tmp_path, solid_deck("C3D8", PLASTIC), solid_deck("C3D8", J2), tmp_path / "old.for")
+    assert_equal(theirs, ours, 1e-9)
 
 
 def test_arguments_of_umat(run: Run, tmp_path: Path) -> None:
