@@ -94,20 +94,33 @@ contains
     else
       call read_contact_choice(reader, c, parameters, request)
     end if
-    if (kind /= PRINT_CONTACT .and. request%set == 0) then
-      if (name /= '') then
-        call report_error(reader, reader%cards%cards(c)%line, 'There is no ' // &
-          trim(merge('node   ', 'element', kind == PRINT_NODE)) // ' set ''' // name // '''.')
-        return
-      else if (reader%dialect == DIALECT_CALCULIX) then
-        call report_error(reader, reader%cards%cards(c)%line, trim(merge('*NODE PRINT needs NSET', &
-          '*EL PRINT needs ELSET ', kind == PRINT_NODE)) // ' under the calculix dialect.')
-        return
-      end if
+    if (kind /= PRINT_CONTACT .and. request%set == 0 .and. (name /= '' .or. reader%dialect == DIALECT_CALCULIX)) then
+      call report_print_set(reader, c, kind == PRINT_NODE, name)
+      return
     end if
     call read_variables(reader, row, known, request%variables)
     if (size(request%variables) > 0) step%prints = [step%prints, request]
   end subroutine read_print
+
+
+  !> Reports a PRINT card without a set: CalculiX passes over it with a warning.
+  subroutine report_print_set(reader, c, is_of_nodes, name)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    logical, intent(in) :: is_of_nodes           !< else of elements
+    character(*), intent(in) :: name             !< of the set; empty: none is named
+    character(:), allocatable :: text
+    if (name /= '') then
+      text = 'There is no ' // trim(merge('node   ', 'element', is_of_nodes)) // ' set ''' // name // ''''
+    else
+      text = trim(merge('*NODE PRINT needs NSET', '*EL PRINT needs ELSET ', is_of_nodes)) // ' under the calculix dialect'
+    end if
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call report_note(reader, reader%cards%cards(c)%line, text // '; the card is passed over.')
+    else
+      call report_error(reader, reader%cards%cards(c)%line, text // '.')
+    end if
+  end subroutine report_print_set
 
 
   !> The slave nodes of a CONTACT PRINT: NSET, SLAVE, MASTER.

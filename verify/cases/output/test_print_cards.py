@@ -112,13 +112,28 @@ def test_frequency(run_deck: Run, tmp_path: Path) -> None:
 
 
 def test_without_a_set(run_deck: Run, tmp_path: Path) -> None:
-    """All nodes and elements under the abaqus dialect; refused under the calculix dialect, as there."""
+    """All nodes and elements under the abaqus dialect; under the calculix dialect the card is passed over with a warning, as there."""
     deck = pull("*NODE PRINT\nU\n*EL PRINT\nS\n")
     assert run_deck(deck).returncode == 0
     found = blocks_of(tmp_path / "job.dat")
     assert [row[0] for row in found["displacements"][0]] == list(range(1, 9))
     assert len(found["stresses"][0]) == 8
+    (tmp_path / "job.dat").unlink()
     result = run_deck(deck, "--dialect=calculix")
-    assert result.returncode == 3
+    assert result.returncode == 0
     words = " ".join((result.stdout + result.stderr).split())
     assert "*NODE PRINT needs NSET" in words and "*EL PRINT needs ELSET" in words
+    assert not (tmp_path / "job.dat").exists()
+
+
+def test_with_an_unknown_set(run_deck: Run, tmp_path: Path) -> None:
+    """An error under the abaqus dialect; under the calculix dialect a warning, and the other cards count, as in CalculiX."""
+    deck = pull("*NODE PRINT, NSET=NIX\nU\n*NODE PRINT, NSET=RIGHT\nU\n*EL PRINT, ELSET=NIX\nS\n")
+    assert run_deck(deck).returncode == 3
+    result = run_deck(deck, "--dialect=calculix")
+    assert result.returncode == 0
+    words = " ".join((result.stdout + result.stderr).split())
+    assert "There is no node set 'NIX'; the card is passed over." in words
+    assert "There is no element set 'NIX'; the card is passed over." in words
+    found = blocks_of(tmp_path / "job.dat")
+    assert len(found["displacements"]) == 1 and "stresses" not in found

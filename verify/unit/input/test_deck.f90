@@ -893,8 +893,6 @@ contains
     call suite%that('frequency stays', all(model%steps%print_frequency == 5))
     call suite%that('a new card wipes its kind', all(model%steps(2)%prints%kind == [PRINT_ELEMENT, PRINT_CONTACT, &
       PRINT_NODE]))
-    call expect_error(suite, MODEL_PART // STEP_START // '*NODE PRINT;U;' // STEP_END, 'needs NSET', &
-      dialect=DIALECT_CALCULIX)
     call expect_error(suite, MODEL_PART // STEP_START // '*NODE PRINT,NSET=X;U;' // STEP_END, 'node set ''X''')
     call expect_error(suite, MODEL_PART // STEP_START // '*EL PRINT,ELSET=X;S;' // STEP_END, 'element set ''X''')
     call expect_error(suite, MODEL_PART // STEP_START // '*EL PRINT,ELSET=E,FREQUENCY=-1;S;' // STEP_END, &
