@@ -98,13 +98,12 @@ contains
     integer :: found(size(labels)), i, status
     real(DP) :: numbers(size(values))
     rewind (unit)
+    status = 0
     do i = 1, line - 1
-      read (unit, *, iostat=status)
+      if (status == 0) read (unit, '(a)', iostat=status)
     end do
     found = -1
-    read (unit, '(a)', iostat=status)
-    backspace (unit)
-    read (unit, *, iostat=status) found, numbers
+    if (status == 0) read (unit, *, iostat=status) found, numbers
     call suite%that(name // ': row', status == 0 .and. all(found == labels))
     if (status == 0) call suite%near(name, maxval(abs(numbers - values)), 0.0_DP, 1.0e-6_DP)   ! seven digits are printed
   end subroutine expect

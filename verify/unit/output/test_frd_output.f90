@@ -94,7 +94,9 @@ contains
     values = huge(1.0_DP)
     write (head, '(a,i10)') ' -1', label
     i = find_line(head, block)
-    if (i > 0) read (lines(i) (14:), '(6e12.5)', iostat=status) values
+    if (i == 0) return
+    read (lines(i) (14:), '(6e12.5)', iostat=status) values
+    if (status /= 0) values = huge(1.0_DP)
   end function values_of
 
 
