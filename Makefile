@@ -143,7 +143,7 @@ vpath test_%.f90 $(sort $(dir $(UNIT_SOURCES)))
 
 $(B)/unit/test_%: test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
 	@echo "compiling $<" && mkdir -p $@.modules
-	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) -Iverify/unit $(INCLUDES) -J$@.modules -o $@ $(filter-out %.inc,$^) $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) -Iverify/unit $(INCLUDES) -J$@.modules -rdynamic -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 
 $(B)/kernels: verify/benchmark/kernels.f90 $(LIB)/libamontons.a
 	@echo "compiling $<"
