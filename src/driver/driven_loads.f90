@@ -360,6 +360,7 @@ contains
           if (k == 0) cycle
           load%load_type = load_type(end=1.0_DP, amplitude=amplitudes(k))
           load%is_held = .false.
+          load%is_velocity = .false.
           load%is_from_current = .false.
         end associate
       end do

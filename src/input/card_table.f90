@@ -57,6 +57,8 @@ contains
     call table%card('INCLUDE', SCOPE_BOTH, 'Reads another file in place of this card; the file is looked for beside ' // &
       'this one first.')
     call table%option('INPUT|FILE', VALUE_TEXT, 'Path of the file.')
+    call table%card('PARAMETER', SCOPE_BOTH, 'Gives names to numbers; <name> in a later line is replaced by the number.', &
+      data='name = expression, of numbers, earlier names, + - * / ** and parentheses')
 
     call table%card('PART', SCOPE_MODEL, 'Starts a part: nodes, elements, sets, surfaces and sections, written once for each of ' &
       // &
@@ -401,8 +403,10 @@ contains
     call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the displacement grows linearly over ' // &
       'the step.')
     call table%option('FIXED', VALUE_NONE, 'Keeps the displacement that the nodes have at the start of the step.')
-    call table%option('TYPE', VALUE_WORD, 'What is prescribed.', allowed='DISPLACEMENT', default='DISPLACEMENT')
-    call table%reject_words('VELOCITY|ACCELERATION', 'Prescribe displacements.')
+    call table%option('TYPE', VALUE_WORD, 'What is prescribed. VELOCITY: the displacement grows by the integral of the ' // &
+      'velocity, which is constant over the step unless it has an amplitude.', allowed='DISPLACEMENT|VELOCITY', &
+      default='DISPLACEMENT')
+    call table%reject_words('ACCELERATION', 'Prescribe displacements.')
     call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
     call table%option('USER', VALUE_NONE, 'The routine DISP of the user gives the displacements.')
     call describe_load_case(table)
@@ -772,7 +776,7 @@ contains
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'All bodies are meshed with solid elements and *SOLID SECTION.')
-    call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER|PARAMETER DEPENDENCE|' // &
+    call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
     call table%cards_with(ENTRY_REJECTED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &
       'ASSIGNMENT|SURFACE PROPERTY ASSIGNMENT|SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &

@@ -18,6 +18,7 @@ module amontons_deck
   use amontons_deck_couplings, only: read_transforms, read_couplings
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_generate, only: generate_mesh
+  use amontons_deck_parameters, only: substitute_parameters
   use amontons_deck_restart, only: join_decks
   use amontons_deck_reader, only: reader_type, report_error, report_note, check_no_data, is_card
   use amontons_explain, only: explain_cards
@@ -109,6 +110,7 @@ contains
     if (reader%messages%n_errors == 0) call join_decks(reader%cards, reader%messages, options, model%origin, error)
     if (allocated(error)) return
     model%deck_text = reader%cards%text(:reader%cards%text_length)
+    call substitute_parameters(reader%cards, reader%messages)
     call generate_mesh(reader%cards, reader%messages)
     call check_assembly(reader)
     call flatten_parts(reader%cards, reader%messages, is_flat)

@@ -10,7 +10,7 @@ module amontons_deck_loads
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_containers, only: name_table_type
-  use amontons_loads, only: prescribed_type, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
+  use amontons_loads, only: prescribed_type, has_integral, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
@@ -59,6 +59,8 @@ contains
     common%is_user = has_parameter(parameters, 'USER')
     if (common%is_user .and. (common%is_held .or. has_parameter(parameters, 'AMPLITUDE'))) call report_error(reader, &
       reader%cards%cards(c)%line, 'With USER the routine DISP gives the displacements, without AMPLITUDE or FIXED.')
+    common%is_velocity = parameter_word(parameters, 'TYPE', 'DISPLACEMENT') == 'VELOCITY'
+    if (common%is_velocity) call check_velocity(reader, model, c, common)
     n_changed = 0
     do while (next_row(reader%cards, row))
       call read_boundary_row(reader, model, row, step, common, active_loads, n_changed)
@@ -66,6 +68,20 @@ contains
     if (n_changed > 0) call report_note(reader, reader%cards%cards(c)%line, plural(n_changed, 'displacement') // &
       ' of this step had another value by an earlier line; the later one counts.')
   end subroutine read_boundary
+
+
+  !> Reports what a prescribed velocity cannot have.
+  subroutine check_velocity(reader, model, c, common)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(prescribed_type), intent(in) :: common  !< with amplitude, is_held, is_user
+    if (common%is_held .or. common%is_user) call report_error(reader, reader%cards%cards(c)%line, &
+      'TYPE=VELOCITY cannot be combined with FIXED or USER.')
+    if (common%amplitude == 0) return
+    if (.not. has_integral(model%amplitudes(common%amplitude))) call report_error(reader, reader%cards%cards(c)%line, &
+      'The amplitude of a velocity must be a table (TABULAR or SMOOTH STEP), which has an integral over time.')
+  end subroutine check_velocity
 
 
   !> One row of BOUNDARY.

@@ -5,6 +5,7 @@
 !! |---|---|---|
 !! | new in this step | 0; a displacement: its current value | its value |
 !! | given again in this step | value at the end of the last step | its new value; forces of one step add up |
+!! | a velocity: kept or given | the displacement at the start of the step | after its integral over the step |
 !! | kept from the last step | value at the end of that step | the same |
 !! | OP=NEW, not given again | displacement: released; load: value at the end of the last step | load: 0 |
 !! | STEP, AMPLITUDE=STEP | the value at the end | |
@@ -221,7 +222,7 @@ contains
       if (was_here .and. held%step == step .and. held%is_active) then
         if (is_different(held, new)) n_changed = n_changed + 1
       end if
-      was_held = held%is_held .and. held%was_active
+      was_held = (held%is_held .or. held%is_velocity) .and. held%was_active
       held%prescribed_type = new
       held%start = held%before
       held%is_from_current = step > 1 .and. (was_held .or. .not. held%was_active)
@@ -229,6 +230,7 @@ contains
         held%start = held%end
         held%is_from_current = .false.
       end if
+      if (new%is_velocity) held%start = new%end     ! the velocity is constant unless it has an amplitude
       if (new%is_held) held%is_from_current = .true.
       held%step = step
       held%is_active = .true.
@@ -242,7 +244,7 @@ contains
     type(prescribed_type), intent(in) :: new
     logical :: differs
     differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held) &
-      .or. (held%is_user .neqv. new%is_user)
+      .or. (held%is_user .neqv. new%is_user) .or. (held%is_velocity .neqv. new%is_velocity)
   end function is_different
 
 

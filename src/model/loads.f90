@@ -10,7 +10,7 @@ module amontons_loads
     equation_type
   public :: AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
   public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION, &
-    amplitude_value, load_value
+    amplitude_value, load_value, integrated_velocity, has_integral
 
   integer, parameter :: DISTRIBUTED_PRESSURE = 1   !< pressure on an element face, positive towards the element
   integer, parameter :: DISTRIBUTED_GRAVITY = 2    !< acceleration on an element, times its density
@@ -54,6 +54,7 @@ module amontons_loads
     integer :: node = 0                          !< node index
     integer :: dof = 0                           !< 1 to 3
     logical :: is_held = .false.                 !< FIXED: keeps the displacement that it has at the start of the step
+    logical :: is_velocity = .false.             !< TYPE=VELOCITY: its integral from the displacement at the start of the step
     logical :: is_from_current = .false.         !< starts from the displacement at the start of the step instead of `start`
     integer :: line = 0                          !< line of the card in the deck, for messages
   end type prescribed_type
@@ -118,6 +119,53 @@ contains
       factor = amplitude%factor(i) + s * (amplitude%factor(i + 1) - amplitude%factor(i))
     end if
   end function amplitude_value
+
+
+  !> The displacement since the start of the step by a velocity; without an amplitude the velocity is constant.
+  pure function integrated_velocity(load, amplitudes, step_time, total_time) result(displacement)
+    class(load_type), intent(in) :: load
+    type(amplitude_type), intent(in) :: amplitudes(:)   !< model%amplitudes
+    real(DP), intent(in) :: step_time, total_time       !< [time]
+    real(DP) :: displacement, last
+    displacement = load%end * step_time
+    if (load%amplitude == 0) return
+    associate (amplitude => amplitudes(load%amplitude))
+      last = merge(total_time, step_time, amplitude%is_total_time)
+      displacement = table_integral(amplitude, last) - table_integral(amplitude, last - step_time)
+      if (.not. amplitude%is_absolute) displacement = load%end * displacement
+    end associate
+  end function integrated_velocity
+
+
+  !> Whether an amplitude has an integral here: a table has, a formula or one of the user has none.
+  elemental logical function has_integral(amplitude)
+    type(amplitude_type), intent(in) :: amplitude
+    has_integral = amplitude%course < AMPLITUDE_PERIODIC .and. .not. amplitude%is_user
+  end function has_integral
+
+
+  !> The integral of a table from its first time to a time [time].
+  pure real(DP) function table_integral(amplitude, time) result(sum_of_parts)
+    type(amplitude_type), intent(in) :: amplitude
+    real(DP), intent(in) :: time                 !< [time]
+    real(DP) :: s, length
+    integer :: i, n
+    n = size(amplitude%time)
+    sum_of_parts = min(0.0_DP, time - amplitude%time(1)) * amplitude%factor(1) + &
+      max(0.0_DP, time - amplitude%time(n)) * amplitude%factor(n)
+    do i = 1, n - 1
+      length = amplitude%time(i + 1) - amplitude%time(i)
+      s = min(1.0_DP, (time - amplitude%time(i)) / length)
+      if (s <= 0) exit
+      sum_of_parts = sum_of_parts + length * s * amplitude%factor(i)
+      if (amplitude%course == AMPLITUDE_SMOOTH_STEP) then
+        s = s**4 * (2.5_DP + s * (s - 3))
+      else
+        s = 0.5_DP * s**2
+      end if
+      sum_of_parts = sum_of_parts + length * s * (amplitude%factor(i + 1) - amplitude%factor(i))
+    end do
+  end function table_integral
 
 
   !> The factor of an amplitude given by a formula.

@@ -6,7 +6,7 @@ module amontons_model
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
-  use amontons_loads, only: amplitude_type, equation_type, load_type, load_value
+  use amontons_loads, only: amplitude_type, equation_type, load_type, load_value, integrated_velocity
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_user_routines, only: user_library_type
@@ -14,7 +14,7 @@ module amontons_model
   private
   public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, with_pretension_copies, &
     new_equation, append_equation, &
-    is_out, absent_elements, material_in_step, load_now, &
+    is_out, absent_elements, material_in_step, load_now, displacement_now, &
     DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< coefficients below this times the largest are dropped [-]
@@ -181,6 +181,20 @@ contains
       magnitude = load_value(load, model%amplitudes, step_time, total_time, step%period)
     end if
   end function load_now
+
+
+  !> The displacement by a prescribed velocity since the start of a step.
+  pure real(DP) function displacement_now(model, step, load, step_time, total_time) result(displacement)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    class(load_type), intent(in) :: load
+    real(DP), intent(in) :: step_time, total_time  !< [time]
+    if (allocated(step%amplitudes)) then
+      displacement = integrated_velocity(load, step%amplitudes, step_time, total_time)
+    else
+      displacement = integrated_velocity(load, model%amplitudes, step_time, total_time)
+    end if
+  end function displacement_now
 
 
   !> An equation, sum of coefficients times displacements = 0, without the terms negligible beside the largest.

@@ -14,7 +14,8 @@ module amontons_model_check
   use amontons_containers, only: integer_list_type
   use amontons_topology, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: evaluate_element_volume, ELEMENT_OK
-  use amontons_loads, only: equation_type, load_value, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, &
+  use amontons_loads, only: equation_type, load_value, integrated_velocity, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, &
+    DISTRIBUTED_CENTRIFUGAL, &
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, dof_direction, n_nonlinear_mpcs
@@ -242,6 +243,11 @@ contains
         if (maxval(dof_direction(model, load%node, load%dof)) < 1.0_DP) cycle   ! in a rotated direction
         if (load%is_held) then
           if (step == 1) is_known(load%dof, load%node) = .true.
+          is_whole = is_whole .and. is_known(load%dof, load%node)
+        else if (load%is_velocity) then
+          if (step == 1) is_known(load%dof, load%node) = .true.
+          u(load%dof, load%node) = u(load%dof, load%node) + integrated_velocity(load, model%amplitudes, period, &
+            sum(model%steps(:step)%period))
           is_whole = is_whole .and. is_known(load%dof, load%node)
         else
           u(load%dof, load%node) = load_value(load, model%amplitudes, period, sum(model%steps(:step)%period), period)

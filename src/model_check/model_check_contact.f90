@@ -251,6 +251,7 @@ contains
     largest = 0.0_DP
     do i = 1, size(model%steps)
       largest = max(largest, largest_prescribed(model%amplitudes, model%steps(i)%prescribed))
+      if (any(model%steps(i)%prescribed%is_velocity)) largest = huge(largest)   ! where it leads is not followed
       if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) largest = huge(largest)   ! forces: no limit
     end do
     can_close_later = largest > 0.0_DP .and. largest >= norm2(apart) - SEARCH_RADIUS_RATIO * contact%edge(p)

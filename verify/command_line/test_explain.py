@@ -103,13 +103,13 @@ def test_dialects(run: Run, tmp_path: Path) -> None:
 
 def test_deck_with_errors(run: Run, tmp_path: Path) -> None:
     """It is explained all the same, each error below its card; the exit code is that of a deck with errors."""
-    deck = DECK.replace("*CLOAD\n5, 3, 1.", "*CLOAD\n5, 9, 1.\n*FREQUENCY\n10\n*NONSENSE\n*BOUNDARY, TYPE=VELOCITY\n1, 1")
+    deck = DECK.replace("*CLOAD\n5, 3, 1.", "*CLOAD\n5, 9, 1.\n*FREQUENCY\n10\n*NONSENSE\n*BOUNDARY, TYPE=ACCELERATION\n1, 1")
     text, code = explained(run, tmp_path, deck)
     assert code == 3
     assert "error: The degree of freedom of a force" in part(text, 28)
     assert ": *FREQUENCY: refused." in part(text, 30)
     assert "*NONSENSE: not known" in part(text, 32)
-    assert "TYPE=VELOCITY: refused. Prescribe displacements." in part(text, 33)
+    assert "TYPE=ACCELERATION: refused. Prescribe displacements." in part(text, 33)
     assert "The deck has" in text and "would not run" in text
 
 

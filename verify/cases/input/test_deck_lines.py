@@ -1,4 +1,4 @@
-"""Lines of a deck that are easily lost: data after a trailing comma, what follows an INCLUDE.
+"""Lines of a deck that are easily lost or misread: data after a trailing comma, what follows an INCLUDE, parameters.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -106,3 +106,38 @@ def test_node_file_with_a_trailing_comma(run_deck: Run, tmp_path: Path) -> None:
     done = run_deck(deck + BOUNDARY + STEP + LOAD + END)
     assert done.returncode == 0, done.stdout
     assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+
+
+@pytest.mark.parametrize(("expression", "value"), [
+    ("2.5", 2.5), ("5/2.", 2.5), ("1. + 1.5", 2.5), ("-(1 - 3.5)", 2.5), ("10*0.5**2", 2.5), ("2 - -0.5", 2.5), ("b/c", 2.5),
+    ("2.5e-1*10 # comment", 2.5), ("+1D1/4", 2.5), ("8-2-1*3-.5", 2.5), ("2**-1*b/c*2", 2.5), ("-2**2 + 6.5", 2.5), ("a_1*1.", 2.5),
+    ("2*(b - (c + .5))", 11.0), ("10/2", 5.0), ("1+2*3", 7.0), ("2**3**2/128", 4.0),
+])  # fmt: skip
+def test_parameters(run_deck: Run, tmp_path: Path, expression: str, value: float) -> None:
+    """Expressions as Python evaluates them, in data lines and in parameters of cards."""
+    cards = f"*PARAMETER\n** numbers\nb = 10.\nc=4\n a_1 = 2.5\nforce = {expression}\nnumber=8\n"
+    deck = cards + CUBE.replace("8, 0., 1., 1.", "<number>, 0., 1., 1.") + BOUNDARY
+    done = run_deck(deck + "*STEP, INC=<c>\n*STATIC\n*CLOAD\nHIGH, 3, <Force>\n" + END)
+    assert done.returncode == 0, done.stdout
+    assert lifts(tmp_path) == pytest.approx([4 * value / YOUNG] * 4, rel=1e-6)
+
+
+def test_parameters_change_in_the_order_of_the_deck(run_deck: Run, tmp_path: Path) -> None:
+    """A card of the step gives another value; included files and parts have the parameters too, comments are left alone."""
+    (tmp_path / "more.inp").write_text("*PARAMETER\nf = 2*f\n")
+    deck = "*PARAMETER\nf = 1.25\n" + CUBE + "** <nothing>\n" + BOUNDARY + "*INCLUDE, INPUT=more.inp\n" + STEP + "*CLOAD\nHIGH, 3, <f>\n"
+    done = run_deck(deck + END)
+    assert done.returncode == 0, done.stdout
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+
+
+@pytest.mark.parametrize(("line", "message"), [
+    ("f = 3/2", "write a decimal point"), ("f = 1/0", "divides by zero"), ("f = g + 1", "no parameter 'g' before"), ("f = (1 + 2", "not closed"),
+    ("f = 2 +", "is missing in '2 +'"), ("f = 'text'", "is missing"), ("f = sqrt(2.)", "no parameter 'sqrt'"), ("2.5", "name = expression"),
+    ("f = 1 2", "'2' is not understood"), ("f = 10.**400", "not finite"), ("f-1 = 2", "name = expression"), ("e = 1", "There is no parameter 'f'"),
+])  # fmt: skip
+def test_wrong_parameters(run_deck: Run, line: str, message: str) -> None:
+    """What cannot be evaluated is refused with its line."""
+    done = run_deck(CUBE + BOUNDARY + f"*PARAMETER\n{line}\n" + STEP + "*CLOAD\nHIGH, 3, <f>\n" + END)
+    assert done.returncode == 3
+    assert message in output_of(done)

@@ -153,3 +153,37 @@ def test_wrong_change(run_deck: Run, change: str, message: str) -> None:
     done = run_deck(CUBE + STEP.format(change))
     assert done.returncode == 3
     assert message in re.sub(r"\s+", " ", done.stdout)
+
+
+def moved(velocity: str, period: float = 1.0, more: str = "") -> str:
+    """A step of two increments that moves node 3 by a BOUNDARY card."""
+    card = f"*BOUNDARY, {velocity}\n" if velocity else ""
+    return f"*STEP\n*STATIC, DIRECT\n{period / 2}, {period}\n{card}{more}*NODE PRINT, NSET=N\nU\n*END STEP\n"
+
+
+@pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
+def test_prescribed_velocity(run_deck: Run, tmp_path: Path, nlgeom: str) -> None:
+    """The displacement is the integral of the velocity over the steps, from where the node is; a displacement after it begins there."""
+    tables = "*AMPLITUDE, NAME=RISE\n0., 0., 1., 2.\n*AMPLITUDE, NAME=SMOOTH, DEFINITION=SMOOTH STEP\n.5, 0., 1., 1.\n"
+    tables += "*AMPLITUDE, NAME=TOTAL, TIME=TOTAL TIME\n0., 0., 7., 0., 9., 4.\n*AMPLITUDE, NAME=MAGNITUDE, VALUE=ABSOLUTE\n0., 3., 1., 1.\n"
+    deck = SPRINGS.replace("calculix", "abaqus") + tables + "*BOUNDARY\n4, 1\n"
+    deck += moved("TYPE=VELOCITY", 2.0, "3, 1, 1, .5\n") + moved("") + moved("TYPE=VELOCITY, AMPLITUDE=RISE", 1.0, "3, 1, 1, .4\n")
+    deck += moved("TYPE=DISPLACEMENT", 1.0, "3, 1, 1, 1.\n") + moved("TYPE=VELOCITY", 1.0, "3, 1\n")
+    deck += moved("TYPE=VELOCITY, AMPLITUDE=SMOOTH", 1.0, "3, 1, 1, 1.\n") + moved("TYPE=VELOCITY, AMPLITUDE=TOTAL", 2.0, "3, 1, 1, 1.\n")
+    deck += moved("TYPE=VELOCITY, AMPLITUDE=MAGNITUDE, OP=NEW", 1.0, "3, 1, 1, 9.\n1, 1, 3\nN, 2, 3\n4, 1\n")
+    done = run_deck(deck.replace("*STEP", f"*STEP{nlgeom}"))
+    assert done.returncode == 0, done.stdout
+    expected = [0.5, 1.0, 1.25, 1.5, 1.6, 1.9, 1.45, 1.0, 1.0, 1.0, 1.0, 1.25, 2.25, 5.25, 5.25 + 1.25, 5.25 + 2.0]
+    assert [block[3] for block in blocks(tmp_path)] == pytest.approx(expected, rel=DIGITS)
+
+
+@pytest.mark.parametrize(("card", "message"), [
+    ("TYPE=VELOCITY, FIXED", "cannot be combined with FIXED or USER"), ("TYPE=VELOCITY, USER", "cannot be combined with FIXED or USER"),
+    ("TYPE=VELOCITY, AMPLITUDE=P", "must be a table"), ("TYPE=ACCELERATION", "Prescribe displacements"),
+])  # fmt: skip
+def test_refused_velocity(run_deck: Run, card: str, message: str) -> None:
+    """What has no integral is refused."""
+    wave = "*AMPLITUDE, NAME=P, DEFINITION=PERIODIC\n1, 3., .2, .5\n1., 2.\n"
+    done = run_deck(SPRINGS + wave + moved(card, 1.0, "3, 1, 1, .5\n4, 1\n"))
+    assert done.returncode == 3
+    assert message in re.sub(r"\s+", " ", done.stdout)

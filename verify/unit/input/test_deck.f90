@@ -611,7 +611,8 @@ contains
     call expect_error(suite, MODEL_PART // B // '1,11,11,20.;' // STEP_PART, '*TEMPERATURE')
     call expect_error(suite, MODEL_PART // B // '1,4,4,.1;' // STEP_PART, 'no rotations')
     call expect_error(suite, MODEL_PART // B // '1,1,1,inf;' // STEP_PART, 'finite')
-    call expect_error(suite, MODEL_PART // '*BOUNDARY,TYPE=VELOCITY;1,1;' // STEP_PART, 'Prescribe')
+    call expect_error(suite, MODEL_PART // '*BOUNDARY,TYPE=ACCELERATION;1,1;' // STEP_PART, 'Prescribe')
+    call expect_error(suite, MODEL_PART // STEP_START // '*BOUNDARY,TYPE=VELOCITY,FIXED;1,1;' // STEP_END, 'FIXED or USER')
     call expect_error(suite, MODEL_PART // STEP_PART // B // '1,1;', 'before the first step or in a step')
   end subroutine test_boundary
 
