@@ -90,7 +90,8 @@ contains
     call table%card('DEFORMATION PLASTICITY', SCOPE_MODEL, 'Ramberg and Osgood''s law, in place of ELASTIC: E e = s + ' // &
       'a s (s/s0)^(n-1).', parent='MATERIAL', data='E, nu, s0, n, a, temperature')
     call table%add_dialect_note('It turns NLGEOM on for all steps under calculix, with Almansi''s strain.')
-    call table%card('CREEP', SCOPE_MODEL, 'Creep, in VISCO steps, and in STATIC steps of the abaqus dialect not at all.', &
+    call table%card('CREEP', SCOPE_MODEL, 'Creep, in VISCO steps only. t is the total time of the job, e the ' // &
+      'equivalent creep strain.', &
       parent='MATERIAL', data='A, n, m, temperature')
     call table%option('LAW', VALUE_WORD, 'TIME: rate A q^n t^m; STRAIN: (A q^n ((m+1) e)^m)^(1/(m+1)); NORTON: TIME.', &
       allowed='TIME|STRAIN|NORTON', default='TIME (abaqus), NORTON (calculix)')

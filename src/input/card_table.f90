@@ -395,13 +395,14 @@ contains
   subroutine describe_loads(table)
     type(card_table_type), intent(inout) :: table
     character(*), parameter :: TIME_DELAY_TEXT = 'The amplitude runs this much later.'
-    call table%card('BOUNDARY', SCOPE_BOTH, 'Prescribes displacements; before the first step it goes to them over ' // &
-      'the first step.', data='node or node set, first and last degree of freedom (1 to 3), displacement; or node and a ' // &
+    call table%card('BOUNDARY', SCOPE_BOTH, 'Prescribes displacements; before the first step it goes to them ' // &
+      'linearly over the first step, of whatever kind.', &
+      data='node or node set, first and last degree of freedom (1 to 3), displacement; or node and a ' // &
       'word: PINNED (1 to 3), ENCASTRE (1 to 6), XSYMM (1, 5, 6), YSYMM (2, 4, 6), ZSYMM (3, 4, 5), XASYMM (2, 3, 4), ' // &
       'YASYMM (1, 3, 5) or ZASYMM (1, 2, 6); 4 to 6 are the rotations of the reference nodes of rigid bodies and couplings')
     call table%option('OP', VALUE_WORD, 'NEW releases what earlier steps prescribed.', allowed='MOD|NEW', default='MOD')
     call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the displacement grows linearly over ' // &
-      'the step.')
+      'the step, in VISCO steps it acts at once.')
     call table%option('FIXED', VALUE_NONE, 'Keeps the displacement that the nodes have at the start of the step.')
     call table%option('TYPE', VALUE_WORD, 'What is prescribed. VELOCITY: the displacement grows by the integral of the ' // &
       'velocity, which is constant over the step unless it has an amplitude.', allowed='DISPLACEMENT|VELOCITY', &
@@ -418,7 +419,8 @@ contains
     call table%card('CLOAD', SCOPE_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
     call table%option('OP', VALUE_WORD, 'NEW lets the forces of earlier steps go to zero.', allowed='MOD|NEW', &
       default='MOD')
-    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the force grows linearly over the step.')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the force grows linearly over the step, ' // &
+      'in VISCO steps it acts at once.')
     call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
     call describe_load_case(table)
     call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=ENTRY_IGNORED)
@@ -458,7 +460,8 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%option('OP', VALUE_WORD, 'NEW lets the loads of earlier steps go to zero.', allowed='MOD|NEW', default= &
       'MOD')
-    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the load grows linearly over the step.')
+    call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the load grows linearly over the step, ' // &
+      'in VISCO steps it acts at once.')
     call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face (YES), a traction does not (NO, which ' // &
       'TRVEC then needs).', allowed='YES|NO', default='YES')
     call table%option('CONSTANT RESULTANT', VALUE_WORD, 'Under NLGEOM a traction is per undeformed area, so that TRVEC ' // &
@@ -479,7 +482,7 @@ contains
       'later ones.', allowed='YES|NO', default='as in the step before')
     call table%option('INC', VALUE_INTEGER, 'Most increments of the step.', default='100')
     call table%option('AMPLITUDE', VALUE_WORD, 'Loads without an amplitude grow linearly, or act in full at once.', &
-      allowed='RAMP|STEP', default='RAMP')
+      allowed='RAMP|STEP', default='RAMP; with VISCO: STEP')
     call table%option('NAME', VALUE_TEXT, '', status=ENTRY_IGNORED)
     call table%option('UNSYMM|CONVERT SDI|EXTRAPOLATION|SOLVER', VALUE_TEXT, NOT_NEEDED_TEXT, status=ENTRY_IGNORED)
     call table%option('PERTURBATION', VALUE_NONE, 'The linear response to the loads of this step alone, which do not act in ' // &
@@ -491,7 +494,8 @@ contains
     call describe_static(table)
     call table%card('NO ANALYSIS', SCOPE_STEP, 'The deck is read and checked, as by amontons --check; nothing is solved.')
 
-    call table%card('VISCO', SCOPE_STEP, 'The step is quasi-static, and materials creep.', &
+    call table%card('VISCO', SCOPE_STEP, 'The step is quasi-static, and materials creep. Loads and supports without ' // &
+      'an amplitude act in full from its start (STEP, AMPLITUDE=RAMP: they grow linearly).', &
       data='first increment, length of the step, least increment, largest increment; all optional')
     call describe_static(table)
     call table%option('CETOL', VALUE_REAL, 'Creep is integrated implicitly; choose the largest increment instead.', &

@@ -370,7 +370,7 @@ contains
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]
     real(DP), intent(in) :: total_time           !< total time at its end [time]
-    logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
+    logical, intent(in) :: is_step               !< AMPLITUDE=STEP holds in the new step
     type(active_temperatures_type), intent(inout) :: thermal
     integer :: i, n
     thermal%step = thermal%step + 1

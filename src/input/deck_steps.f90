@@ -118,6 +118,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     real(DP) :: period
     integer :: status
+    logical :: is_step
     call open_card(reader, c, parameters, row)
     period = progress%step%period                ! of the step before
     progress%n = progress%n + 1
@@ -150,11 +151,25 @@ contains
     progress%step%dt_min = 1.0e-6_DP
     progress%step%dt_max = 1
     progress%step%has_creep = .false.
-    call propagate_loads(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == 'STEP', &
-      progress%active_loads)
-    call propagate_temperatures(model, period, progress%total_time, parameter_word(parameters, 'AMPLITUDE', 'RAMP') == &
-      'STEP', progress%thermal)
+    is_step = parameter_word(parameters, 'AMPLITUDE', default_amplitude(reader, c)) == 'STEP'
+    call propagate_loads(model, period, progress%total_time, is_step, progress%active_loads)
+    call propagate_temperatures(model, period, progress%total_time, is_step, progress%thermal)
   end subroutine open_step
+
+
+  !> How loads without an amplitude act by default: in full at once in VISCO steps, where time is real, else linearly over the step.
+  !! Sources: table of default amplitudes in Abaqus's manual; CalculiX's manual, section "*VISCO".
+  pure function default_amplitude(reader, c) result(word)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the STEP card
+    character(4) :: word
+    integer :: i
+    word = 'RAMP'
+    do i = c + 1, reader%cards%n_cards
+      if (is_card(reader, i, 'STEP') .or. is_card(reader, i, 'ENDSTEP')) return
+      if (is_card(reader, i, 'VISCO')) word = 'STEP'
+    end do
+  end function default_amplitude
 
 
   !> PERTURBATION: the loads of such a step end with it.

@@ -93,7 +93,7 @@ contains
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: period               !< length of the step before [time]
     real(DP), intent(in) :: total_time           !< total time at its end [time]
-    logical, intent(in) :: is_step               !< the new step has AMPLITUDE=STEP
+    logical, intent(in) :: is_step               !< AMPLITUDE=STEP holds in the new step
     type(active_loads_type), intent(inout) :: active_loads
     integer :: i
     active_loads%step = active_loads%step + 1

@@ -6,6 +6,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +14,12 @@ import pytest
 from verify.cases.elastic.test_elasticity_benchmarks import octant
 from verify.cases.elastic.test_plane_and_discrete_elements import Sheet, sheet, supports
 from verify.cases.proof import Case, observed_order
+from verify.conftest import Run
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import Floats, between, fix, pair, step
 from verify.decks.sheets import sheet as grid
 from verify.decks.solids import node_set, pressure_on
+from verify.readers.dat_frd_files import read_dat
 
 Proof = Callable[..., Case]
 
@@ -264,6 +267,42 @@ def test_creep_bar(proof: Proof) -> None:
     case.near("stress left", errors[2] + 1, 1.0, 0.03, why="first order, 80 increments", order=f"{found:.1f}", place="all of the bar", time="the end")
     case.within("observed order", found, (0.8, 1.2), why="backward Euler", place="all of the bar", time="the end")
     case.done()
+
+
+@pytest.mark.parametrize("law", ["TIME", "STRAIN"])
+@pytest.mark.parametrize("amplitude", ["", ", AMPLITUDE=STEP", ", AMPLITUDE=RAMP"])
+def test_primary_creep(run_deck: Run, tmp_path: Path, law: str, amplitude: str) -> None:
+    """Primary creep of a bar in a *VISCO step alone: the load acts at once by default, and linearly with AMPLITUDE=RAMP.
+
+    At constant stress e = A s^n T^(m+1)/(m+1), for both laws. Under a ramp to s the stress is s t/T, and the TIME law gives
+    A s^n T^(m+1)/(n+m+1); the STRAIN law (de^(1/(m+1)) = (A s^n/(m+1))^(1/(m+1)) dt with s(t)) gives
+    A s^n T^(m+1)/(m+1) (1/(n/(m+1)+1))^(m+1).
+    """
+    a, n, m, stress, period = 4.38e-18, 7.27, -0.47, 82.0, 72000.0
+    cards = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*NSET, NSET=END\n2\n*ELEMENT, TYPE=T3D2, ELSET=ALL\n1, 1, 2\n"
+    cards += f"*MATERIAL, NAME=M\n*ELASTIC\n150000., .3\n*CREEP, LAW={law}\n{a}, {n}, {m}\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n1.\n"
+    cards += f"*BOUNDARY\n1, 1, 3\n2, 2, 3\n*STEP, INC=1000{amplitude}\n*VISCO\n360., {period}, 1e-6, 360.\n{FINE}*CLOAD\n2, 1, {stress}\n"
+    done = run_deck(cards + "*NODE PRINT, NSET=END\nU\n*END STEP\n")
+    assert done.returncode == 0, done.stdout + done.stderr
+    power = a * stress**n * period ** (m + 1)
+    creep, tolerance = power / (m + 1), 1e-5
+    if "RAMP" in amplitude:
+        creep = power / (n + m + 1) if law == "TIME" else power / (m + 1) * (n / (m + 1) + 1) ** -(m + 1)
+        tolerance = 0.03  # first order, 200 increments
+    u = read_dat(tmp_path / "job.dat")[-1].rows[(2,)][0]
+    assert u == pytest.approx(creep + stress / 150000, rel=tolerance)
+
+
+def test_creep_acts_at_once_under_calculix(run_deck: Run, tmp_path: Path) -> None:
+    """The calculix dialect has the same default: at the end of the first of 100 increments a hundredth of the creep is there."""
+    cards = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*NSET, NSET=END\n2\n*ELEMENT, TYPE=T3D2, ELSET=ALL\n1, 1, 2\n"
+    cards += "*MATERIAL, NAME=M\n*ELASTIC\n150000., .3\n*CREEP\n1e-10, 2., 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n1.\n"
+    cards += f"*BOUNDARY\n1, 1, 3\n2, 2, 3\n*STEP, INC=1000\n*VISCO, CETOL=1e-3, DIRECT\n10., 1000.\n{FINE}*CLOAD\n2, 1, 82.\n"
+    done = run_deck(cards + "*NODE PRINT, NSET=END\nU\n*END STEP\n", "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    u = [table.rows[(2,)][0] for table in read_dat(tmp_path / "job.dat")]
+    assert u[0] == pytest.approx(82 / 150000 + 1e-10 * 82**2 * 10, rel=1e-4)
+    assert u[-1] == pytest.approx(82 / 150000 + 1e-10 * 82**2 * 1000, rel=1e-4)
 
 
 def test_creep_cylinder(proof: Proof) -> None:
