@@ -93,8 +93,13 @@ contains
     model%materials(1)%library = 'test_setup_umat.f90'
     model%materials(2)%library = 'test_setup_umat.f90'
     model%materials%is_called_in_3d = .true.
-    options%deck = './somewhere.inp'
+    call execute_command_line('mkdir -p test_setup_folder && cp test_setup_umat.f90 test_setup_folder/test_setup_beside.f90')
+    model%materials(1)%library = 'test_setup_beside.f90'
+    model%materials(2)%library = 'test_setup_beside.f90'
+    options%deck = 'test_setup_folder/somewhere.inp'
     call expect('library beside the deck', model, 0, '')
+    model%materials(1)%library = 'test_setup_umat.f90'
+    model%materials(2)%library = 'test_setup_umat.f90'
     options%deck = 'no/such/folder/somewhere.inp'
     call expect('library in the working folder', model, 0, '')
     model%materials(2)%library = 'test_setup_none.f90'
@@ -104,6 +109,11 @@ contains
     model%materials(2)%n_statev = 1
     call expect('SDVINI', model, EXIT_SETUP, 'needs the user routine SDVINI, which is not in test_setup_umat.f90')
     deallocate (options%deck)
+    call make_model(model)
+    options%user = 'test_setup_umat.f90'
+    model%interactions(1)%is_user_friction = .true.
+    call expect('FRIC', model, EXIT_SETUP, '*FRICTION, USER needs the user routine FRIC, which is not in')
+    deallocate (options%user)
   end subroutine check_library
 
 
@@ -121,19 +131,22 @@ contains
     model%amplitudes(1)%name = 'RAMP'
     model%amplitudes(1)%props = [3.0_DP]
     model%amplitudes(1)%n_svars = 1
-    allocate (amplitudes(2))
+    allocate (amplitudes(3))
     amplitudes(1)%time = [0.0_DP]                    ! a table, which keeps its values
     amplitudes(1)%factor = [7.0_DP]
     amplitudes(2) = model%amplitudes(1)
+    amplitudes(3) = model%amplitudes(1)
     call open_user_routines(model, options, error)
     call suite%that('opened', .not. allocated(error))
-    state%old%user_memory = [0.5_DP, 10.0_DP]
-    state%new%user_memory = [0.5_DP, 10.0_DP]
+    state%old%user_memory = [0.5_DP, 10.0_DP, 1.5_DP, 20.0_DP]
+    state%new%user_memory = [0.5_DP, 10.0_DP, 1.5_DP, 20.0_DP]
     state%old%increment = 0
     state%new%total_time = 2.0_DP
     call update_user_amplitudes(model, amplitudes, state)
     call suite%near('first: two calls, 0.5 + 0, then + 3 t', amplitude_value(amplitudes(2), 2.0_DP), 6.5_DP, 0.0_DP)
     call suite%near('first: counted twice', state%new%user_memory(2), 12.0_DP, 0.0_DP)
+    call suite%near('first: the other amplitude has its own memory', abs(amplitude_value(amplitudes(3), 2.0_DP) - 7.5_DP) + &
+      abs(state%new%user_memory(4) - 22), 0.0_DP, 0.0_DP)
     call suite%near('the table', amplitude_value(amplitudes(1), 2.0_DP), 7.0_DP, 0.0_DP)
     state%old = state%new
     state%old%increment = 1
