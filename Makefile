@@ -183,11 +183,11 @@ $(VENV)/installed: verify/requirements.txt | ready
 run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results and a picture go to results/
 	@mkdir -p results
 	$(BIN)/amontons --outdir results input/shear_block.inp
-	@$(PY) -m verify.tools.picture results/shear_block.vtkhdf
+	@PYTHONPATH=python $(PY) -m verify.tools.picture results/shear_block.vtkhdf
 	@echo "The picture is results/shear_block.png; open results/shear_block.vtkhdf with ParaView for the rest."
 
 picture: all $(VENV)/installed ## Draw JOB=job.vtkhdf to a PNG beside it, without a display (default: results/shear_block.vtkhdf)
-	@$(PY) -m verify.tools.picture $(or $(JOB),results/shear_block.vtkhdf)
+	@PYTHONPATH=python $(PY) -m verify.tools.picture $(or $(JOB),results/shear_block.vtkhdf) $(OPTIONS)
 
 report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside it (default: results/shear_block.vtkhdf)
 	@PYTHONPATH=python $(PY) -m amontons.report $(or $(JOB),results/shear_block.vtkhdf) --program $(BIN)/amontons

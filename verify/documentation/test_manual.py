@@ -131,7 +131,7 @@ def test_three_joints(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_joints_show_their_decks() -> None:
     """The cards shown stand in the deck, in this order."""
-    shown = re.findall(r"bin/amontons --outdir results (\S+)\n.*?```inp\n(.*?)```", (MANUAL / "joints.md").read_text(), re.DOTALL)
+    shown = re.findall(r"bin/amontons --outdir results (input/\S+)\n.*?```inp\n(.*?)```", (MANUAL / "joints.md").read_text(), re.DOTALL)
     assert len(shown) == 3
     for name, cards in shown:
         lines = iter((ROOT / name).read_text().splitlines())
@@ -209,3 +209,12 @@ def test_other_procedures_say_what_to_do_instead(run_deck: Run, card: str, words
     done = run_deck("*NODE\n1, 0., 0., 0.\n*STEP\n*" + card + "\n*END STEP\n")
     assert done.returncode == 3
     assert words in re.sub(r"\s+", " ", done.stdout), done.stdout
+
+
+def test_front_pages_say_the_same() -> None:
+    """What it does and what not, on the first page of the repository and of the site."""
+    tables = [re.findall(r"^\|.*Amontons \| CalculiX.*\n(?:\|.*\n)+", (ROOT / name).read_text(), re.M) for name in ("README.md", "doc/index.md")]
+    assert len(tables[0]) == 1
+    assert tables[0] == tables[1]
+    cells = [cell.strip() for row in tables[0][0].splitlines()[2:] for cell in row.strip("|").split("|")[1:]]
+    assert set(cells) == {"yes", "no"}

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from html import escape
 
 import numpy as np
+from numpy.typing import NDArray
 
 from amontons.report import charts
 from amontons.report.charts import Series, number
@@ -24,6 +25,9 @@ STATUS_NAMES = ["open", "stick", "slip"]
 OF_MATERIALS = {"ELASTIC", "PLASTIC", "CYCLIC HARDENING", "CREEP", "HYPERELASTIC", "HYPERFOAM", "EXPANSION", "DENSITY", "CONDUCTIVITY",
                 "SPECIFIC HEAT", "DEPVAR", "USER MATERIAL", "DAMPING", "DEFORMATION PLASTICITY", "POTENTIAL", "RATE DEPENDENT",
                 "INITIAL CONDITIONS", "NO COMPRESSION", "VISCOELASTIC", "ANNEAL TEMPERATURE"}  # fmt: skip
+#: Columns of the history in the table of energies: the first is the sum of the others.
+ENERGIES = {"external_work": "external work", "strain_energy": "strain energy", "friction_work": "friction", "contact_energy": "stored in contact",
+            "plastic_work": "plastic and creep", "damped_work": "damping", "carried_work": "unbalanced steps"}  # fmt: skip
 UNTOLD = 1.0e29  #: written for what was no finite number
 
 
@@ -233,13 +237,14 @@ def ledger(job: Job) -> str:
     text += ('<p class="note">Supports that push against each other, and slaves against masters, add up to nothing. '
              + ("Around an axis only forces along the axis are counted in the imbalance. " if is_round else "") + "The largest is that of "
              "these sums, or of the reactions of single nodes.</p>" + by_set(job))  # fmt: skip
-    work = [np.asarray(h[name], dtype=float) for name in ("external_work", "strain_energy", "friction_work", "contact_energy", "damped_work")]
+    work = [np.asarray(h[name], dtype=float) for name in ENERGIES]
     text += "<h3>Energy at the end of each step</h3>" + table(
-        ("step", "time", "external work", "strain energy", "friction", "stored in contact", "damping", "the rest"),
+        ("step", "time", *ENERGIES.values(), "the rest"),
         ((int(h["step"][i]), float(h["total_time"][i]), *(float(w[i]) for w in work),
           printed_zero(float(work[0][i] - sum(w[i] for w in work[1:])), max(abs(float(w[i])) for w in work))) for i in last))  # fmt: skip
-    text += ('<p class="note">The rest is what plasticity and creep took, and the error of the '
-             "trapezoidal rule by which external work is summed.</p>")  # fmt: skip
+    text += ('<p class="note">External work is the sum of the other columns. Unbalanced steps are those that moved a body without support '
+             "into contact, or through a snap-through: in motion their work would be kinetic energy. The rest is the error of the trapezoidal "
+             "rule by which external work is summed, and the work of CONTACT INTERFERENCE.</p>")  # fmt: skip
     n = int(job.times[0] == 0)   # nothing has happened at time 0
     time = np.concatenate([np.zeros(n), np.asarray(h["total_time"], dtype=float)])
     text += charts.lines([Series(name, time, np.concatenate([np.zeros(n), w])) for name, w in zip(("external work", "strain energy", "friction"), work, strict=False)],
@@ -333,7 +338,7 @@ def pair_maps(job: Job, nodes: Ints, pair: int) -> str:
     shear, slip = (np.linalg.norm(last[name], axis=1) for name in ("CSHEAR", "CSLIP"))
     is_slave = np.zeros(len(job.points), dtype=bool)
     is_slave[nodes] = True
-    rings = [] if job.is_plane else [(r, c) for r, c in zip(job.skin.rings, job.skin.corners, strict=True) if is_slave[r].all()]
+    rings = [] if job.is_plane else [(r, c) for r, c in zip(job.skin.rings, job.skin.corners, strict=True) if is_slave[c].all()]
     if not rings:
         return pair_curves(job, nodes, closed, shear, slip)
     x = job.points
@@ -358,11 +363,28 @@ def pair_maps(job: Job, nodes: Ints, pair: int) -> str:
     def mean(values: Floats) -> list[float]:
         return [float(values[ring].mean()) for ring, _ in rings]
 
-    status = [float(max(last["CSTATUS"][ring])) for ring, _ in rings]
+    parts, status = node_parts(rings, shapes, np.isin(np.arange(len(x)), nodes), last["CSTATUS"])
     return ('<div class="maps">' + charts.patches(shapes, mean(last["CPRESS"]), "Pressure", job.units.get("CPRESS", ""), names)
             + charts.patches(shapes, mean(shear), "Friction", job.units.get("CSHEAR", ""), names)
             + charts.patches(shapes, mean(slip), "Slip since the start", job.units.get("CSLIP", ""), names)
-            + charts.patches(shapes, status, "Status", "", names, list(zip(STATUS_NAMES, charts.STATUS, strict=True))) + "</div>")  # fmt: skip
+            + charts.patches(parts, status, "Status", "", names, list(zip(STATUS_NAMES, charts.STATUS, strict=True))) + "</div>")  # fmt: skip
+
+
+def node_parts(rings: Sequence[tuple[Ints, Ints]], shapes: Sequence[Floats], is_slave: NDArray[np.bool_], values: Floats) -> tuple[list[Floats], list[float]]:
+    """Each slave node's part of the faces around it, from the middles of its sides to that of the face, and its value.
+
+    Where only corners are slaves, the sides reach from corner to corner.
+    """
+    parts, found = [], []
+    for (ring, corners), shape in zip(rings, shapes, strict=True):
+        has_middles = bool(is_slave[ring].all())
+        nodes, places = (ring, shape) if has_middles or len(ring) == len(corners) else (corners, shape[:: len(ring) // len(corners)])
+        centre = places.mean(axis=0)
+        for a, node in enumerate(nodes):
+            after, before = (places[a] + places[(a + 1) % len(nodes)]) / 2, (places[a] + places[a - 1]) / 2
+            parts.append(np.stack([places[a], after, centre, before]))
+            found.append(float(values[node]))
+    return parts, found
 
 
 def pair_curves(job: Job, nodes: Ints, closed: Ints, shear: Floats, slip: Floats) -> str:
