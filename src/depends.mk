@@ -175,9 +175,10 @@ uses_postprocess = kinds tensor materials topology mesh surfaces model material_
 uses_dat_contact_output = kinds text tensor topology steps model state postprocess
 uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output
 uses_frd_output = kinds text containers errors iteration_records posix version dense topology mesh steps model shape_functions state postprocess dat_contact_output dat_output
+uses_result_cells = containers errors mesh hdf5_file
 uses_result_schema = kinds errors iteration_records hdf5_file
 uses_result_model = kinds errors iteration_records version analytic_profiles materials topology mesh surfaces steps model analytic_master hdf5_file result_schema
-uses_results = kinds errors iteration_records tensor materials mesh steps model state hdf5_file postprocess result_schema result_model
+uses_results = kinds errors iteration_records tensor materials mesh steps model state hdf5_file postprocess result_cells result_schema result_model
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver

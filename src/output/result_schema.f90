@@ -45,7 +45,7 @@ module amontons_result_schema
     result_column_type('CSHEARF', 3, '[force]', 'Contact force on slave nodes, tangential part; 0 elsewhere.'), &
     result_column_type('PEEQ', 1, '[-]', 'Equivalent plastic strain, as S.'), &
     result_column_type('NT', 1, '[temperature]', 'Temperature.'), &
-    result_column_type('CSTATUS', 1, '[-]', 'Status of slave nodes: 0 open, 1 stick, 2 slip; 0 elsewhere.', .true.), &
+    result_column_type('CSTATUS', 1, '[-]', 'Status of slave nodes: 0 open, 1 stick, 2 slip; -1 elsewhere.', .true.), &
     result_column_type('CSCENARIO', 1, '[-]', &
       'Slip scenario 1 to 4 of the last iteration that moved the slave node, else 0.', .true.)]
   integer, parameter :: N_POINT_INTEGERS = sum(POINT_COLUMNS%width, mask=POINT_COLUMNS%is_integer)

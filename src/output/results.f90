@@ -38,6 +38,7 @@ module amontons_results
     export_pages, &
     write_attribute, write_data, STORAGE_I64, STORAGE_TEXT, STORAGE_I32
   use amontons_result_model, only: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
+  use amontons_result_cells, only: write_cells
   use amontons_result_schema, only: append_columns, check_finite, result_column_type, create_columns, open_columns, &
     CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
     N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
@@ -89,6 +90,7 @@ module amontons_results
   end type results_type
 
   real(DP), parameter :: TOL_EQUAL_VALUE = 1.0e-6_DP             !< relative difference of equal contact forces or gaps [-]
+  integer, parameter :: STATUS_NO_SLAVE = -1                 !< CSTATUS of a node that is no slave
   real(DP), parameter :: NOT_FINITE_VALUE = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
   ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
@@ -116,6 +118,7 @@ contains
       results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call create_hdf5(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
     if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%drawn, error)
+    if (.not. allocated(error)) call write_cells(results%store, model%mesh, results%drawn%n_cells, error)
     if (.not. allocated(error)) call create_frames(results, error)
     if (.not. allocated(error)) call write_model_data(results%store, model, error)
     if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
@@ -381,6 +384,7 @@ contains
       reals(:, n + 1:) = 0.0_DP
       reals(:3, n + 1:) = drawn_displacements(results%drawn, fields%u)
       integers(:, n + 1:) = 0
+      integers(1, n + 1:) = STATUS_NO_SLAVE
     end associate
     call check_finite('node', results%point_columns, reals, error)
     if (allocated(error)) return
@@ -551,6 +555,7 @@ contains
       end if
     end do
     integers = 0
+    integers(1, :) = STATUS_NO_SLAVE
     do node = 1, size(drawn)
       if (drawn(node) == 0) cycle
       associate (slave => slaves(drawn(node)))

@@ -33,7 +33,7 @@ MOST_BYTES = 24_000_000  #: of fields in the page; of longer jobs every n-th fra
 #: Fields of the view: name, field of the file, and how a number is made of it.
 VIEWS = [
     ("Mises stress", "S_mises", "value"), ("displacement", "U", "length"), ("contact pressure", "CPRESS", "value"),
-    ("friction", "CSHEAR", "length"), ("slip", "CSLIP", "length"), ("status (0 open, 1 stick, 2 slip)", "CSTATUS", "value"),
+    ("friction", "CSHEAR", "length"), ("slip", "CSLIP", "length"), ("status (-1 no slave, 0 open, 1 stick, 2 slip)", "CSTATUS", "value"),
     ("plastic strain", "PEEQ", "value"), ("temperature", "NT", "value"),
 ]  # fmt: skip
 

@@ -108,7 +108,7 @@ def test_contact_arrays(folder: Path) -> None:
     grid = grid_at(open_reader(folder / "job.vtkhdf"), TIMES[2])
     points = vtk_to_numpy(grid.GetPoints().GetData())
     far = np.linalg.norm(np.ptp(points, axis=0))
-    np.testing.assert_array_equal(array(grid, "CSTATUS")[:5], [2, 1, 0, 0, 0])
+    np.testing.assert_array_equal(array(grid, "CSTATUS")[:6], [2, 1, 0, 0, -1, -1])
     np.testing.assert_array_equal(array(grid, "CSCENARIO")[:5], [3, 0, 0, 1, 0])
     np.testing.assert_allclose(array(grid, "CPRESS")[:5], [10.0, 4.0, 0, 0, 0])
     np.testing.assert_allclose(array(grid, "COPEN")[:5], [0, 0, 0.25, far, 0])
@@ -116,8 +116,104 @@ def test_contact_arrays(folder: Path) -> None:
     np.testing.assert_allclose(array(grid, "CNORMF")[:2], [[0, 0, 20], [0, 0, 8]])
     np.testing.assert_allclose(array(grid, "CSHEARF")[:2], [[-6, 0, 0], [0, 2, 0]])
     np.testing.assert_allclose(array(grid, "CSLIP")[:2], [[0.02, 0, 0], [0, 0, 0]])
-    for name in (name for name in WIDTHS if name.startswith("C")):
+    assert (array(grid, "CSTATUS")[4:] == -1).all(), "no slaves"
+    for name in (name for name in WIDTHS if name.startswith("C") and name != "CSTATUS"):
         assert not array(grid, name)[5:].any(), name
+
+
+TWO_BODIES = """*NODE, NSET=NALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+9, 2., 0., 0.
+10, 2., 1., 0.
+11, 2., 0., 1.
+12, 2., 1., 1.
+21, 0., 0., 1.
+22, 1., 0., 1.
+23, 1., 1., 1.
+24, 0., 1., 1.
+25, 0., 0., 2.
+26, 1., 0., 2.
+27, 1., 1., 2.
+28, 0., 1., 2.
+90, 0.5, 0.5, 5.
+*ELEMENT, TYPE=C3D8, ELSET=UPPER
+70, 21, 22, 23, 24, 25, 26, 27, 28
+*ELEMENT, TYPE=C3D8, ELSET=LOWER
+31, 1, 2, 3, 4, 5, 6, 7, 8
+32, 2, 9, 10, 3, 6, 11, 12, 7
+*ELSET, ELSET=LEFT
+31, 70
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.3
+*MATERIAL, NAME=POM
+*ELASTIC
+2500., 0.3
+*SOLID SECTION, ELSET=LOWER, MATERIAL=STEEL
+*SOLID SECTION, ELSET=UPPER, MATERIAL=POM
+*SURFACE, NAME=SOLE
+UPPER, S1
+*SURFACE, NAME=TABLE
+LOWER, S2
+*SURFACE, TYPE=REVOLUTION, NAME=BALL
+0.5, 0.5, 5., 0.5, 0.5, 6.
+START, 0., -2.
+CIRCL, 2., 0., 0., 0.
+*RIGID BODY, ANALYTICAL SURFACE=BALL, REF NODE=90
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I
+SOLE, TABLE
+*STEP
+*STATIC
+0.5, 1., , 0.5
+*BOUNDARY
+90, 1, 6
+1, 1, 3
+2, 1, 3
+3, 1, 3
+4, 1, 3
+9, 1, 3
+10, 1, 3
+25, 1, 2
+26, 1, 2
+27, 1, 2
+28, 1, 2
+25, 3, 3, -0.01
+26, 3, 3, -0.01
+27, 3, 3, -0.01
+28, 3, 3, -0.01
+*END STEP
+"""
+
+
+def test_cell_arrays(run_deck: Run, tmp_path: Path) -> None:
+    """Body, material, label and sets of each cell, the same in each frame; a threshold of a set is its elements; cells of tools have 0."""
+    assert run_deck(TWO_BODIES, "--quiet").returncode == 0
+    reader = open_reader(tmp_path / "job.vtkhdf")
+    times = times_of(reader)
+    assert len(times) == 3
+    labels = [70, 31, 32]
+    for time in times:
+        grid = pyvista.wrap(grid_at(reader, time))
+        tools = grid.n_cells - 3
+        assert tools > 100
+        expected = {"BODY": [1, 2, 2], "MATERIAL": [2, 1, 1], "ELEMENT": labels, "ELSET UPPER": [1, 0, 0], "ELSET LOWER": [0, 1, 1], "ELSET LEFT": [1, 1, 0]}
+        assert set(grid.cell_data) == set(expected)
+        for name, values in expected.items():
+            np.testing.assert_array_equal(grid.cell_data[name], values + [0] * tools, err_msg=name)
+        for name, members in (("ELSET LEFT", [70, 31]), ("ELSET LOWER", [31, 32])):
+            assert grid.threshold(0.5, scalars=name).cell_data["ELEMENT"].tolist() == members
+        status = grid.point_data["CSTATUS"]
+        slaves = np.flatnonzero(status >= 0)
+        assert slaves.tolist() == [12, 13, 14, 15], "nodes 21 to 24"
+    assert (status[slaves] > 0).all()
 
 
 def test_cells(folder: Path) -> None:
