@@ -63,7 +63,7 @@ contains
     type(job_type), intent(inout) :: job
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    class(log_sink_type), intent(in), optional :: listener   !< receives the lines of the log
+    class(log_sink_type), intent(in), target, optional :: listener   !< receives the log; `target` as it may point
     type(job_options_type) :: whole
     type(process_lock_type) :: turn
     call acquire_lock(turn)

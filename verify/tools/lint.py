@@ -39,6 +39,19 @@ USE = re.compile(r"^use\s+amontons_(\w+)", re.I)
 THEORY_HEADING = re.compile(r"^#+ .*\[([^\]]+)\]$")
 MODEL_CHANGED = re.compile(r"^type\s*\(\s*model_type\s*\).*\bintent\s*\(\s*(?:in\s*)?out\s*\)", re.I)
 MODEL_ASSIGNED = re.compile(r"(?:^|\)\s*)(?:\w+%)*model%[\w%():,+*\- ]*=(?![=>])", re.I)
+MODULES_WITHOUT_PROGRAM = {
+    "version": "holds one constant",
+    "main": "is the program: verify/command_line runs it",
+    "contact_skin": "not yet; its operator is proven by verify/cases and by the programs of skin_preconditioner",
+    "robin_springs": "not yet; verify/cases",
+    "free_rigid_motions": "not yet; verify/cases",
+    "master_symmetry_planes": "not yet; verify/cases",
+    "model_check_contact": "not yet; verify/cases and verify/command_line",
+    "model_check_motion": "not yet; verify/cases and verify/command_line",
+    "deck_parameters": "not yet; verify/cases",
+    "analysis": "not yet; verify/library",
+    "job_files": "not yet; verify/command_line",
+}
 SEARCH_PATH = re.compile(r"\bsys\.path\b")
 LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")
 TYPE_NAME = re.compile(r"^type\s*(?:,[^:]*)?(?:::)?\s*(\w+)$", re.I)
@@ -306,6 +319,19 @@ def check_search_paths(root: Path) -> list[str]:
             for path in files for number, line in enumerate(path.read_text().splitlines(), 1) if SEARCH_PATH.search(line)]  # fmt: skip
 
 
+def check_unit_programs(modules: list[Module], root: Path) -> list[str]:
+    """Each module has a program verify/unit/<folder>/test_<module>.f90, or a reason to have none that is not stale."""
+    programs = root / "verify" / "unit"
+    found = {path.relative_to(programs).as_posix() for path in programs.glob("*/test_*.f90")}
+    wanted = {f"{module.folder}/test_{module.name}.f90": module for module in modules}
+    names = {module.name for module in modules}
+    troubles = [f"{module.path}: has no unit program verify/unit/{program}" for program, module in wanted.items()
+                if program not in found and module.name not in MODULES_WITHOUT_PROGRAM]
+    troubles += [f"verify/tools/lint.py: {name} needs no reason to have no unit program" for name in MODULES_WITHOUT_PROGRAM
+                 if name not in names or any(wanted[program].name == name for program in found & set(wanted))]
+    return troubles
+
+
 def main() -> int:
     """See the top of this file."""
     listed = read_modules()
@@ -316,6 +342,7 @@ def main() -> int:
     if "--write" in sys.argv:
         path.write_text(text)
     troubles = check_layers(listed, layers) + check_documents(set(modules), ROOT) + check_search_paths(ROOT)
+    troubles += check_unit_programs(listed, ROOT)
     if path.read_text() != text:
         troubles.append("src/depends.mk: stale; `make depends` generates it")
     troubles += [trouble for module in listed for trouble in module.troubles]

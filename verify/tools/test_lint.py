@@ -169,6 +169,20 @@ def test_modules_of_the_documents(tmp_path: Path) -> None:
     assert lint.check_documents({"slip", "gap"}, tmp_path) == ["doc/theory/contact.md:4: there is no module crossing"]
 
 
+def test_a_module_without_a_unit_program_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each module has a program in the folder of its name or a reason to have none; a reason that is not needed is found."""
+    (tmp_path / "verify" / "unit" / "base").mkdir(parents=True)
+    for name in ("kinds", "spare"):
+        (tmp_path / "verify" / "unit" / "base" / f"test_{name}.f90").touch()
+    modules = [lint.Module(name, [], "base") for name in ("kinds", "lost", "main", "spare")] + [lint.Module("kinds", [], "mesh")]
+    monkeypatch.setattr(lint, "MODULES_WITHOUT_PROGRAM", {"main": "", "spare": "", "gone": ""})
+    assert lint.check_unit_programs(modules, tmp_path) == [
+        "src/base/lost.f90: has no unit program verify/unit/base/test_lost.f90",
+        "src/mesh/kinds.f90: has no unit program verify/unit/mesh/test_kinds.f90",
+        "verify/tools/lint.py: spare needs no reason to have no unit program",
+        "verify/tools/lint.py: gone needs no reason to have no unit program"]
+
+
 def test_search_paths_stay_as_they_are(tmp_path: Path) -> None:
     """A file or page that changes the search path of Python is found; one that only names a path is not."""
     (tmp_path / "verify" / "study").mkdir(parents=True)
