@@ -49,8 +49,7 @@ MODULES_WITHOUT_PROGRAM = {
     "model_check_contact": "not yet; verify/cases and verify/command_line",
     "model_check_motion": "not yet; verify/cases and verify/command_line",
     "deck_parameters": "not yet; verify/cases",
-    "analysis": "not yet; verify/library",
-    "job_files": "not yet; verify/command_line",
+    "result_cells": "not yet; verify/readers",
 }
 SEARCH_PATH = re.compile(r"\bsys\.path\b")
 LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")
