@@ -63,7 +63,8 @@ uses_deck_output = kinds text topology steps model cards card_schema card_table 
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads topology model cards card_schema deck_reader deck_surfaces load_propagation
 uses_deck_steps = kinds text materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps
+uses_deck_traps = text mesh cards card_schema deck_reader
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
 
 # materials
 uses_logarithmic_strain = kinds tensor

@@ -312,8 +312,8 @@ contains
     call table%card('MPC', SCOPE_MODEL, 'Constraints between nodes: PLANE (all nodes stay in the plane of the first ' // &
       'three), STRAIGHT (on the line through the first two), BEAM (calculix: the distance of two nodes stays; ' // &
       'abaqus: the first is fixed rigidly to the second), LINK (their distance stays), TIE and PIN (the first moves ' // &
-      'as the second), MEANROT (the ' // &
-      'mean rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
+      'as the second), LINEAR (the first is between the other two), MEANROT (the mean ' // &
+      'rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
       'node, node, node, other, other, other, last node, whose first coordinate is the largest distance).', &
       data='kind, nodes or node sets; of a kind of two nodes also two sets of as many nodes, or a set and a node')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=ENTRY_REJECTED)
@@ -434,7 +434,7 @@ contains
     call table%card('DLOAD', SCOPE_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
       'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
-      'x, y, z and direction x, y, z of the axis; BX, BY or BZ, force per volume; without a region the whole model')
+      'x, y, z and direction x, y, z of the axis; BX, BY, BZ or BR, force per volume; without a region the whole model')
     call describe_distributed(table)
     call table%card('DSLOAD', SCOPE_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' &
       // &

@@ -280,12 +280,12 @@ contains
           'force per area in a direction; it is ''' // label // '''.')
       else if (face_number(strip_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
-      else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ')) then
+      else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ|BR')) then
         call read_volume_load(reader, model, row, amplitude, active_loads)
       else
         call report_error(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
-          'surface), each with NU for one by the routine DLOAD, GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ (force per ' // &
-          'volume); it is ''' // label // '''.')
+          'surface), each with NU for one by the routine DLOAD, GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ, BR (force ' // &
+          'per volume); it is ''' // label // '''.')
       end if
     end do
   end subroutine read_dload
@@ -496,6 +496,39 @@ contains
   end subroutine add_region_load
 
 
+  !> The direction of a body force: x, y or z; for axisymmetric elements BR is along x and, under the abaqus dialect, BZ along y,
+  !! the axis.
+  subroutine find_body_direction(reader, model, row, letter, place, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    character(1), intent(in) :: letter           !< X, Y, Z or R
+    type(load_region_type), intent(inout) :: place    !< with elements
+    logical, intent(inout) :: is_ok
+    type(element_kind_type) :: kind
+    integer :: i, n_round
+    n_round = 0
+    do i = 1, size(place%elements)
+      kind = element_kind(model%mesh%kind(place%elements(i)))
+      if (kind%family == FAMILY_AXISYMMETRIC) n_round = n_round + 1
+    end do
+    if (letter == 'R') then
+      place%direction(1) = 1
+      if (n_round == size(place%elements)) return
+      call report_error(reader, row%line, 'BR, a radial force per volume, is for axisymmetric elements.')
+      is_ok = .false.
+    else if (letter == 'Z' .and. n_round > 0 .and. reader%dialect /= DIALECT_CALCULIX) then
+      place%direction(2) = 1
+      if (n_round == size(place%elements)) return
+      call report_error(reader, row%line, 'BZ acts along the axis of axisymmetric elements, but not all elements here are of ' // &
+        'that kind; write a line for each.')
+      is_ok = .false.
+    else
+      place%direction(index('XYZ', letter)) = 1
+    end if
+  end subroutine find_body_direction
+
+
   !> The direction of a load on volumes, preceded by a point of the axis for CENTRIF.
   subroutine read_axis(reader, model, row, place, is_ok)
     type(reader_type), intent(inout) :: reader
@@ -510,7 +543,7 @@ contains
     if (label(1:1) == 'B') then
       call check_n_fields(reader, row, 3)
       place%kind = DISTRIBUTED_BODY_FORCE
-      place%direction(index('XYZ', label(2:2))) = 1
+      call find_body_direction(reader, model, row, label(2:2), place, is_ok)
       return
     end if
     if (label == 'CENTRIF') then

@@ -10,7 +10,7 @@ module amontons_deck_mesh
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_labels, only: to_cartesian
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, &
-    check_n_fields, check_no_data, is_card
+    check_n_fields, check_no_data, has_decimal_comma, is_card, DECIMAL_COMMA_TEXT
   use amontons_containers, only: integer_list_type, label_table_type
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, finalize_mesh
@@ -132,6 +132,10 @@ contains
     is_ok = .true.
     call read_label(reader, row, 'node', label, is_ok)
     call check_n_fields(reader, row, 7)            ! three more for a normal, which solids do not need
+    if (row%n > 4 .and. .not. reader%has_decimal_commas) then
+      reader%has_decimal_commas = has_decimal_comma(reader%cards, row, is_mixed=.true.)
+      if (reader%has_decimal_commas) call report_note(reader, row%line, DECIMAL_COMMA_TEXT)
+    end if
     mesh%n_nodes = mesh%n_nodes + 1
     do i = 1, 3
       call read_real(reader, row, i + 1, AXES(i), mesh%coordinates(i, mesh%n_nodes), is_ok, 0.0_DP)

@@ -151,10 +151,11 @@ contains
       call add_pin(reader, model, line, nodes)
     case ('MEANROT')
       call add_mean_rotation(reader, model, line, nodes, bond)
+    case ('LINEAR')
+      call add_interpolation(reader, model, line, nodes)
     case default
       call report_error(reader, line, 'The MPC ' // kind // ' is not supported; known are PLANE, STRAIGHT, BEAM, LINK, TIE, ' // &
-        'PIN, ' // &
-        'MEANROT and DIST.')
+        'PIN, LINEAR, MEANROT and DIST.')
     end select
   end subroutine add_mpc
 
@@ -239,6 +240,31 @@ contains
       call append_equation(model, nodes, [k, k], [1.0_DP, -1.0_DP], 'MPC', reader%cards%line_number(line))
     end do
   end subroutine add_pin
+
+
+  !> LINEAR: the displacements of the first node are between those of the second and the third, linear in its place between them.
+  subroutine add_interpolation(reader, model, line, nodes)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    real(DP) :: way(3), part
+    integer :: k
+    if (size(nodes) /= 3) then
+      call report_error(reader, line, 'LINEAR needs three nodes, the first between the other two.')
+      return
+    end if
+    associate (x => model%mesh%coordinates(:, nodes))
+      way = x(:, 3) - x(:, 2)
+      if (.not. norm2(way) > 0.0_DP) then
+        call report_error(reader, line, 'The second and the third node of LINEAR are at the same place.')
+        return
+      end if
+      part = dot_product(x(:, 1) - x(:, 2), way) / dot_product(way, way)
+    end associate
+    do k = 1, 3
+      call append_equation(model, nodes, [k, k, k], [1.0_DP, part - 1.0_DP, -part], 'MPC', reader%cards%line_number(line))
+    end do
+  end subroutine add_interpolation
 
 
   !> MEANROT: nodes, and last a pilot: its coordinates are the axis, its first displacement the mean rotation.

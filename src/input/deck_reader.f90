@@ -13,7 +13,11 @@ module amontons_deck_reader
   private
   public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data
+  public :: has_decimal_comma, DECIMAL_COMMA_TEXT
   public :: read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+
+  character(*), parameter :: DECIMAL_COMMA_TEXT = 'This looks like decimal commas: a comma parts two numbers, and a point is ' // &
+    'the decimal mark (0.3). If the numbers are meant as they are, put blanks after all commas.'
 
   !> The times of a TIME POINTS card.
   type :: time_list_type
@@ -42,6 +46,7 @@ module amontons_deck_reader
     integer, allocatable :: omitted_nodes(:)
     integer, allocatable :: omitted_of_draft(:)     !< (elements of the deck) number among the dropped, 0
     type(integer_list_type), allocatable :: omitted_of_set(:)   !< (element sets) their dropped members
+    logical :: has_decimal_commas = .false.          !< nodes whose commas look like decimal commas were reported
     logical :: has_unsupported_kinds = .false.       !< unsupported element kinds were reported; consequences are not
   end type reader_type
 
@@ -186,9 +191,38 @@ contains
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     integer, intent(in) :: n                     !< fields that are read
-    if (row%n > n) call report_error(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // &
-      to_text(n) // ' are allowed here.')
+    character(:), allocatable :: hint
+    if (row%n <= n) return
+    hint = '.'
+    if (has_decimal_comma(reader%cards, row, is_mixed=.false.)) hint = '; a comma parts two numbers, and a point is the decimal ' &
+      // 'mark.'
+    call report_error(reader, row%line, 'This line has ' // plural(row%n, 'value') // '; at most ' // to_text(n) // &
+      ' are allowed here' // hint)
   end subroutine check_n_fields
+
+
+  !> Whether two fields of a row look like one number with a decimal comma: digits, a comma and digits without a blank.
+  pure logical function has_decimal_comma(cards, row, is_mixed) result(has_one)
+    type(cards_type), intent(in) :: cards
+    type(data_row_type), intent(in) :: row
+    logical, intent(in) :: is_mixed              !< only if a blank follows another comma of the row, or it ends with one
+    integer :: i
+    logical :: has_blank
+    has_blank = .not. is_mixed
+    has_one = .false.
+    do i = 1, row%n - 1
+      if (row%first(i) > row%last(i) .or. row%first(i + 1) > row%last(i + 1)) cycle
+      if (row%first(i + 1) > row%last(i) + 2) then
+        has_blank = .true.
+        cycle
+      end if
+      associate (left => cards%text(row%first(i):row%last(i)), right => cards%text(row%first(i + 1):row%last(i + 1)))
+        if (verify(left, '+-0123456789') > 0 .or. verify(right, '0123456789eEdD+-') > 0) cycle
+        has_one = has_one .or. scan(right(1:1), '0123456789') == 1
+      end associate
+    end do
+    has_one = has_one .and. has_blank
+  end function has_decimal_comma
 
 
   !> Reports data lines of a card that takes none.
@@ -216,7 +250,11 @@ contains
       found = reader%node_sets%find(field_text(reader%cards, row, i))
       if (found > 0) nodes = mesh%node_sets(found)%members
     end if
-    if (allocated(nodes)) return
+    if (allocated(nodes)) then
+      if (size(nodes) == 0) call report_note(reader, row%line, 'The node set ''' // field_text(reader%cards, row, i) // &
+        ''' has no members.')
+      return
+    end if
     allocate (nodes(0))
     is_ok = .false.
     if (status == NUMBER_EMPTY) then
@@ -252,7 +290,11 @@ contains
           'solid elements only.')
       end if
     end if
-    if (allocated(elements)) return
+    if (allocated(elements)) then
+      if (size(elements) == 0 .and. is_ok) call report_note(reader, row%line, 'The element set ''' // &
+        field_text(reader%cards, row, i) // ''' has no members.')
+      return
+    end if
     allocate (elements(0))
     is_ok = .false.
     if (status == NUMBER_EMPTY) then

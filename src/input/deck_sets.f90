@@ -11,7 +11,7 @@ module amontons_deck_sets
   use amontons_containers, only: integer_list_type, label_table_type, name_table_type
   use amontons_mesh, only: mesh_type, set_type
   use amontons_model, only: DIALECT_CALCULIX
-  use amontons_text, only: to_text, NUMBER_OK, NUMBER_EMPTY
+  use amontons_text, only: name_key, to_text, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
   public :: read_sets
@@ -84,6 +84,11 @@ contains
       call open_card(reader, c, parameters, row)
       name = parameter_text(parameters, set_key)
       if (name == '') cycle
+      if (index(name_key(name), 'GMSH:') == 1) then
+        call report_note(reader, reader%cards%cards(c)%line, 'The set ''' // name // ''' describes the geometry of gmsh, no ' // &
+          'members of the mesh; it is left out.')
+        cycle
+      end if
       if (has_parameter(parameters, 'INSTANCE')) call report_error(reader, reader%cards%cards(c)%line, 'INSTANCE belongs to the ' &
         // 'sets of an assembly; this deck has none here.')
       call check_name(reader, c, name)

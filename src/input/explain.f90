@@ -14,7 +14,7 @@ module amontons_explain
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
-  use amontons_text, only: name_key, to_text, plural, is_one_of, NEWLINE
+  use amontons_text, only: name_key, upper_case, to_text, plural, is_one_of, NEWLINE
   use amontons_topology, only: element_kind_type, element_kind, N_KINDS
   implicit none
   private
@@ -79,7 +79,7 @@ contains
         call read_parameters(reader%cards, card, parameters)
         call match_parameters(entry, parameters, card%line, .true.)
         do i = 1, size(parameters)
-          text = text // INDENT // parameter_line(entry, parameters(i)) // NEWLINE
+          text = text // INDENT // parameter_line(entry, parameters(i), is_refused(reader, card%line, parameters(i))) // NEWLINE
         end do
         text = text // default_line(entry, parameters)
         call explain_data(reader, c, is_one_of(entry%key, COUNTED_CARDS), text)
@@ -87,6 +87,41 @@ contains
       end associate
     end associate
   end subroutine explain_card
+
+
+  !> Whether an error at the line of a card quotes the value of a parameter: a kind of element that is not supported, say.
+  logical function is_refused(reader, line, parameter)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: line
+    type(parameter_type), intent(in) :: parameter
+    character(*), parameter :: PUNCTUATION = ' .,;:''='
+    character(:), allocatable :: remark, value
+    integer :: i, at, first
+    logical :: is_warning
+    is_refused = .false.
+    value = parameter%text
+    if (len(value) < 2) return
+    value = upper_case(value)
+    do i = 1, reader%messages%n
+      call reader%messages%get(i, at, is_warning, remark)
+      if (at /= line .or. is_warning) cycle
+      remark = ' ' // remark // ' '
+      remark = upper_case(remark)
+      first = index(remark, value)
+      if (first == 0) cycle
+      at = first + len(value)
+      is_refused = is_refused .or. (is_one_sign(remark(first - 1:first - 1)) .and. is_one_sign(remark(at:at)))
+    end do
+
+  contains
+
+    !> Whether a letter ends a word.
+    pure logical function is_one_sign(letter)
+      character(1), intent(in) :: letter
+      is_one_sign = scan(letter, PUNCTUATION) > 0
+    end function is_one_sign
+
+  end function is_refused
 
 
   !> The word for a status.
@@ -105,9 +140,10 @@ contains
 
 
   !> 'INC=100: used. Most increments of the step.'
-  function parameter_line(entry, parameter) result(line)
+  function parameter_line(entry, parameter, has_error) result(line)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(in) :: parameter
+    logical, intent(in) :: has_error               !< an error of the card names its value
     character(:), allocatable :: line
     integer :: i
     line = parameter%key
@@ -119,6 +155,8 @@ contains
         if (parameter%has_value) line = line // '=' // parameter%text
         if (is_one_of(parameter%text, option%refused) .and. option%refused /= '' .and. parameter%text /= '') then
           line = line // ': refused. ' // option%message
+        else if (has_error) then
+          line = line // ': refused, see the error below.'
         else
           line = line // ': ' // status_word(option%status) // '. ' // option%description
         end if

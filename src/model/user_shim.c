@@ -155,7 +155,9 @@ static const char *const CAUSES[N_SIGNALS] = {
   "it ran into code that is none (a call with wrong arguments)",
   "it was aborted (often by memory overwritten before)"};
 static struct sigaction handlers_before[N_SIGNALS];
-static int n_open;
+static int n_open_libraries, is_exit_watched;
+static _Thread_local char signal_stack[STACK_ROOM];
+static _Thread_local int has_signal_stack;
 static pthread_mutex_t handlers_lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* The sentence about a call that went wrong. */
@@ -234,22 +236,21 @@ static void handle_exit(void)
 /* Catches signals while a library is open; those outside its routines go to the handlers before. */
 static void catch_signals(void)
 {
-  static int is_registered;
   struct sigaction action = {0};
   action.sa_sigaction = handle_signal;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
   sigemptyset(&action.sa_mask);
   pthread_mutex_lock(&handlers_lock);
-  if (n_open++ == 0)
+  if (n_open_libraries++ == 0)
     for (int i = 0; i < N_SIGNALS; i++) sigaction(SIGNALS[i], &action, &handlers_before[i]);
-  if (!is_registered) is_registered = atexit(handle_exit) == 0;
+  if (!is_exit_watched) is_exit_watched = atexit(handle_exit) == 0;
   pthread_mutex_unlock(&handlers_lock);
 }
 
 static void restore_signals(void)
 {
   pthread_mutex_lock(&handlers_lock);
-  if (--n_open == 0)
+  if (--n_open_libraries == 0)
     for (int i = 0; i < N_SIGNALS; i++) sigaction(SIGNALS[i], &handlers_before[i], NULL);
   pthread_mutex_unlock(&handlers_lock);
 }
@@ -257,11 +258,9 @@ static void restore_signals(void)
 /* A stack for the handler of each thread: that of the routine may be full. */
 static void give_stack(void)
 {
-  static _Thread_local char room[STACK_ROOM];
-  static _Thread_local int is_given;
-  stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
-  if (is_given) return;
-  is_given = 1;
+  stack_t stack = {.ss_sp = signal_stack, .ss_size = sizeof signal_stack};
+  if (has_signal_stack) return;
+  has_signal_stack = 1;
   sigaltstack(&stack, NULL);
 }
 

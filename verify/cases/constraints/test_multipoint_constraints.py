@@ -469,3 +469,26 @@ def test_constraint_conflict_during_the_step(run_deck: Run, tmp_path: Path) -> N
     assert f"CONSTRAINTS: The *RIGID BODY of line {line} contradicts the boundary conditions of its nodes" in message
     assert "Remedy: release a support or an equation" in message
     assert "CONSTRAINTS: The *RIGID BODY" in (tmp_path / "job.cvg").read_text()
+
+
+@pytest.mark.parametrize(("x", "part"), [(0.25, 0.25), (1.5, 1.5), (0.5, 0.5)])
+def test_linear_interpolation(run_deck: Run, tmp_path: Path, x: float, part: float) -> None:
+    """MPC LINEAR: a node between two corners, or beyond, moves by their interpolated displacements, and its force goes to both by the lever."""
+    cards = f"*NODE, NSET=ALL\n90, {x}, 0.1, 1.\n*MPC\nLINEAR, 90, 5, 6\n"
+    done = run_deck(job(cards, "*BOUNDARY\nBOTTOM, 1, 3\n*CLOAD\n90, 3, 4.\n7, 1, 2.\n"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    u = read_rows(tmp_path, "displacements")
+    check(u, 90, [(1 - part) * a + part * b for a, b in zip(u[5], u[6], strict=True)], 0.03, "displacement")
+    done = run_deck(job("", f"*BOUNDARY\nBOTTOM, 1, 3\n*CLOAD\n5, 3, {4 * (1 - part)}\n6, 3, {4 * part}\n7, 1, 2.\n"))
+    assert done.returncode == 0
+    by_lever = read_rows(tmp_path, "displacements")
+    for node in range(1, 9):
+        check(u, node, by_lever[node], 0.03, "displacement")
+
+
+@pytest.mark.parametrize(("row", "message"), [("LINEAR, 90, 5", "needs three nodes"), ("LINEAR, 7, 90, 91", "at the same place")])
+def test_refused_interpolation(run_deck: Run, row: str, message: str) -> None:
+    """Two nodes only, or two at one place."""
+    done = run_deck(job(f"*NODE\n90, 0., 0., 2.\n91, 0., 0., 2.\n*MPC\n{row}\n", "*BOUNDARY\nBOTTOM, 1, 3\n"))
+    assert done.returncode == 3
+    assert message in " ".join(done.stdout.split())

@@ -1,4 +1,5 @@
-"""Lines of a deck that are easily lost or misread: data after a trailing comma, what follows an INCLUDE, parameters.
+"""Lines of a deck that are easily lost or misread: data after a trailing comma, what follows an INCLUDE, parameters,
+decimal commas, keywords without a star, empty sets.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -141,3 +142,95 @@ def test_wrong_parameters(run_deck: Run, line: str, message: str) -> None:
     done = run_deck(CUBE + BOUNDARY + f"*PARAMETER\n{line}\n" + STEP + "*CLOAD\nHIGH, 3, <f>\n" + END)
     assert done.returncode == 3
     assert message in output_of(done)
+
+
+def deck_with(wrong: str, right: str = "", more: str = "") -> str:
+    """The cube with one line of it replaced, or more cards of the model."""
+    deck = CUBE + more + BOUNDARY + STEP + LOAD + END
+    assert right in deck
+    return deck.replace(right, wrong, 1) if right else deck
+
+
+COMMAS = "This looks like decimal commas"
+
+
+@pytest.mark.parametrize(("right", "wrong"), [
+    ("7, 1., 1., 1.", "7, 1,0, 1,0, 1,0"), ("1000.0, 0.", "1000,0, 0,3"), ("*SOLID", "*DENSITY\n7,8e-9\n*SOLID"),
+    ("*STATIC\n", "*STATIC\n0,1, 1,\n"), ("*SOLID", "*PLASTIC\n200,5, 0\n*SOLID"), ("*SOLID", "*EXPANSION\n1,2e-5\n*SOLID"),
+])  # fmt: skip
+def test_decimal_commas(run_deck: Run, right: str, wrong: str) -> None:
+    """Digits, a comma and digits without a blank, beside commas with one."""
+    done = run_deck(deck_with(wrong, right))
+    assert output_of(done).count(COMMAS) == 1
+
+
+@pytest.mark.parametrize(("right", "wrong"), [
+    ("7, 1., 1., 1.", "7,1,1,1"), ("1000.0, 0.", "1000,0"), ("*SOLID", "*DENSITY\n7.8e-9,20\n*SOLID"), ("*STATIC\n", "*STATIC\n1,1\n"),
+    ("*SOLID", "*PLASTIC\n200,0\n300,1\n*SOLID"), ("*SOLID", "*EXPANSION\n1.2e-5, 20\n*SOLID"), ("1, 2, 3, 4\n", "1,2, 3,4\n"),
+])  # fmt: skip
+def test_commas_between_integers(run_deck: Run, right: str, wrong: str) -> None:
+    """Integers without blanks are what they are."""
+    done = run_deck(deck_with(wrong, right))
+    assert done.returncode == 0, done.stdout
+    assert COMMAS not in output_of(done)
+
+
+def test_too_many_values_with_decimal_commas(run_deck: Run) -> None:
+    """The error names the decimal mark."""
+    done = run_deck(deck_with("HIGH, 3, 2,5", "HIGH, 3, 2.5"))
+    assert done.returncode == 3
+    assert "This line has 4 values; at most 3 are allowed here; a comma parts two numbers, and a point is the decimal mark." in output_of(done)
+
+
+@pytest.mark.parametrize(("right", "wrong", "keyword", "code"), [
+    ("*ELASTIC", "ELASTIC", "ELASTIC without its star; it counts as data of *MATERIAL", 3),
+    ("*STATIC", "static", "STATIC without its star; it counts as data of *STEP", 3),
+    ("*BOUNDARY", "Boundary", "BOUNDARY without its star; it counts as data of *SOLID SECTION", 3),
+    ("*END STEP", "END STEP", "END STEP without its star; it counts as data of *NODE PRINT", 3),
+    ("*NODE PRINT, NSET=HIGH\nU", "*NODE PRINT, NSET=HIGH\nU\nNODE FILE\nU", "NODE FILE without its star; it counts as data of *NODE PRINT", 0),
+    ("*NSET, NSET=LOW", "NSET, NSET=LOW", "NSET without its star; it counts as data of *ELEMENT", 3),
+])  # fmt: skip
+def test_keywords_without_a_star(run_deck: Run, right: str, wrong: str, keyword: str, code: int) -> None:
+    """A data line that begins with a keyword is named, with the card that it counts for."""
+    done = run_deck(deck_with(wrong, right))
+    assert done.returncode == code, done.stdout
+    assert f"This line begins with the keyword {keyword}." in output_of(done)
+
+
+def test_a_set_may_have_the_name_of_a_keyword(run_deck: Run) -> None:
+    """Then a line may begin with it."""
+    done = run_deck(CUBE + "*NSET, NSET=STATIC\n5\n" + BOUNDARY + STEP + "*CLOAD\nSTATIC, 1, 1.\n" + END)
+    assert done.returncode == 0, done.stdout
+    assert "star" not in output_of(done)
+
+
+@pytest.mark.parametrize(("line", "what"), [
+    ("*CLOAD\nNONE, 3, 1.", "node"), ("*BOUNDARY\nNONE, 1", "node"), ("*NODE PRINT, NSET=NONE\nU", "node"), ("*DLOAD\nNONE, P2, 1.", "element"),
+    ("*EL PRINT, ELSET=NONE\nS", "element"),
+])  # fmt: skip
+def test_empty_sets(run_deck: Run, line: str, what: str) -> None:
+    """A card that uses a set without members is named; a set that none uses is not."""
+    sets = "*NSET, NSET=NONE\n*ELSET, ELSET=NONE\n"
+    done = run_deck(CUBE + sets + BOUNDARY + STEP + LOAD + END)
+    assert done.returncode == 0, done.stdout
+    assert "has no members" not in output_of(done)
+    done = run_deck(CUBE + sets + BOUNDARY + STEP + LOAD + line + "\n" + END)
+    assert done.returncode == 0, done.stdout
+    assert output_of(done).count(f"The {what} set 'NONE' has no members.") == 1
+
+
+def test_sets_of_the_geometry_of_gmsh(run_deck: Run, tmp_path: Path) -> None:
+    """meshio writes them with numbers of no node or element, negative ones too."""
+    sets = "*NSET, NSET=gmsh:bounding_entities\n-3,\n99\n*ELSET, ELSET=gmsh:bounding_entities\n-1,\n0,\n77\n"
+    done = run_deck(CUBE + sets + BOUNDARY + STEP + LOAD + END)
+    assert done.returncode == 0, done.stdout
+    assert "The set 'gmsh:bounding_entities' describes the geometry of gmsh" in output_of(done)
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+
+
+def test_explanation_of_what_is_refused(run_deck: Run) -> None:
+    """The value that an error names is not called used."""
+    done = run_deck(deck_with("*ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4", "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8"), "--explain")
+    assert done.returncode == 3
+    assert "TYPE=S4: refused, see the error below." in done.stdout
+    assert "ELSET=E: used." in done.stdout

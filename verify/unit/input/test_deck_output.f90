@@ -133,7 +133,7 @@ contains
   subroutine check_errors()
     call expect_message('', 'There is no node set ''Q''', step=S // '*NODE PRINT, NSET=Q;U;' // END)
     call expect_message('', 'There is no element set ''Q''', step=S // '*EL PRINT, ELSET=Q;S;' // END)
-    call expect_message('', '*NODE PRINT needs NSET', DIALECT_CALCULIX, step=S // '*NODE PRINT;U;' // END)
+    call expect_message('', '*NODE PRINT needs NSET', DIALECT_CALCULIX, step=S // '*NODE PRINT;U;' // END, is_note=.true.)
     call expect_message('', 'There is no surface ''Q''', step=S // '*CONTACT PRINT, MASTER=Q;CDIS;' // END)
     call expect_message('', 'There is no surface ''Q''', step=S // '*SECTION PRINT, SURFACE=Q, NAME=X;SOF;' // END)
     call expect_message('', 'is one of nodes', step=S // '*SECTION PRINT, SURFACE=DOTS, NAME=X;SOF;' // END)
