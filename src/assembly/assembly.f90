@@ -532,6 +532,7 @@ contains
         return
       end if
       call store_points(model%mesh, e, merge(0, material%n_history, material%is_user), points, fields)
+      if (material%n_history > 0 .and. size(fields%modes, 2) > 0) fields%modes(:, e) = points%modes
       if (material%is_user) call store_umat_points(model, e, points, fields)
       do a = 1, n
         fields%internal_force(:, nodes(a)) = fields%internal_force(:, nodes(a)) + force(:, a)
@@ -598,6 +599,7 @@ contains
     k = min(MAX_HISTORY, model%materials(element_material(model, state%new%step, e))%n_history)
     points%history_old = 0.0_DP
     points%history_old(:k, :m) = state%old%history(:k, p:p + m - 1)
+    if (k > 0 .and. size(state%old%modes, 2) > 0) points%modes_old = state%old%modes(:, e)
     points%temperature(:n) = state%new%temperature(nodes(:n))
     points%initial_temperature(:n) = 0.0_DP
     if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))

@@ -18,7 +18,8 @@ module amontons_incompatible_modes
   use amontons_topology, only: MAX_ELEMENT_NODES
   implicit none
   private
-  public :: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, condense_mode_amplitudes, add_mode_skew_part
+  public :: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, halve_mode_correction, &
+    condense_mode_amplitudes, add_mode_skew_part
   public :: N_MODES
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
@@ -86,6 +87,18 @@ contains
       amplitudes = amplitudes + iteration%correction
     end associate
   end subroutine update_mode_amplitudes
+
+
+  !> Takes back half of the last correction, which led to a configuration that is not valid.
+  pure subroutine halve_mode_correction(iteration, amplitudes, is_possible)
+    type(mode_iteration_type), intent(inout) :: iteration
+    real(DP), intent(inout) :: amplitudes(:, :)    !< (3, N_MODES) [length]
+    logical, intent(out) :: is_possible            !< .false.: there is no correction, or it is as short as allowed
+    is_possible = iteration%share > MIN_STEP_LENGTH
+    if (.not. is_possible) return
+    iteration%share = 0.5_DP * iteration%share
+    amplitudes = amplitudes - iteration%share * iteration%correction
+  end subroutine halve_mode_correction
 
 
   !> The Newton correction of the amplitudes, which are the last nodes of the element: -K_mm^-1 f_m.

@@ -9,7 +9,7 @@ module amontons_solid_elements
   use amontons_kinds, only: DP
   use amontons_zero_stress_condition, only: evaluate_initial_tangent, CONDITION_NONE
   use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
-    condense_mode_amplitudes, add_mode_skew_part, N_MODES
+    halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: material_point_type, update_material_point
@@ -194,10 +194,13 @@ contains
   end subroutine evaluate_kernel
 
 
-  !> C3D8I: the amplitudes of the incompatible modes are solved anew each time, so that their forces are zero; static
-  !! condensation eliminates them. Force and tangent are derivatives of the minimum energy, and no amplitude is
-  !! stored. Cost: one correction for a linear law, else two to five, more where plastic flow
-  !! changes direction.
+  !> C3D8I: the amplitudes of the incompatible modes are solved for, so that their forces are zero; static condensation eliminates
+  !! them. Force and tangent are derivatives of the minimum energy. Cost: one correction for a linear law, else two to five, more
+  !! where plastic flow changes direction.
+  !!
+  !! The search begins with the committed amplitudes (points%modes_old; zero for a law without history), which follow the mean
+  !! deformation of the element. Zero amplitudes after plastic flow would be a large step back that yields anew and may invert the
+  !! element. If the search fails, a second one begins at zero.
   pure subroutine evaluate_incompatible_modes(material, X, u, is_nlgeom, force, points, status, stiffness)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)
@@ -208,33 +211,82 @@ contains
     real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
     type(kinematics_type) :: reference_kinematics
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), K(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES), whole(3, &
-      8 + N_MODES), &
-      mode_residual
-    type(mode_iteration_type) :: iteration
-    integer :: n_rule, step
-    logical :: is_exact, is_regular
+      8 + N_MODES), F(3, 3), inverse(3, 3), det
+    integer :: n_rule
+    logical :: is_regular
     call set_reference(KIND_C3D8I, X, reference_kinematics, status)
     if (status /= ELEMENT_OK) return
     call quadrature(KIND_C3D8I, n_rule, xi, w)
     call evaluate_mode_gradients(X, xi(:, :8), reference_kinematics%reference(:8), reference_kinematics%gradient(9:8 + N_MODES, &
       :, :8))
+    F = IDENTITY
+    if (is_nlgeom) F = mean_deformation(reference_kinematics, u)
     whole(:, :8) = u(:, :8)
-    whole(:, 9:) = 0                                 ! the amplitudes
-    do step = 0, MAX_AMPLITUDE_CORRECTIONS
-      call evaluate_modes(material, reference_kinematics, whole, is_nlgeom, force, points, status, K, mode_residual)
-      if (status /= ELEMENT_OK) return
-      if (mode_residual <= TOL_MODE_FORCE) exit
-      call update_mode_amplitudes(iteration, 8, force, K, whole, is_exact, is_regular)
-      if (is_exact) mode_residual = 0
-      if (is_exact .or. .not. is_regular) exit
-    end do
-    if (.not. mode_residual <= TOL_MODE_FORCE_ACCEPTABLE) status = ELEMENT_NOT_FINITE
+    whole(:, 9:) = matmul(F, reshape(points%modes_old, [3, N_MODES]))
+    call solve_mode_amplitudes(material, reference_kinematics, is_nlgeom, whole, force, points, status, K)
+    if (status /= ELEMENT_OK .and. any(abs(points%modes_old) > 0)) then
+      whole(:, 9:) = 0
+      call solve_mode_amplitudes(material, reference_kinematics, is_nlgeom, whole, force, points, status, K)
+    end if
+    if (status /= ELEMENT_OK) return
+    call invert(F, inverse, det)
+    points%modes = 0
+    if (det > 0) points%modes = reshape(matmul(inverse, whole(:, 9:)), [3 * N_MODES])
     if (present(stiffness)) then
       stiffness = K
       call condense_mode_amplitudes(8, .not. allocated(points%skew), force, stiffness, is_regular)
     end if
     force(:, 9:) = 0
   end subroutine evaluate_incompatible_modes
+
+
+  !> The mean deformation gradient of an element by its nodes.
+  pure function mean_deformation(kinematics, u) result(F)
+    type(kinematics_type), intent(in) :: kinematics     !< of the reference configuration
+    real(DP), intent(in) :: u(:, :)                !< (3, 8) [length]
+    real(DP) :: F(3, 3)
+    integer :: p, a, j
+    F = 0
+    do p = 1, 8
+      do a = 2, 8
+        do j = 1, 3
+          F(:, j) = F(:, j) + kinematics%reference(p) * (u(:, a) - u(:, 1)) * kinematics%gradient(a, j, p)
+        end do
+      end do
+    end do
+    F = IDENTITY + F / sum(kinematics%reference(:8))
+  end function mean_deformation
+
+
+  !> Newton's method for the amplitudes. A correction that inverts the element is halved.
+  pure subroutine solve_mode_amplitudes(material, reference_kinematics, is_nlgeom, whole, force, points, status, stiffness)
+    type(material_type), intent(in) :: material
+    type(kinematics_type), intent(in) :: reference_kinematics       !< gradients of nodes and modes
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(inout) :: whole(3, 8 + N_MODES)    !< displacements, then amplitudes [length]
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type), intent(inout) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...; ELEMENT_NOT_FINITE without convergence
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< of nodes and modes, not condensed
+    type(mode_iteration_type) :: iteration
+    real(DP) :: mode_residual
+    integer :: step
+    logical :: is_exact, is_regular
+    mode_residual = huge(1.0_DP)
+    do step = 0, MAX_AMPLITUDE_CORRECTIONS
+      call evaluate_modes(material, reference_kinematics, whole, is_nlgeom, force, points, status, stiffness, mode_residual)
+      if (status /= ELEMENT_OK) then
+        call halve_mode_correction(iteration, whole(:, 9:), is_regular)
+        if (.not. is_regular) return
+        cycle
+      end if
+      if (mode_residual <= TOL_MODE_FORCE) exit
+      call update_mode_amplitudes(iteration, 8, force, stiffness, whole, is_exact, is_regular)
+      if (is_exact) mode_residual = 0
+      if (is_exact .or. .not. is_regular) exit
+    end do
+    if (status == ELEMENT_OK .and. .not. mode_residual <= TOL_MODE_FORCE_ACCEPTABLE) status = ELEMENT_NOT_FINITE
+  end subroutine solve_mode_amplitudes
 
 
   !> Forces and tangent of the eight nodes and of the amplitudes, as if these were three more nodes.

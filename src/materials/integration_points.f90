@@ -34,7 +34,10 @@ module amontons_integration_points
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< [time]
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
+    real(DP) :: modes_old(9) = 0                   !< committed amplitudes of the incompatible modes, without the mean deformation
+                                                   !! [length]
     ! output
+    real(DP) :: modes(9)                           !< these amplitudes at the end of the increment [length]
     real(DP) :: history(MAX_HISTORY, MAX_ELEMENT_POINTS)   !< at the end of the increment
     real(DP) :: stress(6, MAX_ELEMENT_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
     real(DP) :: strain(6, MAX_ELEMENT_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]

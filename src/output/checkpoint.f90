@@ -26,7 +26,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 10
+  integer(I64), parameter :: FORMAT_VERSION = 11
   integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
   !> All data on which the next increment depends.
@@ -406,6 +406,7 @@ contains
     call packer%exchange(fields%dissipated)
     call packer%exchange(fields%volume)
     call packer%exchange(fields%history)
+    call packer%exchange(fields%modes)
     call packer%exchange(fields%temperature)
     has_birth = allocated(fields%birth_displacement)
     call packer%exchange(has_birth)

@@ -28,6 +28,7 @@ contains
           old%birth_displacement(:, i) = old%u(:, mesh%nodes(i))
         end do
         old%history(:, mesh%point_first(e):mesh%point_first(e + 1) - 1) = 0
+        if (size(old%modes, 2) > 0) old%modes(:, e) = 0
       end do
       state%new = old
     end associate

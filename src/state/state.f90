@@ -13,7 +13,7 @@ module amontons_state
   use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
-  use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_topology, only: KIND_C3D8I, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
@@ -74,6 +74,8 @@ module amontons_state
     real(DP), allocatable :: dissipated(:)  !< (n_points) work on plastic and creep strains; (0): none [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 without history
+    real(DP), allocatable :: modes(:, :)    !< (9, n_elements) amplitudes of the incompatible modes without the mean deformation,
+                                            !< of laws with history; (9, 0): none [length]
     real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
     real(DP) :: creep_time = 0              !< time spent in creep steps [time]
     real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not allocated: global
@@ -113,7 +115,7 @@ contains
         new%reaction_force(3, n), source=0.0_DP)
       allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
-      allocate (new%history(0, m), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
+      allocate (new%history(0, m), new%modes(9, 0), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
     state%old = state%new
@@ -136,6 +138,10 @@ contains
       end do
       allocate (new%user_memory(n_memory), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
+      if (n_history > 0 .and. any(model%mesh%kind == KIND_C3D8I)) then
+        deallocate (new%modes)
+        allocate (new%modes(9, model%mesh%n_elements), source=0.0_DP)
+      end if
       if (n_history >= HISTORY_INELASTIC + 5) new%dissipated = [(0.0_DP, i=1, model%mesh%n_points)]
       if (allocated(model%initial_history)) then
         n_history = min(n_history, size(model%initial_history, 1))
