@@ -134,7 +134,8 @@ def draw_bodies(axes: Axes, job: Job, k: int, section: Section | None = None, is
     factor = 1.0 if is_close and job.pairs else round_factor(job.data)
     x = job.data.points + factor * job.frame("U", k)
     mises = job.frame("S_mises", k)
-    norm = Normalize(0.0, float(mises.max()) or 1.0)
+    largest = float(job.data.fields["S_mises"].max())   # of the job: rounding of an unloaded body is dark
+    norm = Normalize(0.0, max(float(mises.max()), 1e-6 * largest) or 1.0)
     image, right, up = scene.render(job.data, x, mises, norm.vmax, (1500, 1500), in_view(job, x, mises, 0.05 if is_close else 1e-9), section, job.cells)
     image = scene.without_margins(image)
     axes.imshow(image, interpolation="lanczos")
@@ -207,7 +208,7 @@ def draw_pressure(axes: Axes, job: Job, chart: Map, k: int) -> None:
         triangles += [[start, start + i, start + i + 1] for i in range(1, len(face) - 1)]
         start += len(face)
     places, nodes = np.concatenate(chart.places), np.concatenate(chart.corners)
-    top = max(float(pressure[nodes].max()), 1e-300)
+    top = float(pressure[nodes].max()) or 1.0
     mesh = axes.tripcolor(Triangulation(*places.T, triangles), pressure[nodes], shading="gouraud", cmap="YlOrRd", vmin=0.0, vmax=top)
     shear = job.frame("CSHEAR", k)
     rows = [(*place, *(chart.directions[n] @ shear[n])) for n, found in chart.nodal.items() for place in found] if shear.ndim == 2 else []

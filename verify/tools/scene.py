@@ -67,7 +67,8 @@ def surfaces(job: Job, x: Floats, values: Floats) -> tuple[pyvista.PolyData, pyv
     tool = is_tool(job, triangles)
     lines = sides[~is_tool(job, sides)] if len(sides) else sides
     bodies, edges, tools = (_poly(x, cells) for cells in (triangles[~tool], lines, triangles[tool]))
-    bodies["value"] = values
+    if bodies.n_points:
+        bodies["value"] = values
     return bodies, edges, tools
 
 
@@ -75,7 +76,7 @@ def _poly(x: Floats, cells: Ints) -> pyvista.PolyData:
     """Triangles or lines between points."""
     rows = np.hstack([np.full((len(cells), 1), cells.shape[1] if len(cells) else 0), cells]).ravel()
     if not len(cells):
-        return pyvista.PolyData(x[:1]) if len(x) else pyvista.PolyData()
+        return pyvista.PolyData()
     return pyvista.PolyData(x, faces=rows) if cells.shape[1] == 3 else pyvista.PolyData(x, lines=rows)
 
 

@@ -55,9 +55,11 @@ def blocks() -> str:
     [
         (blocks(), 4 + 12, 0, 0),
         (CUBE + TRUSS + PULL + "11, 1, 3\n12, 1, 2\n12, 3, 3, 0.1\n*END STEP\n", 6, 1, 0),
+        (TRUSS.replace("*SOLID", "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n*SOLID") + "*STEP\n*STATIC\n*BOUNDARY\n11, 1, 3\n12, 1, 2\n12, 3, 3, 0.1\n*END STEP\n",
+         0, 1, 0),
         (CUBE + BALL + PULL + "90, 1, 6\n*END STEP\n", 6, 0, None),
     ],
-    ids=["plane contact", "solid and bar", "rigid ball"],
+    ids=["plane contact", "solid and bar", "bar alone", "rigid ball"],
 )
 def test_it_is_drawn(run_deck: Run, tmp_path: Path, deck: str, faces: int, bars: int, shells: int | None) -> None:
     """What is seen: the outer faces of bodies, bars as lines, rigid surfaces as a net."""
