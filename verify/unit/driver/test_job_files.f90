@@ -35,10 +35,12 @@ contains
     character(*), intent(in), optional :: outdir
     character(*), parameter :: CARD = '*RESTART, WRITE'
     type(job_options_type) :: options
+    character(:), allocatable :: deck
     integer :: at
-    options%deck_text = cube_deck()
-    at = index(options%deck_text, CARD)
-    if (.not. has_states) options%deck_text(at:at + len(CARD) - 1) = '** no states   '
+    deck = cube_deck()
+    at = index(deck, CARD)
+    if (.not. has_states) deck = deck(:at - 1) // '** no states' // deck(at + len(CARD):)
+    options%deck_text = deck
     options%has_files = .true.
     options%is_guarded = .true.
     options%is_resumed = is_resumed
@@ -57,17 +59,16 @@ contains
   end function has_file
 
 
-  !> Lines of .sta that begin with the number of a step.
+  !> Lines of .sta that hold numbers only.
   integer function n_rows()
     character(200) :: line
-    integer :: unit, status, step
+    integer :: unit, status
     n_rows = 0
     open (newunit=unit, file=JOB // '.sta', status='old', action='read', iostat=status)
     do while (status == 0)
       read (unit, '(a)', iostat=status) line
       if (status /= 0) exit
       if (verify(trim(adjustl(line)), '0123456789.+-eE UAS') > 0 .or. len_trim(line) == 0) cycle
-      read (line, *, iostat=step) step
       n_rows = n_rows + 1
     end do
     close (unit)
