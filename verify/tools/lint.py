@@ -50,6 +50,7 @@ MODULES_WITHOUT_PROGRAM = {
     "model_check_motion": "not yet; verify/cases and verify/command_line",
     "deck_parameters": "not yet; verify/cases",
     "result_cells": "not yet; verify/readers",
+    "deck_traps": "not yet; verify/cases/input",
 }
 SEARCH_PATH = re.compile(r"\bsys\.path\b")
 LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")
