@@ -198,6 +198,8 @@ contains
     real(DP) :: largest
     integer :: i, k, row_verdict
     logical :: is_whole
+    integer :: n_idle
+    character(:), allocatable :: cards             ! of the redundant equations, each once
     if (size(model%equations) == 0) return
     allocate (reported(size(model%equations)), source=0)
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
@@ -206,6 +208,8 @@ contains
       call build_step_constraints(model, i, u, is_known, is_whole, constraints)
       largest = maxval(abs(u), mask=is_known)
       idle = integer_list_type()
+      n_idle = 0
+      cards = ''
       do k = 1, size(model%equations)
         if (model%equations(k)%last_step < i) cycle
         call add_equation(model, k, largest, constraints, row_verdict)
@@ -214,13 +218,26 @@ contains
           ' the *' // trim(model%equations(k)%card) // ' of line ' // &
           to_text(model%equations(k)%line) // ' contradicts the prescribed displacements ' // &
           'of its nodes or the equations before it. Release one of them.')
-        if (row_verdict == ROW_REDUNDANT .and. reported(k) == 0) call idle%add(model%equations(k)%line)
+        if (row_verdict == ROW_REDUNDANT .and. reported(k) == 0) call note_idle(model%equations(k))
         reported(k) = max(reported(k), row_verdict)
       end do
-      if (idle%n > 0) call report_warning(report, 'In step ' // to_text(i) // ' ' // plural(idle%n, 'equation') // &
-        ' (*EQUATION of line ' // label_list(idle%trimmed()) // ') dropped: supports and the equations before hold ' // &
+      if (n_idle > 0) call report_warning(report, 'In step ' // to_text(i) // ' ' // plural(n_idle, 'equation') // &
+        ' (' // cards // ' of line ' // label_list(idle%trimmed()) // ') dropped: supports and the equations before hold ' // &
         'all terms already.')
     end do
+
+  contains
+
+    !> Counts a redundant equation; its card and its line are noted once.
+    subroutine note_idle(equation)
+      type(equation_type), intent(in) :: equation
+      n_idle = n_idle + 1
+      if (index(cards, '*' // trim(equation%card)) == 0) cards = cards // merge('  ', ', ', cards == '') // '*' // &
+        trim(equation%card)
+      cards = trim(adjustl(cards))
+      if (.not. any(idle%trimmed() == equation%line)) call idle%add(equation%line)
+    end subroutine note_idle
+
   end subroutine check_equations
 
 
