@@ -10,7 +10,9 @@ module amontons_deck_loads
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_containers, only: name_table_type
-  use amontons_loads, only: prescribed_type, has_integral, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
+  use amontons_loads, only: prescribed_type, has_integral, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, &
+    DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
+  use amontons_materials, only: material_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
@@ -469,7 +471,7 @@ contains
       return
     end if
     place%region = name_key(field_text(reader%cards, row, 1))
-    if (place%kind /= DISTRIBUTED_BODY_FORCE) call check_density(reader, model, row, place%elements)
+    if (place%kind /= DISTRIBUTED_BODY_FORCE) call check_density(reader, model, row, place, value)
     call add_region_load(reader, row, place, value, amplitude, active_loads)
   end subroutine read_volume_load
 
@@ -579,23 +581,60 @@ contains
   end subroutine read_axis
 
 
-  !> Reports materials without a density in elements under gravity or rotation.
-  subroutine check_density(reader, model, row, elements)
+  !> Reports materials without a density in elements under gravity or rotation, and densities in other units than the modulus.
+  subroutine check_density(reader, model, row, place, value)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     type(data_row_type), intent(in) :: row
-    integer, intent(in) :: elements(:)
+    type(load_region_type), intent(in) :: place
+    real(DP), intent(in) :: value                !< of the load
     logical :: is_told(size(model%materials))
     integer :: i, m
     is_told = .false.
-    do i = 1, size(elements)
-      m = model%mesh%material(elements(i))
+    do i = 1, size(place%elements)
+      m = model%mesh%material(place%elements(i))
       if (m == 0) cycle
-      if (is_told(m) .or. model%materials(m)%has_density) cycle
+      if (is_told(m)) cycle
       is_told(m) = .true.
+      if (model%materials(m)%has_density) then
+        call report_units(reader, row, model%materials(m), place%kind, value)
+        cycle
+      end if
       call report_error(reader, row%line, 'Gravity and rotation need a density; the material ''' // model%materials(m)%name // &
         ''' has no *DENSITY card.')
     end do
   end subroutine check_density
+
+
+  !> Hints at a density in other units than Young's modulus: sqrt(E/rho), the speed of sound, is 10 to 20000 m/s in all solids.
+  !! Then, in mm and t, at gravity in m/s2.
+  subroutine report_units(reader, row, material, kind, value)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    type(material_type), intent(in) :: material
+    integer, intent(in) :: kind                  !< DISTRIBUTED_...
+    real(DP), intent(in) :: value                !< of the load
+    real(DP), parameter :: SLOWEST = 10.0_DP, FASTEST = 2.0e7_DP        ! [m/s] in N, m, kg; [mm/s] in N, mm, t
+    real(DP), parameter :: METALS(2) = [1.0e3_DP, 2.0e6_DP]             ! [MPa]
+    real(DP), parameter :: IN_KG_PER_MM3(2) = [5.0e-7_DP, 3.0e-5_DP]
+    real(DP), parameter :: IN_T_PER_MM3 = 3.0e-8_DP, GRAVITY(2) = [9.7_DP, 9.9_DP]
+    real(DP) :: speed
+    logical :: is_metal
+    associate (modulus => material%youngs_modulus, density => material%density)
+      if (.not. (modulus > 0 .and. density > 0)) return
+      speed = sqrt(modulus / density)
+      is_metal = modulus >= METALS(1) .and. modulus <= METALS(2)
+      if (speed < SLOWEST .or. speed > FASTEST .or. &
+        (is_metal .and. density >= IN_KG_PER_MM3(1) .and. density <= IN_KG_PER_MM3(2))) then
+        call report_note(reader, row%line, 'No solid has both the Young''s modulus ' // to_text(modulus) // ' and the density ' &
+          // to_text(density) // ' of ''' // material%name // ''' in one system of units. Steel has 210000 and 7.85e-9 in ' // &
+          'N, mm, t; 2.1e11 and 7850 in N, m, kg.')
+      else if (kind == DISTRIBUTED_GRAVITY .and. is_metal .and. density < IN_T_PER_MM3 .and. abs(value) > GRAVITY(1) .and. &
+        abs(value) < GRAVITY(2)) then
+        call report_note(reader, row%line, 'The density of ''' // material%name // ''' is in N, mm, t, where gravity is 9810, ' // &
+          'not ' // to_text(value) // '.')
+      end if
+    end associate
+  end subroutine report_units
 
 end module amontons_deck_loads

@@ -31,6 +31,7 @@ module amontons_deck_mesh
     integer :: n = 0
     integer, allocatable :: label(:)             !< (n)
     integer, allocatable :: kind(:)              !< (n) KIND_..., 0: unsupported kind
+    logical, allocatable :: is_in_plane(:)       !< (n) T2D2, T2D3: a truss in the plane
     integer, allocatable :: card(:)              !< (n) its ELEMENT card
     integer, allocatable :: line(:)              !< (n) its line
     integer, allocatable :: first(:)             !< (n + 1) start of its nodes
@@ -213,6 +214,7 @@ contains
     n_rows = count_rows(reader, 'ELEMENT')
     allocate (draft%label(n_rows), draft%kind(n_rows), draft%card(n_rows), draft%line(n_rows), draft%first(n_rows + 1))
     allocate (draft%element_first(reader%cards%n_cards), draft%element_last(reader%cards%n_cards))
+    allocate (draft%is_in_plane(n_rows), source=.false.)
     draft%first(1) = 1
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ELEMENT')) cycle
@@ -227,6 +229,7 @@ contains
         call read_element(reader, row, c, kind, n_wanted, draft, is_ok)
       end do
       draft%element_last(c) = draft%n
+      draft%is_in_plane(draft%element_first(c):draft%n) = begins_with(parameter_word(parameters, 'TYPE', ''), 'T2D')
     end do
     draft%label = draft%label(:draft%n)
     call draft%labels%build(draft%label)
@@ -261,6 +264,8 @@ contains
     character(:), allocatable :: taken
     integer :: i
     taken = type
+    if (type == 'T2D2') taken = 'T3D2'           ! with the third displacement held, see is_in_plane
+    if (type == 'T2D3') taken = 'T3D3'
     if (ends_with(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
     do i = 1, size(ENDINGS)
       if (element_kind_by_name(taken) > 0) exit
@@ -269,8 +274,8 @@ contains
     end do
     kind = element_kind_by_name(taken)
     if (kind == 0) return
-    if (taken /= type) call report_note(reader, reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // &
-      taken // '.')
+    if (taken /= type .and. .not. begins_with(type, 'T2D')) call report_note(reader, reader%cards%cards(c)%line, &
+      'The elements ' // type // ' are taken as ' // taken // '.')
     if (reader%dialect /= DIALECT_CALCULIX) return
     if (kind == KIND_C3D8) kind = KIND_C3D8_FULL
     if (kind == KIND_CPE4) kind = KIND_CPE4_FULL
@@ -527,7 +532,7 @@ contains
     mesh%n_elements = n
     allocate (mesh%section_value(n), mesh%directions(2, n))
     if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
-    allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n))
+    allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n), mesh%is_in_plane(n))
     n_nodes = 0
     do e = 1, draft%n
       if (draft%mesh_index(e) > 0) n_nodes = n_nodes + draft%first(e + 1) - draft%first(e)
@@ -539,6 +544,7 @@ contains
       if (k == 0) cycle
       mesh%element_label(k) = draft%label(e)
       mesh%kind(k) = draft%kind(e)
+      mesh%is_in_plane(k) = draft%is_in_plane(e)
       mesh%material(k) = max(0, draft%material(e))
       mesh%section_value(k) = draft%section_value(e)
       mesh%directions(:, k) = draft%directions(:, e)
@@ -634,7 +640,7 @@ contains
     reader%has_unsupported_kinds = .true.
     if (type == '') return
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
-      '6, 8, 8R; T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
+      '6, 8, 8R; T2D2, T2D3, T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
     if (begins_with(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
     if (begins_with(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
     if (begins_with(type, 'C3D10')) advice = 'Use C3D10.'
@@ -644,7 +650,6 @@ contains
     if (begins_with(type, 'CPS') .or. begins_with(type, 'CPE') .or. begins_with(type, &
       'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
-    if (begins_with(type, 'T2D')) advice = 'Use T3D2 or T3D3 and hold the third displacement.'
     if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
       'or C3D20R bend well).'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'

@@ -33,6 +33,7 @@ module amontons_mesh
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
     logical, allocatable :: is_auxiliary(:)         !< (n_nodes) it has no displacement but a rotation vector or a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
+    logical, allocatable :: is_in_plane(:)                !< (n_elements) a truss whose nodes stay in the plane z = 0; may be absent
     logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none has stiffness in this direction
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
@@ -70,6 +71,7 @@ contains
     type(mesh_type), intent(inout) :: mesh
     logical, allocatable :: is_used(:)
     type(element_kind_type) :: entry
+    logical :: is_plane
     integer :: e, i
     allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: node missing in the deck; its error is reported elsewhere
     is_used(mesh%nodes) = .true.
@@ -86,7 +88,9 @@ contains
     end do
     do e = 1, mesh%n_elements
       entry = element_kind(mesh%kind(e))
-      if (all(entry%family /= [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC])) cycle
+      is_plane = any(entry%family == [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC])
+      if (allocated(mesh%is_in_plane)) is_plane = is_plane .or. mesh%is_in_plane(e)
+      if (.not. is_plane) cycle
       do i = mesh%first(e), mesh%first(e + 1) - 1
         if (mesh%nodes(i) > 0) mesh%is_unstiffened(3, mesh%nodes(i)) = .true.
       end do

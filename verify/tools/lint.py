@@ -48,7 +48,6 @@ MODULES_WITHOUT_PROGRAM = {
     "master_symmetry_planes": "not yet; verify/cases",
     "model_check_contact": "not yet; verify/cases and verify/command_line",
     "model_check_motion": "not yet; verify/cases and verify/command_line",
-    "deck_traps": "not yet; verify/cases/input",
 }
 SEARCH_PATH = re.compile(r"\bsys\.path\b")
 LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")

@@ -368,3 +368,46 @@ EDGE, FACE
     done = run_deck(deck)
     assert done.returncode == 4
     assert "both surfaces must be of one kind" in done.stdout + done.stderr
+
+
+PLANE_TRUSS = """*NODE, NSET=ALL
+1, 0., 0.
+2, 3., 0.
+3, 3., 4.
+*ELEMENT, TYPE={kind}, ELSET=BARS
+1, 1, 2
+2, 2, 3
+3, 1, 3
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.3
+*SOLID SECTION, ELSET=BARS, MATERIAL=M
+2.
+*BOUNDARY
+1, 1, 2
+2, 2
+{more}*STEP{nlgeom}
+*STATIC
+*CLOAD
+3, 1, {force}
+*NODE PRINT, NSET=ALL
+U
+*END STEP
+"""
+
+
+@pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
+def test_plane_trusses(run_deck: Run, tmp_path: Path, nlgeom: str) -> None:
+    """T2D2 needs no support out of the plane: a triangle of bars is as one of T3D2 that are held there, and statics gives the small one."""
+    found = []
+    force = 1e-3 if not nlgeom else 60.0
+    for kind, more in (("T2D2", ""), ("T3D2", "ALL, 3\n")):
+        done = run_deck(PLANE_TRUSS.format(kind=kind, more=more, nlgeom=nlgeom, force=force))
+        assert done.returncode == 0, done.stdout
+        rows = [line.split() for line in (tmp_path / "job.dat").read_text().splitlines() if line.split()[:1] == ["3"]]
+        found.append([float(word) for word in rows[-1][1:]])
+    assert found[0] == pytest.approx(found[1], rel=1e-6, abs=1e-12)
+    # forces per load: diagonal 5/3, upright -4/3, base 0; work of the load: u = sum of n^2 L / (E A)
+    u = force * ((5 / 3) ** 2 * 5 + (4 / 3) ** 2 * 4) / (1000.0 * 2.0)
+    assert found[0][0] == pytest.approx(u, rel=1e-6 if not nlgeom else 0.2)
+    assert found[0][2] == 0.0

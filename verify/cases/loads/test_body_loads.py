@@ -179,3 +179,46 @@ def test_time_points_of_the_result_file(run_deck: Run, tmp_path: Path) -> None:
 def test_refused_time_points(run_deck: Run, card: str, message: str) -> None:
     """Invalid TIME POINTS cards."""
     assert message in refused(run_deck, f"{bar()}{card}*STEP\n*STATIC\n*NODE PRINT, NSET=ALL, TIME POINTS=WHEN\nU\n*END STEP\n")
+
+
+WEIGHT = """*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*NSET, NSET=LOW
+1, 2, 3, 4
+*MATERIAL, NAME=STUFF
+*ELASTIC
+{modulus}, 0.3
+*DENSITY
+{density}
+*SOLID SECTION, ELSET=E, MATERIAL=STUFF
+*BOUNDARY
+LOW, 1, 3
+*STEP
+*STATIC
+*DLOAD
+E, GRAV, {gravity}, 0., 0., -1.
+*END STEP
+"""
+
+
+@pytest.mark.parametrize(("modulus", "density", "gravity", "hint"), [
+    (210000.0, 7.85e-9, 9810.0, ""), (2.1e11, 7850.0, 9.81, ""), (210.0, 7.85e-6, 9.81e-3, ""), (1.0, 1.1e-9, 9810.0, ""), (1e6, 1100.0, 9.81, ""),
+    (210000.0, 7850.0, 9.81, "No solid has both"), (210000.0, 7.85e-6, 9.81, "No solid has both"), (2.1e11, 7.85e-9, 9.81, "No solid has both"),
+    (210000.0, 7.85e-9, 9.81, "where gravity is 9810, not 9.81"),
+])  # fmt: skip
+def test_units_of_a_weight(run_deck: Run, modulus: float, density: float, gravity: float, hint: str) -> None:
+    """Steel and rubber in N, mm, t, in N, m, kg and in kN, mm, kg, ms get no hint; mixed units get one."""
+    done = run_deck(WEIGHT.format(modulus=modulus, density=density, gravity=gravity))
+    assert done.returncode == 0, done.stdout
+    words = " ".join(done.stdout.split())
+    assert ("*WARNING" in words) == (hint != "")
+    assert hint in words

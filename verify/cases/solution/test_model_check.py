@@ -315,7 +315,7 @@ def test_conflicting_constraints(run_deck: Run, tmp_path: Path) -> None:
 
 def test_weight_without_density(run_deck: Run, tmp_path: Path) -> None:
     """GRAV needs *DENSITY: the reader or the model check reports it."""
-    deck = Deck(steps=[[fixed("FLOOR1"), "*DLOAD\nALL, GRAV, 9.81, 0., 0., -1."]])
+    deck = Deck(steps=[[fixed("FLOOR1"), "*DLOAD\nALL, GRAV, 9810., 0., 0., -1."]])
     deck.cube((0.0, 0.0, 0.0))
     done = run_deck(deck.text())
     assert done.returncode in (3, SETUP)

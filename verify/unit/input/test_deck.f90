@@ -735,7 +735,7 @@ contains
     type(model_type) :: model
     call read_good(suite, 'dload', MODEL_PART // SURFACES // STEP_START // '*DLOAD;E,P2,3.;2, p2, 1.;low, P, 2.;E,' // &
       'Grav,9.81,0,0,-2;*DSLOAD;high,P,5.;' // STEP_END // STEP_START // '*DLOAD;2,P2,10.;E,GRAV,5.,0.,0.,-1.;' // &
-      STEP_END // STEP_START // '*DLOAD,OP=NEW;' // STEP_END // STEP_PART, model)
+      STEP_END // STEP_START // '*DLOAD,OP=NEW;' // STEP_END // STEP_PART, model, n_notes=1)   ! gravity in m/s2
     associate (d => model%steps(1)%distributed)
       call suite%that('five loads', size(d) == 5)
       call suite%that('kinds', count(d%kind == DISTRIBUTED_PRESSURE) == 3 .and. count(d%kind == DISTRIBUTED_GRAVITY) &
