@@ -146,7 +146,7 @@ uses_schur_interface = kinds errors dense sparse factorization partition woodbur
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner constraints
 uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse contact_constraint_rows state contact_pairs contact_linearization contact_operators equilibrium
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 
 # model_check
 uses_model_check_bodies = kinds text containers errors topology model element
@@ -171,7 +171,7 @@ uses_increment_control = kinds steps convergence
 
 # output
 uses_hdf5_file = kinds errors posix
-uses_checkpoint = kinds errors posix steps model state reduced_system equilibrium newton increment_control hdf5_file
+uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_skin equilibrium newton increment_control hdf5_file
 uses_postprocess = kinds tensor materials topology mesh surfaces model material_point shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor topology steps model state postprocess
 uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output

@@ -131,7 +131,7 @@ contains
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
         call evaluate_compliant_node(contact, model, old, u_old, contact%Rhat(:, s), s, fields)
       else
-        call evaluate_hard_node(contact, model, old, u_old, is_frozen, status_before, s, fields)
+        call evaluate_hard_node(contact, model, u_old, is_frozen, status_before, s, fields)
       end if
     end associate
   end subroutine evaluate_slave
@@ -139,10 +139,9 @@ contains
 
   !> A slave node of exact contact: its status by the trial traction in the directions that supports and other pairs leave free, its
   !! force from its imbalance. Theory: doc/theory/contact.md, section 3.
-  subroutine evaluate_hard_node(contact, model, old, u_old, is_frozen, status_before, s, fields)
+  subroutine evaluate_hard_node(contact, model, u_old, is_frozen, status_before, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
-    type(slave_state_type), intent(in) :: old
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     logical, intent(in) :: is_frozen               !< it keeps its status
     integer, intent(in) :: status_before                  !< status before
@@ -161,7 +160,7 @@ contains
       free_normal = matmul(free, slave%normal)
       free_share = norm2(free_normal)
       if (slave%facet == 0 .or. free_share < MIN_FREE_PART) then
-        call release_slave(contact, old, status_before, s, slave)
+        call release_slave(contact, status_before, s, slave)
         return
       end if
       free_normal = free_normal / free_share
@@ -183,7 +182,6 @@ contains
       if (status_before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (is_rough(law) .or. has_other_constraints(contact, &
         s))) &
         call note_pull_off(slave%overrides)
-      if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       contact%direction(:, s) = trial%direction
       slave%slip_increment = d - dot_product(free_normal, d) * free_normal
       if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
@@ -235,15 +233,13 @@ contains
 
 
   !> A slave node without a facet, or whose normal is fixed by supports, is open.
-  subroutine release_slave(contact, old, status_before, s, slave)
+  subroutine release_slave(contact, status_before, s, slave)
     type(contact_type), intent(inout) :: contact
-    type(slave_state_type), intent(in) :: old
     integer, intent(in) :: status_before                  !< status before
     integer, intent(in) :: s                       !< index of the slave
     type(slave_state_type), intent(inout) :: slave
     if (status_before /= STATUS_OPEN) contact%n_lost_master = contact%n_lost_master + 1
     call detach_slave(slave)
-    if (old%status == STATUS_OPEN) slave%origin_facet = 0
     slave%slip_increment = 0.0_DP
     contact%slip_data(s) = slip_state_type()
   end subroutine release_slave
@@ -351,7 +347,6 @@ contains
         call count_changes(contact, status_before, s, slave, 0.0_DP)
         return
       end if
-      if (old%status == STATUS_OPEN .and. .not. slave%is_in_law_range) slave%origin_facet = 0
       local_problem = build_local_problem(contact, slave, imbalance, s)
       if (slave%origin_facet > 0) local_problem%slip = elastic_trial_slip(contact, model, old, fields%u, slave)
       call solve_local_problem(law, local_problem, contact%local_equilibrium(s))
@@ -361,7 +356,6 @@ contains
         call solve_local_problem(law, local_problem, contact%local_equilibrium(s))
       end if
       slave%is_in_law_range = .not. contact%local_equilibrium(s)%is_open .and. slave%gap <= find_activation_gap(law, slave%area)
-      if (contact%local_equilibrium(s)%is_open .and. old%status == STATUS_OPEN) slave%origin_facet = 0
       call apply_local_equilibrium(contact%local_equilibrium(s), slave)
       if (law%is_user_friction .and. slave%status /= STATUS_OPEN) call apply_fric_compliant(contact, model, status_before, &
         -contact%local_equilibrium(s)%pressure * slave%normal - slave%shear / slave%area, local_problem%slip, s, fields)

@@ -19,18 +19,27 @@ module amontons_contact_skin
   use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
   implicit none
   private
-  public :: skin_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
+  public :: skin_type, skin_memory_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
 
   integer, parameter :: SLAVES_A_TILE = 64         !< at most
 
+  !> What the preconditioner follows from beside the displacements at its computation; a checkpoint keeps it.
+  type :: skin_memory_type
+    type(sparse_type) :: springs                   !< Robin springs, upper triangle (n_unknowns x n_unknowns) [force/length]
+    logical, allocatable :: is_near(:)             !< (n_slaves) slaves with a Robin spring
+    integer :: n_slow = 0                          !< slow Krylov solves since P was computed
+    integer :: slow_limit = 2                      !< slow solves until P is recomputed
+    logical :: is_outdated = .false.               !< P is recomputed for the next Newton direction
+    logical :: is_abandoned = .false.              !< the dense interface serves this step better
+  end type skin_memory_type
+
   !> The preconditioner.
   type :: skin_type
+    type(skin_memory_type) :: memory
     logical :: is_ready = .false.                  !< P is available
     type(reduced_system_type) :: robin                    !< K_rho and its solver P
     integer, allocatable :: tile_of_node(:)        !< (n_nodes) tile of each slave node, at the computation of P; 0: no slave node
     integer :: n_tiles = 0
-    integer :: n_slow = 0                          !< slow Krylov solves since P was computed
-    integer :: slow_limit = 2                      !< slow solves until P is recomputed
     integer, allocatable, private :: unknown_of(:) !< (n_free) index of each free unknown among all
     integer, allocatable, private :: free_of(:)    !< (free unknowns of the skin) number among all free ones
     integer, allocatable, private :: skin_of_free(:)   !< (the same) unknown of the skin

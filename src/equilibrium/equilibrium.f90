@@ -72,8 +72,9 @@ module amontons_equilibrium
                                                                !! where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces
     type(free_motions_type) :: motions             !< rigid body motions that the supports alone do not restrain
-    logical, allocatable :: is_near(:)             !< (n_slaves) slaves with a Robin spring in the skin
     real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction with the skin: residual over right-hand side [-]
+    logical :: is_first_direction = .true.         !< of the increment: it sets the origins of slip of the nodes that close
+    real(DP) :: forcing_term = 1.0e-2_DP           !< admissible merit of a contact subproblem over that at its start [-]
     logical :: is_skin = .false.                   !< the present direction uses the skin
     logical :: is_schur_active = .false.              !< the present direction uses the Schur complement or the skin
     logical :: is_subproblem_solved = .false.                !< the contact subproblem of the present direction is solved
@@ -203,6 +204,7 @@ contains
       .and. .not. allocated(model%mesh%spring) &
       .and. .not. is_damped(step)
     system%is_assembled = .false.
+    system%skin%memory%is_abandoned = .false.
     if (allocated(step%is_inactive)) system%has_no_element = find_unconnected_unknowns(model%mesh, step%is_inactive)
     system%reduced_system%requested_solver = step%solver
     system%reduced_system%is_factor_reused = size(state%old%slaves) > 0 .or. &
@@ -240,6 +242,7 @@ contains
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
+    system%is_first_direction = .true.
     call set_temperatures(model, step, state)
     call set_damping_factor(step, is_step_start, state)
     call update_points(system%contact, model, state)
@@ -299,6 +302,7 @@ contains
     if (outcome /= OUTCOME_OK) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
+    call forget_origins(system%contact, state%old%slaves, state%new%slaves)
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call compute_norms(system, state%new%applied_force, state%new)
     system%force_rounding = ROUNDING_FACTOR * rounding_force(system%contact%laws, system%contact%local_equilibrium, &
@@ -306,6 +310,22 @@ contains
     call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) outcome = OUTCOME_NOT_FINITE
   end subroutine evaluate_equilibrium
+
+
+  !> A node that was open at the start of the increment and is open now, or outside the range of its compliant law, has no origin of
+  !! its slip. The first linearised evaluation that closes it sets one, and the corrections of the direction keep it.
+  pure subroutine forget_origins(contact, old, new)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: old(:)   !< committed
+    type(slave_state_type), intent(inout) :: new(:)   !< trial
+    logical :: is_out
+    integer :: s
+    do s = 1, size(new)
+      is_out = new(s)%status == STATUS_OPEN
+      if (.not. is_out) is_out = is_compliant(contact%laws(new(s)%pair)) .and. .not. new(s)%is_in_law_range
+      if (old(s)%status == STATUS_OPEN .and. is_out) new(s)%origin_facet = 0
+    end do
+  end subroutine forget_origins
 
 
   !> Residual, reaction forces, and the norms of the convergence criteria.
@@ -468,7 +488,7 @@ contains
     if (size(state%new%slaves) == 0) return
     if (system%n_indefinite > 0) system%is_schur_allowed = .true.   ! attempts are independent
     system%n_indefinite = 0
-    if (may_keep_skin(system, step, is_step_start)) return
+    if (may_keep_skin(system, model, step, is_step_start)) return
     is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 &
       .and. &
       (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. is_damped(step)
@@ -492,12 +512,16 @@ contains
 
 
   !> Whether the bulk solver of the skin stays valid: the same unknowns are restrained. It is only a preconditioner, recomputed when
-  !! it needs too many iterations, so that it need not match the present bulk.
-  pure logical function may_keep_skin(system, step, is_step_start) result(is_kept)
+  !! it needs too many iterations, so that it need not match the present bulk. Condition: as for the factor of the bulk its
+  !! stiffness follows from displacements alone.
+  pure logical function may_keep_skin(system, model, step, is_step_start) result(is_kept)
     type(equilibrium_type), intent(in) :: system
+    type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
-    is_kept = system%skin%is_ready .and. is_same_bulk(system)
+    is_kept = (system%skin%is_ready .or. allocated(system%skin%memory%is_near)) .and. is_same_bulk(system)
+    if (is_kept) is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. &
+      n_nonlinear_mpcs(model) == 0 .and. .not. is_damped(step)
     if (is_kept .and. is_step_start) is_kept = .not. (allocated(step%is_inactive) .or. allocated(step%material))
   end function may_keep_skin
 
@@ -515,6 +539,7 @@ contains
     type(equilibrium_type), intent(inout) :: system
     system%schur_interface%is_ready = .false.
     system%skin%is_ready = .false.
+    if (allocated(system%skin%memory%is_near)) deallocate (system%skin%memory%is_near)
     if (allocated(system%bulk_factor_u)) deallocate (system%bulk_factor_u)
   end subroutine discard_bulk_factor
 

@@ -11,9 +11,10 @@ module amontons_newton_step
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
-  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_AUTO, INTERFACE_SKIN
+  use amontons_surfaces, only: is_compliant
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
-  use amontons_state, only: state_type, fields_type, DAMPING_NOW
+  use amontons_state, only: state_type, fields_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
@@ -54,17 +55,22 @@ module amontons_newton_step
                                                                      !! discarded
   integer, parameter :: MAX_INDEFINITE_FACTORS = 3                !< such factorisations after which an attempt continues without
                                                                   !! the interface
-  integer, parameter :: MAX_INTERFACE_UNKNOWNS = 6000            !< largest interface [unknowns]
+  integer, parameter :: MAX_INTERFACE_UNKNOWNS = 6000            !< largest dense interface [unknowns]
+  real(DP), parameter :: DENSE_WORK_RATIO = 1.9e-6_DP    !< seconds of a round on the dense interface over n_c^3, over those on the
+                                                         !! skin over n less the bulk's share of the dense way (measured on
+                                                         !! plates and blocks) [-]
   integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction with the contact skin
   integer, parameter :: SKIN_RESTART = 50                !< restart length of flexible GMRES: two vectors an iteration
-  integer, parameter :: SKIN_OLD = 25                    !< Krylov iterations of a slow solve; after several of them the bulk
-                                                         !! solver is recomputed
+  real(DP), parameter :: USUAL_ITERATIONS = 14.0_DP      !< Krylov iterations of a round on the skin in the same measurement
+  real(DP), parameter :: SLOW_SKIN = 12.0_DP             !< Krylov iterations per decimal digit of a slow solve; after several of
+                                                         !! them the bulk solver is recomputed [-]
   real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< relative tolerance of a direction while statuses change [-]
   real(DP), parameter :: SKIN_CAREFUL = 1.0e-3_DP        !< the same where corrections were halved [-]
   real(DP), parameter :: SKIN_ROUGH = 0.1_DP             !< the same where only the length of a correction is used [-]
   real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< the same when no status changes [-]
+  real(DP), parameter :: SKIN_ORIGIN = 1.0e-5_DP         !< the same where the direction sets origins of slip [-]
   real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< the same where no correction follows [-]
-  real(DP), parameter :: GOAL_OF_SKIN = 0.3_DP              !< merit over the residual tolerance r_l at which corrections stop [-]
+  real(DP), parameter :: SKIN_SHARE = 1.0e-4_DP          !< merit over the residual tolerance r_n at which corrections stop [-]
   real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction with a larger relative residual is rejected [-]
 
   !> J: the exact tangent as an operator on the free unknowns.
@@ -84,7 +90,7 @@ module amontons_newton_step
 contains
 
   !> The Newton direction du at the configuration of the last evaluation.
-  subroutine solve_newton_step(system, model, step, state, du, outcome, error)
+  recursive subroutine solve_newton_step(system, model, step, state, du, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -93,6 +99,8 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
     integer(I64) :: clock
+    if (system%skin%memory%is_outdated) call discard_bulk_factor(system)
+    system%skin%memory%is_outdated = .false.
     call linearize_equilibrium(system, model, step, state, outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call start_clock(system, clock)
@@ -105,8 +113,15 @@ contains
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
     system%is_subproblem_solved = .false.
-    system%skin_tolerance = merge(SKIN_FIRST, SKIN_ALONE, step%line_search == LINE_SEARCH_AUTO)
+    system%skin_tolerance = SKIN_ALONE
+    if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(SKIN_ORIGIN, SKIN_FIRST, sets_origins(system, state))
+    system%is_first_direction = .false.
     call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
+    if (allocated(error)) return
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. system%skin%memory%is_abandoned) then
+      call solve_newton_step(system, model, step, state, du, outcome, error)
+      return
+    end if
     if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%is_schur_active .and. system%reduced_system%is_iterative) then
       call abandon_iteration(system%reduced_system)
       call factorise_reduced_matrix(system, model, outcome, error)
@@ -115,6 +130,23 @@ contains
     end if
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_newton_step
+
+
+  !> Whether the direction may close nodes with friction, whose slip counts from where it sees them touch.
+  pure logical function sets_origins(system, state)
+    type(equilibrium_type), intent(in) :: system
+    type(state_type), intent(in) :: state
+    integer :: s
+    sets_origins = .false.
+    if (.not. system%is_first_direction) return
+    do s = 1, size(state%new%slaves)
+      associate (slave => state%new%slaves(s))
+        if (slave%status == STATUS_OPEN .and. slave%facet > 0) &
+          sets_origins = system%contact%laws(slave%pair)%friction > 0.0_DP .or. system%contact%laws(slave%pair)%is_user_friction
+      end associate
+      if (sets_origins) return
+    end do
+  end function sets_origins
 
 
   !> The direction from a configuration of the linearised model, with the present tangent of the bulk.
@@ -151,7 +183,7 @@ contains
   pure real(DP) function skin_goal(system, step) result(goal)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    goal = GOAL_OF_SKIN * step%controls%r_l * system%largest_force
+    goal = SKIN_SHARE * step%controls%r_n * system%largest_force
   end function skin_goal
 
 
@@ -173,30 +205,43 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
-    integer :: failed
     integer(I64) :: clock
     outcome = OUTCOME_OK
     call start_clock(system, clock)
     if (.not. system%is_assembled) then
       system%reduced_system%is_current = .false.
-      call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
-      outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
-      if (failed /= 0) return
-      call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
-      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
-      call assemble_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
-      if (allocated(error)) return
-      if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_stiffness(system%volume_share, state, system%assembly%stiffness)
+      call assemble_bulk(system, model, step, state, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
       system%is_assembled = system%is_constant .or. step%direction == TANGENT_LAGGED
       system%is_bulk_factor_current = system%is_constant .and. (system%schur_interface%is_ready .or. system%skin%is_ready)
-      call add_proximal_shift(system)
-      if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call add_mpc_stiffness(system%base, system%assembly, model, state%new)
     end if
     call set_slave_stiffness(system, state%new)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call build_constraints(system, model, step, state%old, state%new, 1.0_DP, error)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine linearize_equilibrium
+
+
+  !> K of elements, loads, damping, proximal shift and nonlinear MPCs.
+  subroutine assemble_bulk(system, model, step, state, outcome, error)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: outcome                !< OUTCOME_OK or OUTCOME_ELEMENT
+    type(error_type), allocatable, intent(out) :: error
+    integer :: failed
+    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+    outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
+    if (failed /= 0) return
+    call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
+    if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
+    call assemble_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
+    if (allocated(error)) return
+    if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_stiffness(system%volume_share, state, system%assembly%stiffness)
+    call add_proximal_shift(system)
+    if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call add_mpc_stiffness(system%base, system%assembly, model, state%new)
+  end subroutine assemble_bulk
 
 
   !> The scale c of the trial traction: the mean diagonal stiffness of the node in K.
@@ -304,18 +349,21 @@ contains
   end subroutine factorise_schur
 
 
-  !> Whether the contact subproblem is solved on the contact skin: where the interface is too large for a dense matrix, and where
-  !! the bulk is solved by iteration and all laws are hard. Below that the dense interface is the default: where nodes with friction
-  !! close within an increment, the two solvers may end with different statuses (decision 0021).
+  !> Whether the contact subproblem is solved on the contact skin: by the cost of a round. The dense interface takes n_c^3
+  !! operations, the skin some number of products with the bulk. Compliant laws, which need more Krylov iterations, take the dense
+  !! interface as long as it is allowed. The choice depends on nothing but the model and the interface, which a checkpoint keeps.
   pure logical function takes_skin(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
+    real(DP) :: n_interface
+    takes_skin = .false.
+    if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
     takes_skin = step%interface == INTERFACE_SKIN
-    if (step%interface /= INTERFACE_AUTO) return
-    takes_skin = system%skin%is_ready .or. &       ! an existing one is kept
-      (system%reduced_system%is_iterative .and. .not. any(system%contact_tangents%is_compliant_node))
     if (takes_skin .or. .not. allocated(system%is_interface_unknown)) return
-    takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS
+    n_interface = real(count(system%is_interface_unknown), DP)
+    takes_skin = n_interface > MAX_INTERFACE_UNKNOWNS
+    if (takes_skin .or. any(is_compliant(system%contact%laws))) return
+    takes_skin = system%reduced_system%is_iterative .or. DENSE_WORK_RATIO * n_interface**3 > real(system%base%n_free, DP)
   end function takes_skin
 
 
@@ -331,7 +379,8 @@ contains
     if (allocated(error) .or. .not. system%skin%is_ready) return
     call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
       imbalance_tangent, displacement_tangent)
-    call skin_rows(system%contact, state%new, system%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
+    if (any(model%pairs%has_point_contact)) system%skin%memory%is_near = find_near(system%contact, state%new)   ! points change
+    call skin_rows(system%contact, state%new, system%skin%memory%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
     call renew_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, imbalance_tangent, &
       displacement_tangent, rows, error)
     if (allocated(error)) return
@@ -367,27 +416,35 @@ contains
 
 
   !> K with Robin springs, and its solver: a factor, or the two-level preconditioner where that is too large.
-  subroutine renew_robin(system, model, step, fields, error)
+  subroutine renew_robin(system, model, step, fields, is_resumed, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_resumed              !< with the springs of the interrupted job
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: springs
     logical :: is_slave(model%mesh%n_nodes)
     logical, allocatable :: is_angle(:)
     integer :: status, i
     if (system%base%n_free == 0) return
     is_slave = .false.
     is_slave(fields%slaves%node) = .true.
+    do i = 1, size(model%pairs)                    ! integration points change their nearest node
+      if (model%pairs(i)%has_point_contact) is_slave(system%contact%mortar(i)%slave%nodes) = .true.
+    end do
     call cut_skin(system%skin, model%mesh%coordinates, pack([(i, i=1, size(is_slave))], is_slave), model%mesh%n_nodes)
-    system%is_near = find_near(system%contact, fields)
-    call robin_springs(system%contact, fields, system%is_near, system%contact_tangents, system%base%n_unknowns, springs, error)
-    if (allocated(error)) return
+    if (.not. is_resumed .or. .not. allocated(system%skin%memory%is_near)) then
+      system%skin%memory%is_near = find_near(system%contact, fields)
+      call robin_springs(system%contact, fields, system%skin%memory%is_near, system%contact_tangents, system%base%n_unknowns, &
+        system%skin%memory%springs, error)
+      if (allocated(error)) return
+    end if
+    if (allocated(system%skin%robin%node_order)) deallocate (system%skin%robin%node_order)   ! as in a resumed job
     system%skin%robin%requested_solver = step%solver
     system%skin%robin%is_factor_reused = .true.
     system%skin%robin%is_rounded = .true.
-    call factorise_reduced_system(system%skin%robin, sparse_sum(system%assembly%stiffness, 1.0_DP, springs), .true., system%base, &
+    call factorise_reduced_system(system%skin%robin, sparse_sum(system%assembly%stiffness, 1.0_DP, system%skin%memory%springs), &
+      .true., system%base, &
       model%mesh, &
       status, error)
     if (allocated(error)) return
@@ -432,23 +489,25 @@ contains
     logical, intent(in) :: is_skin                 !< the bulk solver of the skin, else the factor with the interface last
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: u(:, :)
-    integer :: failed
+    integer :: failed, outcome
+    logical :: is_resumed
     if (is_ready()) return
-    if (.not. allocated(system%bulk_factor_u)) then
+    is_resumed = allocated(system%bulk_factor_u)
+    system%is_bulk_factor_current = system%is_constant .or. .not. is_resumed        ! as in the uninterrupted job
+    if (.not. (is_resumed .or. has_load_stiffness())) then
       call renew()
       if (is_ready()) system%bulk_factor_u = state%new%u
-      system%is_bulk_factor_current = .true.
       return
     end if
-    system%is_bulk_factor_current = system%is_constant        ! as in the uninterrupted job
     u = state%new%u
-    state%new%u = system%bulk_factor_u
+    if (is_resumed) state%new%u = system%bulk_factor_u
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
     call renew()
+    if (is_ready() .and. .not. is_resumed) system%bulk_factor_u = u
     state%new%u = u
     if (allocated(error)) return
-    if (is_ready()) system%n_factorisations = system%n_factorisations - 1   ! the uninterrupted job did not count it
-    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+    if (is_ready() .and. is_resumed) system%n_factorisations = system%n_factorisations - 1   ! not counted without interruption
+    call assemble_bulk(system, model, step, state, outcome, error)
 
   contains
 
@@ -457,10 +516,15 @@ contains
       is_ready = merge(system%skin%is_ready, system%schur_interface%is_ready, is_skin)
     end function is_ready
 
+    !> Whether K has the stiffness of loads, which the bulk solver of the skin leaves out: it serves other loads too.
+    pure logical function has_load_stiffness()
+      has_load_stiffness = is_skin .and. step%is_nlgeom .and. size(step%distributed) > 0 .and. system%proximal_shift <= 0.0_DP
+    end function has_load_stiffness
+
     !> Computes the solver for the present stiffness.
     subroutine renew()
       if (is_skin) then
-        call renew_robin(system, model, step, state%new, error)
+        call renew_robin(system, model, step, state%new, is_resumed, error)
       else
         call refactorise_bulk(system, error)
       end if
@@ -607,15 +671,36 @@ contains
     call gmres(tangent, preconditioner, b, v, options, report, error)
     if (allocated(error)) return
     system%n_krylov = system%n_krylov + report%n_iterations
-    if (report%n_iterations > SKIN_OLD) system%skin%n_slow = system%skin%n_slow + 1
-    if (system%skin%n_slow > system%skin%slow_limit) then
-      call discard_bulk_factor(system)
-      system%skin%n_slow = 0
-      system%skin%slow_limit = 4 * system%skin%slow_limit      ! recompute it later next time
-    end if
-    if (report%status == KRYLOV_CONVERGED .or. report%residual <= SKIN_ENOUGH) return
-    outcome = OUTCOME_LINEAR_SOLVER
+    if (report%status /= KRYLOV_CONVERGED .and. report%residual > SKIN_ENOUGH) outcome = OUTCOME_LINEAR_SOLVER
+    call judge_skin(system, report, outcome)
   end subroutine iterate_skin
+
+
+  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step goes on with the
+  !! dense interface if that is allowed and cheaper.
+  subroutine judge_skin(system, report, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(krylov_report_type), intent(in) :: report !< of a direction
+    integer, intent(in) :: outcome                 !< OUTCOME_LINEAR_SOLVER: no direction was found
+    real(DP) :: n_interface, digits
+    logical :: is_lost, is_dense_cheaper
+    is_lost = outcome /= OUTCOME_OK
+    digits = -log10(max(report%residual, tiny(1.0_DP)))
+    associate (memory => system%skin%memory)
+      if (real(report%n_iterations, DP) > SLOW_SKIN * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
+      if (memory%n_slow <= memory%slow_limit .and. .not. is_lost) return
+      n_interface = real(count(system%is_interface_unknown), DP)
+      is_dense_cheaper = DENSE_WORK_RATIO * n_interface**3 * USUAL_ITERATIONS < &
+        real(report%n_iterations, DP) * real(system%base%n_free, DP)
+      memory%is_abandoned = n_interface <= MAX_INTERFACE_UNKNOWNS .and. .not. system%skin%robin%is_iterative .and. &
+        (is_lost .or. (memory%slow_limit > 2 .and. is_dense_cheaper))
+      if (is_lost .and. .not. memory%is_abandoned) return
+      memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned)
+      if (.not. memory%is_outdated) call discard_bulk_factor(system)
+      memory%n_slow = 0
+      memory%slow_limit = merge(2, 2 * memory%slow_limit, memory%is_abandoned)   ! recompute it later next time
+    end associate
+  end subroutine judge_skin
 
 
   !> v ~ inv(J) b with the present factor. Cost: one solution; with the skin the Krylov iterations for one digit.

@@ -20,7 +20,6 @@ module amontons_robin_springs
   private
   public :: find_near, robin_springs, skin_rows
 
-  real(DP), parameter :: SHEARED = 0.3_DP          !< spring across the normal over the mean stick slope of a compliant law [-]
   real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
   real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
 
@@ -73,7 +72,7 @@ contains
         along = STIFF_ALONG * slave%stiffness / real(n_at(slave%node), DP)
         across = STIFF_ACROSS * slave%stiffness / real(n_at(slave%node), DP)
         if (slope(1, slave%pair) > 0.0_DP) along = slope(1, slave%pair) * slave%area
-        if (slope(2, slave%pair) > 0.0_DP) across = SHEARED * slope(2, slave%pair) * slave%area
+        if (slope(2, slave%pair) > 0.0_DP) across = slope(2, slave%pair) * slave%area
         link%spring = across * contact%free(:, :, s) + (along - across) * &
           outer_product(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal))
       end associate

@@ -511,7 +511,8 @@ contains
       'unsymmetric terms of friction and sliding; LAGGED: by the stiffness of the bodies at the start of the attempt.', &
       allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
     call table%option('INTERFACE', VALUE_WORD, 'For studies. DENSE: the contact subproblem is solved on the dense matrix of ' // &
-      'the interface; SKIN: iteratively, with the contact skin as preconditioner; AUTO: SKIN above 6000 interface unknowns.', &
+      'the interface; SKIN: iteratively, with the contact skin as preconditioner; AUTO: the cheaper one ' // &
+      '(compliant laws: DENSE up to 6000 unknowns of the interface).', &
       allowed='AUTO|DENSE|SKIN', default='AUTO')
 
     call table%card('RESTART', SCOPE_BOTH, 'Keeps states in the restart file job.res, from which another job can continue. ' // &

@@ -22,7 +22,7 @@ module amontons_steps
   integer, parameter :: TANGENT_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
 
-  integer, parameter :: INTERFACE_AUTO = 0         !< contact subproblem: SKIN where the interface is too large for DENSE
+  integer, parameter :: INTERFACE_AUTO = 0         !< contact subproblem: the cheaper of DENSE and SKIN
   integer, parameter :: INTERFACE_DENSE = 1        !< on the dense matrix of the interface
   integer, parameter :: INTERFACE_SKIN = 2         !< iteratively, with the contact skin as preconditioner
   integer, parameter :: PRINT_NODE = 1, PRINT_ELEMENT = 2, PRINT_CONTACT = 3, PRINT_SECTION = 4

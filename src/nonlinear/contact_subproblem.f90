@@ -30,7 +30,7 @@ module amontons_contact_subproblem
   real(DP), parameter :: STAGNATION_MERIT_RATIO = 0.99_DP       !< merit over that of the previous cycle at which a cycle counts as
                                                                 !! stagnation [-]
   real(DP), parameter :: NEWTON_TOLERANCE_SHARE = 1.0e-2_DP    !< admissible merit over the residual tolerance of Newton [-]
-  real(DP), parameter :: SKIN_SETTLED = 1.0e-6_DP  !< TOL_MERIT_RATIO with the skin and a linear bulk [-]
+  real(DP), parameter :: SKIN_SETTLED = 1.0e-6_DP  !< the forcing term with the skin and a linear bulk [-]
   real(DP), parameter :: TOL_MERIT_ROUNDING = 1.0e-10_DP     !< admissible merit over the largest merit of the iterations: rounding
                                                              !! level [-]
 
@@ -228,7 +228,7 @@ contains
     type(configuration_type), intent(in) :: start          !< u
     real(DP), intent(in) :: largest_merit                !< merit of the iterations [force]
     real(DP) :: settled, negligible_force          ! [-], [force]
-    settled = TOL_MERIT_RATIO
+    settled = merge(system%forcing_term, TOL_MERIT_RATIO, system%is_skin)
     negligible_force = NEWTON_TOLERANCE_SHARE * step%controls%r_n * system%largest_force
     if (system%is_skin .and. system%is_constant) then   ! no further Newton iteration is needed
       settled = SKIN_SETTLED

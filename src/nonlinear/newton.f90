@@ -31,6 +31,8 @@ module amontons_newton
   real(DP), parameter :: MAX_PROXIMAL_RATIO = 2.0_DP       !< the same limit where the last step was a proximal or snap-through
                                                            !! step [-]
 
+  real(DP), parameter :: MAX_FORCING_TERM = 1.0e-2_DP      !< forcing term of the first direction [-]
+  real(DP), parameter :: MIN_FORCING_TERM = 1.0e-6_DP      !< least forcing term [-]
   real(DP), parameter :: MIN_FORCE_SCALE_RATIO = 1.0e-3_DP   !< least force scale of the residual, over force_scale [-]
   real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP      !< rounding level of a residual, over the attempt's largest force [-]
   real(DP), parameter :: MAX_PREDICTED_SLIDING = 0.6_DP        !< facets: a slave node that slides farther may gain or lose
@@ -107,6 +109,7 @@ contains
     integer :: n_krylov, n_rounds
     verdict = VERDICT_DIVERGES
     if (newton%outcome /= OUTCOME_OK) return
+    system%forcing_term = forcing_term(newton%measures)
     n_krylov = system%n_krylov
     n_rounds = system%n_subproblem_iterations
     call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
@@ -117,6 +120,16 @@ contains
     newton%record%n_subproblem_iterations = system%n_subproblem_iterations - n_rounds
     call assess_iterate(newton, system, model, step, state, verdict)
   end subroutine iterate
+
+
+  !> Admissible merit of the contact subproblem over that at its start: the square of the last decrease of the residual, so that
+  !! Newton's quadratic convergence is kept. Source: S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17 (1996) 16-32, choice 2.
+  pure real(DP) function forcing_term(measures)
+    type(convergence_measures_type), intent(in) :: measures
+    forcing_term = MAX_FORCING_TERM
+    if (measures%residual(0) < measures%residual(1)) forcing_term = &
+      min(MAX_FORCING_TERM, max(MIN_FORCING_TERM, (measures%residual(0) / measures%residual(1))**2))
+  end function forcing_term
 
 
   !> Line search along the direction; then active set, displacements, residual and record at the new iterate.

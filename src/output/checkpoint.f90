@@ -18,6 +18,8 @@ module amontons_checkpoint
   use amontons_state, only: state_type, fields_type, slave_state_type
   use amontons_equilibrium, only: equilibrium_type, begin_step
   use amontons_reduced_system, only: discard_analysis
+  use amontons_contact_skin, only: skin_memory_type
+  use amontons_sparse, only: sparse_type
   use amontons_newton, only: newton_type
   use amontons_increment_control, only: stepper_type
   implicit none
@@ -45,6 +47,7 @@ module amontons_checkpoint
     real(DP), allocatable :: friction(:)           !< (n_interactions) the same of coefficients of friction [-]
     real(DP), allocatable :: bulk_factor_u(:, :)          !< system%bulk_factor_u: the factor of the bulk is recomputed from it
                                                           !! [length]
+    type(skin_memory_type) :: skin                 !< system%skin%memory
   end type snapshot_type
 
   !> Lengths and positions of the result files at a snapshot.
@@ -84,6 +87,7 @@ contains
     if (allocated(snapshot%node_order)) deallocate (snapshot%node_order)
     if (allocated(system%reduced_system%node_order)) snapshot%node_order = system%reduced_system%node_order
     snapshot%u_start = system%u_start
+    snapshot%skin = system%skin%memory
     call save_bulk_factor(snapshot, system)
   end subroutine take_snapshot
 
@@ -124,6 +128,7 @@ contains
     call restore_node_order(snapshot, system)
     if (.not. is_step_start) call begin_step(system, model, step, state, error)
     system%u_start = snapshot%u_start
+    system%skin%memory = snapshot%skin
     call restore_bulk_factor(snapshot, system)
   end subroutine restore_snapshot
 
@@ -307,6 +312,7 @@ contains
     call packer%exchange(snapshot%u_start)
     call exchange_order(packer, model%mesh%n_nodes, snapshot%interface)
     call exchange_bulk(packer, model%mesh%n_nodes, snapshot%bulk_factor_u)
+    call exchange_skin(packer, snapshot%skin)
     call exchange_table(packer, 8, snapshot%driven)
     call packer%exchange(snapshot%friction)
     call exchange_fields(packer, snapshot%fields)
@@ -378,6 +384,65 @@ contains
     if (.not. allocated(u)) allocate (u(3, n_nodes), source=0.0_DP)
     call packer%exchange(u)
   end subroutine exchange_bulk
+
+
+  !> The springs and counts of the contact skin.
+  subroutine exchange_skin(packer, skin)
+    type(packer_type), intent(inout) :: packer
+    type(skin_memory_type), intent(inout) :: skin
+    logical :: is_there
+    integer :: i, n
+    call packer%exchange(skin%n_slow)
+    call packer%exchange(skin%slow_limit)
+    call packer%exchange(skin%is_outdated)
+    call packer%exchange(skin%is_abandoned)
+    is_there = allocated(skin%is_near)
+    call packer%exchange(is_there)
+    if (.not. is_there .or. .not. packer%is_valid) return
+    n = 0
+    if (packer%is_packing) n = size(skin%is_near)
+    call exchange_count(packer, n)
+    if (.not. packer%is_valid) return
+    if (.not. packer%is_packing) allocate (skin%is_near(n), source=.false.)
+    do i = 1, n
+      call packer%exchange(skin%is_near(i))
+    end do
+    call exchange_sparse(packer, skin%springs)
+  end subroutine exchange_skin
+
+
+  !> A sparse matrix.
+  subroutine exchange_sparse(packer, matrix)
+    type(packer_type), intent(inout) :: packer
+    type(sparse_type), intent(inout) :: matrix
+    integer :: i, n
+    call exchange_count(packer, matrix%n_rows)
+    call exchange_count(packer, matrix%n_columns)
+    n = 0
+    if (packer%is_packing) n = size(matrix%column)
+    call exchange_count(packer, n)
+    if (.not. packer%is_valid) return
+    if (.not. packer%is_packing) then
+      allocate (matrix%first(matrix%n_rows + 1), matrix%column(n), source=0)
+      allocate (matrix%value(n), source=0.0_DP)
+    end if
+    do i = 1, matrix%n_rows + 1
+      call packer%exchange(matrix%first(i))
+    end do
+    do i = 1, n
+      call packer%exchange(matrix%column(i))
+    end do
+    call packer%exchange(matrix%value)
+  end subroutine exchange_sparse
+
+
+  !> A number of entries that follow.
+  subroutine exchange_count(packer, n)
+    type(packer_type), intent(inout) :: packer
+    integer, intent(inout) :: n
+    call packer%exchange(n)
+    if (.not. packer%is_packing .and. (n < 0 .or. n > size(packer%words))) packer%is_valid = .false.
+  end subroutine exchange_count
 
 
   !> The committed fields; constant ones come from the model.

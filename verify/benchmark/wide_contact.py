@@ -60,6 +60,7 @@ class Model:
     is_block: bool = False
     increments: int = 10
     dome: float = DOME  #: [1/length]
+    criteria: float = 0.0  #: of residual and correction; 0: the dialect's own [-]
 
 
 @dataclass
@@ -111,6 +112,7 @@ def deck_of(model: Model, interface: str = "") -> str:
     mesh = plates(model)
     step = "*STEP, NLGEOM, INC=1000" if model.is_nlgeom else "*STEP, INC=1000"
     increment = f"{1.0 / model.increments:g}, 1., , {1.0 / model.increments:g}"
+    controls = f"*CONTROLS, PARAMETERS=FIELD\n{model.criteria:g}, {model.criteria:g}, , {model.criteria:g}\n" if model.criteria else ""
     search = f"*LINE SEARCH, TYPE=AUTO, INTERFACE={interface}\n" if interface else ""
     if model.by_displacement:
         press = f"*BOUNDARY\nUPPER_TOP, 3, 3, {APPROACH}\n"
@@ -122,9 +124,9 @@ def deck_of(model: Model, interface: str = "") -> str:
         + mesh_cards(mesh)
         + material_cards("STEEL", STEEL, "ALL")
         + interaction(model)
-        + f"{step}\nPress\n*STATIC\n{increment}\n{search}*BOUNDARY\nLOWER_BOTTOM, 1, 3\nSIDE, 1, 2\n{press}"
+        + f"{step}\nPress\n*STATIC\n{increment}\n{controls}{search}*BOUNDARY\nLOWER_BOTTOM, 1, 3\nSIDE, 1, 2\n{press}"
         + "*NODE PRINT, NSET=LOWER_BOTTOM, TOTALS=ONLY\nRF\n*NODE FILE\nU, RF\n*END STEP\n"
-        + f"{step}\nDrag\n*STATIC\n{increment}\n{search}*BOUNDARY\nSIDE, 1, 1, {DRAG}\n*END STEP\n"
+        + f"{step}\nDrag\n*STATIC\n{increment}\n{controls}{search}*BOUNDARY\nSIDE, 1, 1, {DRAG}\n*END STEP\n"
     )
 
 

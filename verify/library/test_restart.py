@@ -106,8 +106,15 @@ def mortar_deck() -> str:
     return sheets.solid_deck([(below, (2000.0, 0.3)), (above, (1000.0, 0.3))], pair, steps)
 
 
+def skin_deck() -> str:
+    """Domed plates with friction, solved with the contact skin: its bulk solver serves many increments."""
+    from verify.benchmark.wide_contact import Model, deck_of
+
+    return deck_of(Model(6, is_nlgeom=True, increments=6), "SKIN")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("deck", [points_deck, mortar_deck])
+@pytest.mark.parametrize("deck", [points_deck, mortar_deck, skin_deck])
 def test_surfaces_on_surfaces_resume_bitwise(program: Path, run: Run, tmp_path: Path, deck: Callable[[], str]) -> None:
     """The same where faces lie on faces."""
     kill_over_and_over(program, run, deck(), tmp_path, 4, 7)
