@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 11
+  integer(I64), parameter :: FORMAT_VERSION = 12
   integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
   !> All data on which the next increment depends.
