@@ -183,8 +183,7 @@ contains
         s))) &
         call note_pull_off(slave%overrides)
       contact%direction(:, s) = trial%direction
-      slave%slip_increment = d - dot_product(free_normal, d) * free_normal
-      if (slave%status == STATUS_OPEN) slave%slip_increment = 0.0_DP
+      slave%slip_increment = merge(0.0_DP, d - dot_product(free_normal, d) * free_normal, slave%status == STATUS_OPEN)
       call set_forces(-dot_product(free_normal, Rhat))
       if (has_other_constraints(contact, s)) d = slave%slip_increment + slave%gap * free_normal
       call count_changes(contact, status_before, s, slave, norm2(d))

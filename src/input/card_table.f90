@@ -23,6 +23,7 @@ contains
   !> Builds the table. It is not a module variable, so that two jobs can read simultaneously.
   subroutine make_card_table(table)
     type(card_table_type), intent(out) :: table
+    call describe_structure(table)
     call describe_mesh(table)
     call describe_materials(table)
     call describe_contact(table)
@@ -50,8 +51,8 @@ contains
   end subroutine list_cards
 
 
-  !> Heading, nodes, elements, sets, surfaces.
-  subroutine describe_mesh(table)
+  !> Heading, included files, parameters, parts and assembly.
+  subroutine describe_structure(table)
     type(card_table_type), intent(inout) :: table
     call table%card('HEADING', SCOPE_MODEL, 'Text that describes the job; it is kept with the results.', data='free text')
     call table%card('INCLUDE', SCOPE_BOTH, 'Reads another file in place of this card; the file is looked for beside ' // &
@@ -75,7 +76,12 @@ contains
     call table%option('PART', VALUE_NAME, 'Name of the part.', default='required')
     call table%option('LIBRARY|INSTANCE', VALUE_TEXT, 'Write the part itself.', status=ENTRY_REJECTED)
     call table%card('END INSTANCE', SCOPE_MODEL, 'Ends the instance.')
+  end subroutine describe_structure
 
+
+  !> Nodes, elements, sets, surfaces.
+  subroutine describe_mesh(table)
+    type(card_table_type), intent(inout) :: table
     call table%card('NODE', SCOPE_MODEL, 'Defines nodes.', data='number, x, y, z')
     call table%option('NSET', VALUE_NAME, 'Puts the nodes into this node set as well.')
     call table%option('SYSTEM', VALUE_WORD, 'R: x, y, z; C: radius, angle about z in degrees, z; S: radius, angle about z, ' // &

@@ -630,14 +630,13 @@ contains
     integer, allocatable :: nodes(:)
     real(DP) :: largest, received(MAX_FACE_NODES), own_area, adjacent_area, first_moment(3), d_received(MAX_FACE_NODES, &
       MAX_FACE_NODES)
-    integer :: i, s, k, n, f, own, n_head
+    integer :: s, k, n, f, own
     n = 0
     associate (slave => mortar%slave)
       do s = slave%star_first(mortar_node%vertex), slave%star_first(mortar_node%vertex + 1) - 1
         f = slave%star_facet(s)
         n = n + MAX_FACE_NODES * (mortar%cuts%covers(f)%n + 3)
       end do
-      n_head = size(row%nodes)
       allocate (nodes(n))
       allocate (weights(n), source=0.0_DP)
       n = 0
@@ -676,16 +675,7 @@ contains
       if (own_area > 0.0_DP) row%imbalance_weights = row%imbalance_weights * (mortar_node%area / own_area)
       mortar_node%force_arm = first_moment / mortar_node%area - x(:, row%nodes(1))
     end if
-    do k = 1, n_head                               ! each node once
-      i = findloc(nodes(:n), row%nodes(k), dim=1)
-      if (i == 0) cycle
-      row%weights(k) = row%weights(k) - weights(i) / mortar_node%area
-      nodes(i:n - 1) = nodes(i + 1:n)
-      weights(i:n - 1) = weights(i + 1:n)
-      n = n - 1
-    end do
-    row%nodes = [row%nodes, nodes(:n)]
-    row%weights = [row%weights, -weights(:n) / mortar_node%area]
+    call append_master_nodes(nodes(:n), -weights(:n) / mortar_node%area, row)
 
   contains
 
@@ -712,6 +702,25 @@ contains
     end subroutine add_adjacent_slave_nodes
 
   end subroutine fill_master_part
+
+
+  !> Adds nodes and their weights to a row; a node that is in it already keeps its place.
+  pure subroutine append_master_nodes(nodes, weights, row)
+    integer, intent(in) :: nodes(:)                !< each once
+    real(DP), intent(in) :: weights(:)             !< [-]
+    type(contact_row_type), intent(inout) :: row
+    logical :: is_new(size(nodes))
+    integer :: i, k
+    is_new = .true.
+    do k = 1, size(row%nodes)
+      i = findloc(nodes, row%nodes(k), dim=1)
+      if (i == 0) cycle
+      row%weights(k) = row%weights(k) + weights(i)
+      is_new(i) = .false.
+    end do
+    row%nodes = [row%nodes, pack(nodes, is_new)]
+    row%weights = [row%weights, pack(weights, is_new)]
+  end subroutine append_master_nodes
 
 
   !> The fractions of the functions of a facet that one of its nodes receives: the part of its own that it keeps, and those of nodes

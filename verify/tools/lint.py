@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
 
-MAX_PROCEDURE_LINES = 120
+MAX_PROCEDURE_LINES = 90
 MAX_ARGUMENTS = 9
 MAX_NESTING = 4
 MAX_FILE_LINES = 900

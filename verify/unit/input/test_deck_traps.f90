@@ -18,6 +18,7 @@ program test_deck_traps
   type(error_type), allocatable :: error
   call read_sample('*PLASTIC;200,0;300,1;*DENSITY;7.8e-9,20;', model, diagnostics, error)
   call suite%that('integers and names are no slips', .not. allocated(error) .and. diagnostics%n_items == 0)
+  call expect_read('*DENSITY;7.8e-9;', model)
   call expect_message('*DENSITY;7,8e-9;', 'decimal commas', is_note=.true.)
   call expect_message('', 'decimal commas', step='*STEP;*STATIC;0,1, 1;*END STEP;', is_note=.true.)
   call expect_message('*NODE;9, 0,5, 0,5, 2,0;', 'decimal commas', is_note=.true.)
