@@ -210,6 +210,7 @@ contains
     change = (change - there%new%applied_force) / (2 * H)
   end function difference
 
+
   include 'sample_deck.inc'
 
 end program test_external_loads
