@@ -42,9 +42,8 @@ MODEL_ASSIGNED = re.compile(r"(?:^|\)\s*)(?:\w+%)*model%[\w%():,+*\- ]*=(?![=>])
 MODULES_WITHOUT_PROGRAM = {
     "version": "holds one constant",
     "main": "is the program: verify/command_line runs it",
-    "contact_skin": "not yet; its operator is proven by verify/cases and by the programs of skin_preconditioner",
-    "robin_springs": "not yet; verify/cases",
-    "free_rigid_motions": "not yet; verify/cases",
+    "contact_skin": "not yet; verify/invariance/test_contact_skin.py compares it with the dense interface",
+    "robin_springs": "not yet; verify/invariance/test_contact_skin.py",
     "master_symmetry_planes": "not yet; verify/cases",
     "model_check_contact": "not yet; verify/cases and verify/command_line",
     "model_check_motion": "not yet; verify/cases and verify/command_line",
