@@ -1,0 +1,184 @@
+!> Unit test of contact_skin: two supported chains with a frictional contact row between their ends, against dense matrices.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_contact_skin
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_mesh, only: mesh_type
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
+  use amontons_factorization, only: FACTOR_OK
+  use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
+    add_constraint_row, eliminate_constraints
+  use amontons_reduced_system, only: factorise_reduced_system
+  use amontons_contact_skin, only: skin_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
+  use check, only: suite_type
+  implicit none
+  integer, parameter :: N_NODES = 20, N = 3 * N_NODES, SLAVE = 11, MASTER = 10
+  real(DP), parameter :: MU = 0.3_DP
+  type(suite_type) :: suite
+  type(sparse_type) :: K, D_R, D_u
+  type(constraints_type) :: base, whole
+  type(mesh_type) :: mesh
+  call make_chains()
+  call check_bulk_alone()
+  call check_symmetry()
+  call check_tile()
+  call check_forces()
+  call suite%finish()
+
+contains
+
+  !> Bars between neighbours but for nodes 10 and 11; both ends fixed. The slave's row is oblique, its friction acts along y.
+  subroutine make_chains()
+    type(constraint_row_type) :: row
+    type(error_type), allocatable :: error
+    integer :: i, status
+    integer, parameter :: AT = 3 * (SLAVE - 1), TO = 3 * (MASTER - 1)
+    call sparse_from_triplets(N, N, [(i, i=1, N), (i, i=1, N - 3)], [(i, i=1, N), (i + 3, i=1, N - 3)], &
+      [(5.0_DP, i=1, N), (merge(0.0_DP, -2.0_DP, (i + 2) / 3 == MASTER), i=1, N - 3)], K, error)
+    call fix_ends(base)
+    call eliminate_constraints(base)
+    call fix_ends(whole)
+    row%unknown = [AT + 1, AT + 2, TO + 1, TO + 2]
+    row%coefficient = [1.0_DP, 0.5_DP, -1.0_DP, -0.5_DP]
+    call add_constraint_row(whole, row, 1, 1.0e-9_DP, status)
+    call eliminate_constraints(whole)
+    call sparse_from_triplets(N, N, [AT + 1, AT + 2, TO + 1, TO + 2], [AT + 1, AT + 1, AT + 1, AT + 1], &
+      [-0.2_DP, MU, 0.2_DP, -MU], D_R, error)
+    call sparse_from_triplets(N, N, [AT + 3, TO + 3], [AT + 3, AT + 2], [-0.7_DP, 0.4_DP], D_u, error)
+    mesh%n_nodes = N_NODES
+    mesh%n_elements = N_NODES - 1
+    mesh%coordinates = reshape([(real(mod(i, 7), DP) + real(i, DP), i=1, N)], [3, N_NODES])
+    mesh%first = [(2 * i - 1, i=1, N_NODES)]
+    mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (N_NODES - 1))]
+  end subroutine make_chains
+
+
+  !> Fixes the first and the last node.
+  subroutine fix_ends(constraints)
+    type(constraints_type), intent(inout) :: constraints
+    integer :: i
+    call reset_constraints(constraints, N)
+    do i = 1, 3
+      call prescribe_unknown(constraints, i, 0.0_DP)
+      call prescribe_unknown(constraints, N - 3 + i, 0.0_DP)
+    end do
+  end subroutine fix_ends
+
+
+  !> The preconditioner with the bulk K and a tile of the nodes 10 and 11.
+  subroutine make_skin(constraints, skin)
+    type(constraints_type), intent(in) :: constraints
+    type(skin_type), intent(out) :: skin
+    type(sparse_type) :: rows
+    type(error_type), allocatable :: error
+    integer :: status
+    call cut_skin(skin, mesh%coordinates, [SLAVE], N_NODES)
+    call factorise_reduced_system(skin%robin, K, .false., base, mesh, status, error)
+    call suite%that('bulk: factor', status == FACTOR_OK)
+    rows%n_rows = 1
+    rows%n_columns = N_NODES
+    rows%first = [1, 3]
+    rows%column = [SLAVE, MASTER]
+    call renew_skin(skin, base, constraints, K, D_R, D_u, rows, error)
+    call suite%that('skin: renewed', .not. allocated(error) .and. skin%n_tiles == 1)
+  end subroutine make_skin
+
+
+  !> A matrix with all entries; of a symmetric one the upper triangle is given.
+  pure function dense_of(matrix, is_symmetric) result(full)
+    type(sparse_type), intent(in) :: matrix
+    logical, intent(in) :: is_symmetric
+    real(DP) :: full(matrix%n_rows, matrix%n_columns)
+    integer :: i, p
+    full = 0.0_DP
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        full(i, matrix%column(p)) = matrix%value(p)
+        if (is_symmetric) full(matrix%column(p), i) = matrix%value(p)
+      end do
+    end do
+  end function dense_of
+
+
+  !> J = C' ((1 + D_R) K - D_u) C.
+  pure function tangent() result(J)
+    real(DP) :: J(whole%n_free, whole%n_free), C(N, whole%n_free), stiffness(N, N)
+    C = dense_of(whole%transformation, .false.)
+    stiffness = dense_of(K, .true.)
+    J = matmul(transpose(C), matmul(stiffness + matmul(dense_of(D_R, .false.), stiffness) - dense_of(D_u, .false.), C))
+  end function tangent
+
+
+  !> Any numbers.
+  pure function numbers(n_numbers, seed) result(values)
+    integer, intent(in) :: n_numbers, seed
+    real(DP) :: values(n_numbers)
+    integer :: i
+    values = [(sin(real(seed * i * i + i, DP)), i=1, n_numbers)]
+  end function numbers
+
+
+  !> Without contact rows the bulk solver is inv(K).
+  subroutine check_bulk_alone()
+    type(skin_type) :: skin
+    real(DP) :: r(base%n_free), x(base%n_free), C(N, base%n_free)
+    call make_skin(base, skin)
+    r = numbers(base%n_free, 3)
+    call apply_bulk(skin, r, x)
+    C = dense_of(base%transformation, .false.)
+    call suite%near('no rows: K x = r', maxval(abs(matmul(transpose(C), matmul(dense_of(K, .true.), matmul(C, x))) - r)), 0.0_DP, &
+      1.0e-12_DP)
+  end subroutine check_bulk_alone
+
+
+  !> R Pi P Pi' R' is symmetric, and positive in a direction that moves slave and master together.
+  subroutine check_symmetry()
+    type(skin_type) :: skin
+    real(DP), dimension(whole%n_free) :: a, b, of_a, of_b
+    call make_skin(whole, skin)
+    a = numbers(whole%n_free, 1)
+    b = numbers(whole%n_free, 2)
+    call apply_bulk(skin, a, of_a)
+    call apply_bulk(skin, b, of_b)
+    call suite%near('symmetric', dot_product(b, of_a), dot_product(a, of_b), 1.0e-12_DP)
+    call suite%that('positive', dot_product(a, of_a) > 0.0_DP .and. dot_product(b, of_b) > 0.0_DP)
+  end subroutine check_symmetry
+
+
+  !> After the tile's correction nothing remains of the residual on the tile, whatever x was; the other unknowns keep their values.
+  subroutine check_tile()
+    type(skin_type) :: skin
+    real(DP), dimension(whole%n_free) :: r, x, before, rest
+    logical :: is_inside(whole%n_free)
+    integer :: i
+    call make_skin(whole, skin)
+    is_inside = .false.
+    do i = 3 * MASTER - 2, 3 * SLAVE
+      if (whole%free_of(i) > 0) is_inside(whole%free_of(i)) = .true.
+    end do
+    r = numbers(whole%n_free, 5)
+    x = numbers(whole%n_free, 7)
+    before = x
+    call correct_skin(skin, r - matmul(tangent(), x), x)
+    rest = r - matmul(tangent(), x)
+    call suite%that('tile: five unknowns', count(is_inside) == 5)
+    call suite%near('tile: no residual', maxval(abs(pack(rest, is_inside))), 0.0_DP, 1.0e-5_DP)
+    call suite%that('tile: the others stay', all(abs(pack(x - before, .not. is_inside)) <= 0.0_DP))
+    call suite%that('tile: a correction', maxval(abs(x - before)) > 0.01_DP)
+  end subroutine check_tile
+
+
+  !> w - D_R dRhat - D_u du.
+  subroutine check_forces()
+    type(skin_type) :: skin
+    real(DP), dimension(N) :: du, d_imbalance, w, expected
+    call make_skin(whole, skin)
+    du = numbers(N, 1)
+    d_imbalance = numbers(N, 2)
+    w = numbers(N, 3)
+    expected = w - matmul(dense_of(D_R, .false.), d_imbalance) - matmul(dense_of(D_u, .false.), du)
+    call subtract_contact(skin, du, d_imbalance, w)
+    call suite%near('forces', maxval(abs(w - expected)), 0.0_DP, 1.0e-14_DP)
+  end subroutine check_forces
+
+end program test_contact_skin
