@@ -1,0 +1,136 @@
+!> Unit test of robin_springs: the springs between two blocks oppose their relative motion with the known sums, and no common one.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_robin_springs
+  use amontons_contact_linearization, only: contact_tangent_type
+  use amontons_contact_pairs, only: current_row
+  use amontons_contact_constraint_rows, only: contact_row_type
+  use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
+  use amontons_errors, only: error_type
+  use amontons_kinds, only: DP
+  use amontons_mesh, only: mesh_type, finalize_mesh
+  use amontons_model, only: model_type
+  use amontons_robin_springs, only: find_near, robin_springs, skin_rows
+  use amontons_sparse, only: sparse_type
+  use amontons_state, only: state_type, STATUS_STICK
+  use amontons_steps, only: step_type
+  use amontons_topology, only: KIND_C3D8
+  use check, only: suite_type
+  implicit none
+  integer, parameter :: N_SLAVES = 16
+  real(DP), parameter :: OWN = 2.0_DP, TOL = 1.0e-13_DP   ! stiffness of each slave; rounding of weights over it
+  type(suite_type) :: suite
+  type(model_type) :: model
+  type(equilibrium_type), allocatable :: system
+  type(state_type) :: state
+  call check_near()
+  call check_hard()
+  call check_compliant()
+  call check_rows()
+  call suite%finish()
+
+contains
+
+  include 'sample_blocks.inc'
+
+  !> Blocks at a gap, evaluated at the start of the first increment; all slaves have the same stiffness.
+  subroutine start(gap)
+    real(DP), intent(in) :: gap
+    integer :: outcome
+    call two_blocks(model, 0.3_DP, gap, [0.0_DP, 0.0_DP, -0.1_DP])
+    call start_blocks(model, system, state)
+    call evaluate_equilibrium(system, model, model%steps(1), state, outcome, is_frozen=.false.)
+    state%new%slaves%stiffness = OWN
+  end subroutine start
+
+
+  !> The work of the springs, twice their energy, at a unit translation of the upper block against the lower one, or of both.
+  real(DP) function work(closed, axis, is_relative)
+    type(contact_tangent_type), intent(in) :: closed(:)
+    integer, intent(in) :: axis
+    logical, intent(in) :: is_relative
+    type(sparse_type) :: springs
+    type(error_type), allocatable :: error
+    real(DP) :: u(3 * model%mesh%n_nodes)
+    integer :: i, p
+    call robin_springs(system%contact, state%new, find_near(system%contact, state%new), closed, size(u), springs, error)
+    u = 0.0_DP
+    u(54 + axis::3) = 1.0_DP
+    if (.not. is_relative) u(axis::3) = 1.0_DP
+    work = 0.0_DP
+    do i = 1, springs%n_rows                       ! rows of other nodes are empty
+      do p = springs%first(i), springs%first(i + 1) - 1
+        work = work + merge(1.0_DP, 2.0_DP, springs%column(p) == i) * springs%value(p) * u(i) * u(springs%column(p))
+      end do
+    end do
+  end function work
+
+
+  !> Slaves are near up to half an edge, 0.6 here; a closed one is near at any gap.
+  subroutine check_near()
+    call start(0.59_DP)
+    call suite%that('within half an edge', all(find_near(system%contact, state%new)))
+    call start(0.61_DP)
+    call suite%that('beyond it', .not. any(find_near(system%contact, state%new)))
+    state%new%slaves(5)%status = STATUS_STICK
+    call suite%that('but closed', count(find_near(system%contact, state%new)) == 1)
+    state%new%slaves(5)%facet = 0
+    call suite%that('without a facet', .not. any(find_near(system%contact, state%new)))
+  end subroutine check_near
+
+
+  !> Exact contact: c along the normal and c/10 across it, for each of the sixteen slaves.
+  subroutine check_hard()
+    type(contact_tangent_type) :: none(0)
+    call start(0.1_DP)
+    call suite%near('along the normal', work(none, 3, .true.), N_SLAVES * OWN, N_SLAVES * OWN * TOL)
+    call suite%near('across it', work(none, 1, .true.), 0.1_DP * N_SLAVES * OWN, N_SLAVES * OWN * TOL)
+    call suite%near('no force at a common translation', work(none, 3, .false.), 0.0_DP, N_SLAVES * OWN * TOL)
+  end subroutine check_hard
+
+
+  !> A compliant law: the mean slopes of two closed slaves, a sticking and an open one, times the areas of all.
+  subroutine check_compliant()
+    type(contact_tangent_type) :: closed(2)
+    real(DP), parameter :: ALONG = 50.0_DP, ACROSS = 7.0_DP
+    real(DP) :: area
+    integer :: i
+    call start(0.1_DP)
+    area = sum(state%new%slaves%area)
+    closed%slave = [1, 6]
+    closed%is_compliant_node = .true.
+    state%new%slaves([1, 6])%status = STATUS_STICK
+    do i = 1, 2
+      closed(i)%spring(1, 1) = ACROSS * state%new%slaves(closed(i)%slave)%area
+      closed(i)%spring(2, 2) = closed(i)%spring(1, 1)
+      closed(i)%spring(3, 3) = ALONG * state%new%slaves(closed(i)%slave)%area
+    end do
+    call suite%near('slope of the pressure', work(closed, 3, .true.), ALONG * area, ALONG * area * TOL)
+    call suite%near('slope of the shear', work(closed, 2, .true.), ACROSS * area, ACROSS * area * TOL)
+    closed%is_compliant_node = .false.
+    call suite%near('exact contact has no slope', work(closed, 3, .true.), N_SLAVES * OWN, N_SLAVES * OWN * TOL)
+  end subroutine check_compliant
+
+
+  !> The skin: each near slave with the nodes of its facet, the slave first; a closed one with those of its tangent.
+  subroutine check_rows()
+    type(contact_tangent_type) :: closed(1)
+    type(sparse_type) :: rows
+    type(contact_row_type) :: row
+    logical :: is_near(N_SLAVES)
+    call start(0.1_DP)
+    is_near = .false.
+    is_near([2, 4]) = .true.
+    closed%slave = 3
+    closed%node = 21
+    closed%n_weights = 2
+    closed(1)%nodes = [21, 10]
+    closed(1)%imbalance_nodes = [22]
+    call skin_rows(system%contact, state%new, is_near, closed, model%mesh%n_nodes, rows)
+    call suite%that('three rows', rows%n_rows == 3)
+    call suite%that('slaves first', all(rows%column(rows%first(:3)) == [20, 21, 22]))
+    call suite%that('a tangent''s nodes', all(rows%column(rows%first(2):rows%first(3) - 1) == [21, 21, 10, 22]))
+    call current_row(system%contact, state%new%slaves(4), row)
+    call suite%that('a near slave''s row', all(rows%column(rows%first(3) + 1:rows%first(4) - 1) == row%nodes))
+  end subroutine check_rows
+
+end program test_robin_springs
