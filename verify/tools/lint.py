@@ -42,7 +42,6 @@ MODEL_ASSIGNED = re.compile(r"(?:^|\)\s*)(?:\w+%)*model%[\w%():,+*\- ]*=(?![=>])
 MODULES_WITHOUT_PROGRAM = {
     "version": "holds one constant",
     "main": "is the program: verify/command_line runs it",
-    "master_symmetry_planes": "not yet; verify/cases",
     "model_check_contact": "not yet; verify/cases and verify/command_line",
     "model_check_motion": "not yet; verify/cases and verify/command_line",
 }
