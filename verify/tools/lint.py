@@ -42,8 +42,6 @@ MODEL_ASSIGNED = re.compile(r"(?:^|\)\s*)(?:\w+%)*model%[\w%():,+*\- ]*=(?![=>])
 MODULES_WITHOUT_PROGRAM = {
     "version": "holds one constant",
     "main": "is the program: verify/command_line runs it",
-    "model_check_contact": "not yet; verify/cases and verify/command_line",
-    "model_check_motion": "not yet; verify/cases and verify/command_line",
 }
 SEARCH_PATH = re.compile(r"\bsys\.path\b")
 LAYER_ROW = re.compile(r"^\| `(\w+)` \|([^|]*)\|")
