@@ -355,16 +355,23 @@ contains
   pure logical function takes_skin(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    real(DP) :: n_interface
     takes_skin = .false.
     if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
     takes_skin = step%interface == INTERFACE_SKIN
     if (takes_skin .or. .not. allocated(system%is_interface_unknown)) return
-    n_interface = real(count(system%is_interface_unknown), DP)
-    takes_skin = n_interface > MAX_INTERFACE_UNKNOWNS
+    takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS
     if (takes_skin .or. any(is_compliant(system%contact%laws))) return
-    takes_skin = system%reduced_system%is_iterative .or. DENSE_WORK_RATIO * n_interface**3 > real(system%base%n_free, DP)
+    takes_skin = system%reduced_system%is_iterative .or. is_skin_cheaper(system, USUAL_ITERATIONS)
   end function takes_skin
+
+
+  !> Whether a round with so many Krylov iterations on the skin costs less than one on the dense interface.
+  pure logical function is_skin_cheaper(system, n_iterations)
+    type(equilibrium_type), intent(in) :: system
+    real(DP), intent(in) :: n_iterations
+    is_skin_cheaper = DENSE_WORK_RATIO * real(count(system%is_interface_unknown), DP)**3 * USUAL_ITERATIONS > &
+      n_iterations * real(system%base%n_free, DP)
+  end function is_skin_cheaper
 
 
   !> Contact by the skin: the bulk solver is computed if none is available, the tiles always. After: is_skin and is_schur_active.
@@ -682,18 +689,17 @@ contains
     type(equilibrium_type), intent(inout) :: system
     type(krylov_report_type), intent(in) :: report !< of a direction
     integer, intent(in) :: outcome                 !< OUTCOME_LINEAR_SOLVER: no direction was found
-    real(DP) :: n_interface, digits
-    logical :: is_lost, is_dense_cheaper
+    real(DP) :: n_iterations, digits
+    logical :: is_lost
     is_lost = outcome /= OUTCOME_OK
+    n_iterations = real(report%n_iterations, DP)
     digits = -log10(max(report%residual, tiny(1.0_DP)))
     associate (memory => system%skin%memory)
-      if (real(report%n_iterations, DP) > SLOW_SKIN * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
+      if (n_iterations > SLOW_SKIN * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
       if (memory%n_slow <= memory%slow_limit .and. .not. is_lost) return
-      n_interface = real(count(system%is_interface_unknown), DP)
-      is_dense_cheaper = DENSE_WORK_RATIO * n_interface**3 * USUAL_ITERATIONS < &
-        real(report%n_iterations, DP) * real(system%base%n_free, DP)
-      memory%is_abandoned = n_interface <= MAX_INTERFACE_UNKNOWNS .and. .not. system%skin%robin%is_iterative .and. &
-        (is_lost .or. (memory%slow_limit > 2 .and. is_dense_cheaper))
+      memory%is_abandoned = count(system%is_interface_unknown) <= MAX_INTERFACE_UNKNOWNS .and. &
+        .not. system%skin%robin%is_iterative .and. &
+        (is_lost .or. (memory%slow_limit > 2 .and. .not. is_skin_cheaper(system, n_iterations)))
       if (is_lost .and. .not. memory%is_abandoned) return
       memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned)
       if (.not. memory%is_outdated) call discard_bulk_factor(system)

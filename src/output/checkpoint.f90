@@ -361,10 +361,9 @@ contains
     integer :: n
     n = 0
     if (packer%is_packing) n = size(table, 2)
-    call packer%exchange(n)
+    call exchange_count(packer, n)
+    if (.not. packer%is_valid) return
     if (.not. packer%is_packing) then
-      if (n < 0 .or. n > size(packer%words)) packer%is_valid = .false.
-      if (.not. packer%is_valid) return
       if (allocated(table)) deallocate (table)
       allocate (table(n_rows, n), source=0.0_DP)
     end if

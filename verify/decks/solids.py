@@ -14,6 +14,19 @@ from numpy.typing import NDArray
 
 from verify.decks.make_decks import Mesh
 
+#: Data of *NODE for a cube of edge 1, and its element: eight nodes, those of the bottom first.
+UNIT_CUBE = """1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*ELEMENT, TYPE=C3D8, ELSET=E
+1, 1, 2, 3, 4, 5, 6, 7, 8
+"""
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 

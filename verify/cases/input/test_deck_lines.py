@@ -12,20 +12,11 @@ from pathlib import Path
 import pytest
 
 from verify.conftest import Run
+from verify.decks.solids import UNIT_CUBE
 
 YOUNG = 1000.0
 CUBE = f"""*NODE, NSET=ALL
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 1., 1., 0.
-4, 0., 1., 0.
-5, 0., 0., 1.
-6, 1., 0., 1.
-7, 1., 1., 1.
-8, 0., 1., 1.
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*NSET, NSET=LOW
+{UNIT_CUBE}*NSET, NSET=LOW
 1, 2, 3, 4
 *NSET, NSET=HIGH
 5, 6, 7, 8

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from verify.conftest import Run
+from verify.decks.solids import UNIT_CUBE
 from verify.readers.sta_cvg_files import read_sta
 
 YOUNG, DENSITY, LENGTH = 1000.0, 2.0, 4.0
@@ -181,18 +182,7 @@ def test_refused_time_points(run_deck: Run, card: str, message: str) -> None:
     assert message in refused(run_deck, f"{bar()}{card}*STEP\n*STATIC\n*NODE PRINT, NSET=ALL, TIME POINTS=WHEN\nU\n*END STEP\n")
 
 
-WEIGHT = """*NODE
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 1., 1., 0.
-4, 0., 1., 0.
-5, 0., 0., 1.
-6, 1., 0., 1.
-7, 1., 1., 1.
-8, 0., 1., 1.
-*ELEMENT, TYPE=C3D8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*NSET, NSET=LOW
+WEIGHT = "*NODE\n" + UNIT_CUBE + """*NSET, NSET=LOW
 1, 2, 3, 4
 *MATERIAL, NAME=STUFF
 *ELASTIC
