@@ -173,11 +173,17 @@ ready:
 proven:
 	@.ci/deps check || { .ci/deps tell; exit 1; }
 
+# A link to an environment elsewhere is never written through: it has the packages, or make says so.
 $(VENV)/installed: verify/requirements.txt | ready
+ifneq ($(shell test -L $(VENV) && echo link),)
+	@$(PY) -m pip install --quiet --disable-pip-version-check --no-index --dry-run -r $< >/dev/null 2>&1 || { \
+	  echo "$(VENV) is a link to $$(readlink $(VENV)), which lacks packages of $<: remove the link, or install them there." >&2; exit 1; }
+else
 	@echo "installing the Python packages of $< into $(VENV)"
 	$(Q)$(PYTHON) -m venv --clear $(VENV)
 	$(Q)$(PY) -m pip install --quiet --disable-pip-version-check --no-input -r $<
 	@touch $@
+endif
 
 # --- running and testing ------------------------------------------------------------------------------------------
 run: all $(VENV)/installed ## Run input/shear_block.inp with progress; results and a picture go to results/

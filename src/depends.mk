@@ -25,6 +25,7 @@ uses_woodbury_interface = kinds errors blas dense sparse krylov
 
 # model
 uses_analytic_profiles = kinds tensor
+uses_controls = kinds
 uses_loads = kinds
 uses_user_routines = kinds text errors
 uses_materials = kinds user_routines
@@ -33,7 +34,7 @@ uses_mesh = kinds topology
 uses_restart_file = kinds text errors posix
 uses_surfaces = kinds analytic_profiles
 uses_mpc_data = kinds tensor
-uses_steps = kinds loads surfaces
+uses_steps = kinds controls loads surfaces
 uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps
 
 # input
@@ -62,7 +63,7 @@ uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_m
 uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads materials topology model cards card_schema deck_reader deck_surfaces load_propagation
-uses_deck_steps = kinds text materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
+uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
 uses_deck_traps = text mesh cards card_schema deck_reader
 uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
 
@@ -157,15 +158,15 @@ uses_model_check = kinds text containers errors loads topology steps model eleme
 
 # nonlinear
 uses_active_set_history = kinds state
-uses_active_set_cycling = kinds surfaces surface_projection node_overrides state contact_pairs active_set_history
+uses_active_set_cycling = kinds controls surfaces surface_projection node_overrides state contact_pairs active_set_history
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
 uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
-uses_contact_subproblem = kinds errors steps model state equilibrium newton_step active_set_history active_set_cycling line_search
-uses_convergence = kinds steps
+uses_contact_subproblem = kinds errors controls steps model state equilibrium newton_step active_set_history active_set_cycling line_search
+uses_convergence = kinds controls
 uses_failure_words = text failure
-uses_proximal_step = kinds errors mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
-uses_globalization = kinds errors steps model state equilibrium newton_step contact_subproblem convergence proximal_step
-uses_newton = kinds errors iteration_records mesh steps model state equilibrium newton_step active_set_history active_set_cycling tunnelling_check line_search convergence globalization
+uses_proximal_step = kinds errors controls mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
+uses_globalization = kinds errors controls steps model state equilibrium newton_step contact_subproblem convergence proximal_step
+uses_newton = kinds errors iteration_records controls mesh steps model state equilibrium newton_step active_set_history active_set_cycling tunnelling_check line_search convergence globalization
 uses_failure_report = kinds failure iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
 uses_increment_control = kinds steps convergence
 

@@ -246,7 +246,7 @@ contains
         call begin_trial(analysis, dt, error)
         analysis%newton%can_be_cut_back = can_cut_back(analysis%stepper, step, dt)
         if (analysis%newton%can_be_cut_back .and. analysis%stepper%attempt &
-          == 1) call delay_snap_through(analysis%newton%globalization)
+          == 1) call delay_snap_through(analysis%newton%globalization, step%controls%globalization)
         do
           call iterate_trial(analysis, logger, verdict, error)
           if (allocated(error)) return
@@ -511,7 +511,8 @@ contains
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepper%dt = max(step%dt_min, &
         analysis%smallest_pnewdt * dt)
-      if (is_always_unsupported(analysis%records(:analysis%n_records))) outcome = OUTCOME_GIVE_UP
+      if (is_always_unsupported(analysis%records(:analysis%n_records), step%controls%increments%max_unsupported_attempts)) &
+        outcome = OUTCOME_GIVE_UP
       record%report_lines = describe_failure(analysis%model, analysis%system, analysis%state, analysis%newton, record%failure)
       if (outcome /= OUTCOME_CUT_BACK) record%report_lines = [summarize_attempts(analysis%records(:analysis%n_records)), &
         record%report_lines]
@@ -522,7 +523,8 @@ contains
         call logger%show_report(trim(location) // ' ' // record%reason, record%report_lines)
         call set_error(error, EXIT_NOT_CONVERGED, trim(location) // ' ' // record%reason // trim(merge( &
           ' A smaller increment does not hold it.', ' No smaller increment is allowed.     ', &
-          is_always_unsupported(analysis%records(:analysis%n_records)))) // ' All converged increments are on disk.')
+          is_always_unsupported(analysis%records(:analysis%n_records), &
+          step%controls%increments%max_unsupported_attempts))) // ' All converged increments are on disk.')
       end if
     end associate
     call restore_state(analysis%state)

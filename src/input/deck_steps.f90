@@ -16,7 +16,8 @@ module amontons_deck_steps
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, is_card, nodes_of_field, elements_of_field
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_steps, only: step_type, controls_type, calculix_controls, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
+  use amontons_controls, only: controls_type, calculix_controls
+  use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
     LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural

@@ -1,12 +1,13 @@
-!> Load steps: times, controls with their defaults, loads, and output requests.
+!> Load steps: times, loads, and output requests.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_steps
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type
+  use amontons_controls, only: controls_type
   use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
-  public :: step_type, controls_type, print_request_type, frd_request_type, calculix_controls, is_output_due, next_time_point
+  public :: step_type, print_request_type, frd_request_type, is_output_due, next_time_point, TOL_TIME
   public :: LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
   public :: TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
@@ -30,32 +31,7 @@ module amontons_steps
   integer, parameter :: N_FRD = 13, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
     FRD_THSTRAIN = 6, FRD_FORC = 7, FRD_PE = 8, FRD_ENER = 9, FRD_CONTACT = 10, FRD_CELS = 11, FRD_SDV = 12, FRD_ERROR = 13
 
-  !> Controls in CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
-  type :: controls_type
-    ! TIME INCREMENTATION, line 1
-    integer :: i_0 = 8                     !< iteration after which the residuals must fall in two consecutive iterations
-    integer :: i_r = 12                    !< iteration after which a logarithmic estimate decides to cut back
-    integer :: i_p = 9                     !< iteration after which the weaker residual tolerance r_p is used
-    integer :: i_c = 24                    !< most iterations of an increment
-    integer :: i_l = 12                    !< more iterations than this: the next increment is smaller (d_b)
-    integer :: i_g = 6                     !< at most this many iterations twice running: the next increment is larger (d_d)
-    integer :: i_a = 8                     !< most cut-backs of an increment
-    ! TIME INCREMENTATION, line 2
-    real(DP) :: d_f = 0.25_DP              !< cut-back factor: divergence
-    real(DP) :: d_c = 0.5_DP               !< cut-back factor: too slow
-    real(DP) :: d_b = 0.75_DP              !< factor after slow convergence (i_l)
-    real(DP) :: d_d = 1.5_DP               !< factor after fast convergence (i_g)
-    ! FIELD
-    real(DP) :: r_n = 1.0e-6_DP            !< residual over the largest force [-]
-    real(DP) :: c_n = 1.0e-6_DP            !< correction over the largest increment of displacement [-]
-    real(DP) :: r_p = 1.0e-6_DP            !< residual tolerance after i_p iterations [-]
-    real(DP) :: r_l = 1.0e-8_DP            !< residual tolerance below which the correction is not checked [-]
-    ! LINE SEARCH
-    real(DP) :: s_max = 1.01_DP            !< largest step length of the line search [-]
-    real(DP) :: s_min = 0.25_DP            !< smallest step length of the line search [-]
-    ! Specific to Amontons: admissible penetration of a closed node over the edge length of its master facet
-    real(DP) :: gap_tolerance = 1.0e-9_DP  !< [-]
-  end type controls_type
+  real(DP), parameter :: TOL_TIME = 1.0e-6_DP     !< times within this fraction of the period are the same [-]
 
   !> One PRINT card.
   type :: print_request_type
@@ -124,22 +100,6 @@ module amontons_steps
 
 contains
 
-  !> The defaults of CalculiX, for the calculix dialect.
-  pure function calculix_controls() result(controls)
-    type(controls_type) :: controls
-    controls%i_0 = 4
-    controls%i_r = 8
-    controls%i_p = 9
-    controls%i_c = 16
-    controls%i_l = 10
-    controls%i_g = 4
-    controls%i_a = 5
-    controls%r_n = 0.0005_DP                     ! CalculiX: 0.005 of the mean force, which is far below the largest
-    controls%c_n = 0.01_DP
-    controls%r_p = 0.02_DP
-  end function calculix_controls
-
-
   !> Whether an increment is written: every n-th of the step or those of TIME POINTS, and the step's last.
   pure function is_output_due(step, frequency, increment, step_time, times) result(is_due)
     type(step_type), intent(in) :: step
@@ -150,7 +110,7 @@ contains
     logical :: is_due
     is_due = .false.
     if (present(times)) then
-      is_due = any(abs(times - step_time) <= 1.0e-6_DP * step%period)
+      is_due = any(abs(times - step_time) <= TOL_TIME * step%period)
     else if (frequency > 0) then
       is_due = mod(increment, frequency) == 0
     else
@@ -165,7 +125,7 @@ contains
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: step_time      !< where the last increment ended [time]
     real(DP) :: passed
-    passed = step_time + 1.0e-6_DP * step%period
+    passed = step_time + TOL_TIME * step%period
     stop_time = step%period
     if (allocated(step%print_times)) stop_time = min(stop_time, minval(step%print_times, mask=step%print_times > passed))
     if (allocated(step%file_times)) stop_time = min(stop_time, minval(step%file_times, mask=step%file_times > passed))

@@ -11,6 +11,7 @@
 !!   traction decides. No node is frozen twice in an increment.
 module amontons_active_set_cycling
   use amontons_kinds, only: DP
+  use amontons_controls, only: cycling_controls_type
   use amontons_surfaces, only: is_compliant
   use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
     NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY
@@ -23,14 +24,6 @@ module amontons_active_set_cycling
   private
   public :: break_cycle, release_frozen_nodes, extend_master_edges, facet_track_type
 
-  real(DP), parameter :: CYCLE_STAGNATION_RATIO = 0.5_DP         !< least ratio of merits over one cycle that counts as
-                                                                 !! stagnation [-]
-  integer, parameter :: MAX_MASTER_LOSSES = 3                  !< times that a node leaves its master until the edge is extended
-  integer, parameter :: MAX_EDGE_RETURNS = 2                  !< returns over an edge with a jump of the normal until the edge is
-                                                              !! extended
-  real(DP), parameter :: MIN_DEPTH_IN_FACET = 0.1_DP        !< distance from the edge at which a node counts as well within the
-                                                            !! facet, over its length [-]
-
   !> Facets of a node during a contact subproblem.
   type :: facet_track_type
     integer :: facet = -1                          !< last facet; 0: off its master; -1: not known yet
@@ -41,9 +34,10 @@ module amontons_active_set_cycling
 contains
 
   !> Finds a cycle and treats its nodes. Out: statuses and facets for the next evaluation of contact.
-  subroutine break_cycle(contact, active_set_history, slaves, is_found, is_changed)
+  subroutine break_cycle(contact, active_set_history, controls, slaves, is_found, is_changed)
     type(contact_type), intent(in) :: contact
     type(active_set_history_type), intent(in) :: active_set_history
+    type(cycling_controls_type), intent(in) :: controls
     type(slave_state_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_found               !< there is a cycle
     logical, intent(out) :: is_changed               !< a node was treated
@@ -53,7 +47,7 @@ contains
     is_found = .false.
     length = find_cycle(active_set_history)
     if (length == 0 .or. length >= HISTORY_DEPTH) return
-    if (.not. active_set_history%merit(1) > CYCLE_STAGNATION_RATIO * active_set_history%merit(1 + length)) return
+    if (.not. active_set_history%merit(1) > controls%stagnation_ratio * active_set_history%merit(1 + length)) return
     is_found = .true.
     nodes = cycling_slaves(active_set_history, length)
     best = find_least_merit(active_set_history, length)
@@ -79,8 +73,9 @@ contains
 
   !> Cycling within a contact subproblem: extends the edge for nodes that left their master, or crossed an edge, repeatedly.
   !! New ones are marked in `start`.
-  pure subroutine extend_master_edges(contact, start, trial_slaves, facet_tracks, is_extended)
+  pure subroutine extend_master_edges(contact, controls, start, trial_slaves, facet_tracks, is_extended)
     type(contact_type), intent(in) :: contact
+    type(cycling_controls_type), intent(in) :: controls
     type(slave_state_type), intent(inout) :: start(:)    !< (n_slaves) at the start of the direction
     type(slave_state_type), intent(in) :: trial_slaves(:)         !< (n_slaves) predicted
     type(facet_track_type), intent(inout) :: facet_tracks(:)     !< (n_slaves)
@@ -92,7 +87,7 @@ contains
       if (start(s)%overrides%edge /= NODE_OVERRIDE_NONE .or. .not. has_master_edges(contact, trial_slaves(s))) cycle
       is_faceted = contact%facets(trial_slaves(s)%pair)%is_faceted
       call update_facet_track(trial_slaves(s)%facet, is_faceted, facet_tracks(s))
-      if (facet_tracks(s)%n_returns < merge(MAX_EDGE_RETURNS, MAX_MASTER_LOSSES, is_faceted)) cycle
+      if (facet_tracks(s)%n_returns < merge(controls%max_edge_returns, controls%max_master_losses, is_faceted)) cycle
       if (trial_slaves(s)%facet > 0 .and. .not. is_faceted) cycle
       start(s)%overrides%edge = NODE_OVERRIDE_EXTENDED
       is_extended = .true.
@@ -152,9 +147,10 @@ contains
 
 
   !> After convergence: releases frozen nodes, nodes without friction, and nodes marked as off the master that are well within it.
-  subroutine release_frozen_nodes(contact, x, slaves, is_released)
+  subroutine release_frozen_nodes(contact, x, controls, slaves, is_released)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates now [length]
+    type(cycling_controls_type), intent(in) :: controls
     type(slave_state_type), intent(inout) :: slaves(:)
     logical, intent(out) :: is_released
     type(projection_type) :: projection
@@ -170,7 +166,8 @@ contains
           SEARCH_RADIUS_RATIO * contact%edge(p), projection, &
           contact%slave_normal(:, s))
         if (projection%status /= PROJECTION_INSIDE .or. projection%gap + slaves(s)%offset >= 0.0_DP) cycle
-        if (maxval(find_edge_excess(contact%facets(p)%kind(projection%facet), projection%xi)) > -MIN_DEPTH_IN_FACET) cycle
+        if (maxval(find_edge_excess(contact%facets(p)%kind(projection%facet), projection%xi)) > &
+          -controls%min_depth_in_facet) cycle
       end associate
       slaves(s)%overrides%edge = NODE_OVERRIDE_NONE
       is_released = .true.

@@ -12,6 +12,7 @@ module amontons_contact_subproblem
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
+  use amontons_controls, only: subproblem_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type
   use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, HISTORY_DEPTH
@@ -23,22 +24,6 @@ module amontons_contact_subproblem
   implicit none
   private
   public :: solve_contact_subproblem
-
-  integer, parameter :: MAX_SUBPROBLEM_ITERATIONS = 30           !< corrections of one direction
-  integer, parameter :: MAX_CORRECTION_HALVINGS = 4          !< halvings of a correction
-  real(DP), parameter :: TOL_MERIT_RATIO = 1.0e-2_DP       !< admissible merit at u + du over that at u [-]
-  real(DP), parameter :: STAGNATION_MERIT_RATIO = 0.99_DP       !< merit over that of the previous cycle at which a cycle counts as
-                                                                !! stagnation [-]
-  real(DP), parameter :: NEWTON_TOLERANCE_SHARE = 1.0e-2_DP    !< admissible merit over the residual tolerance of Newton [-]
-  real(DP), parameter :: SKIN_SETTLED = 1.0e-6_DP  !< the forcing term with the skin and a linear bulk [-]
-  real(DP), parameter :: TOL_MERIT_ROUNDING = 1.0e-10_DP     !< admissible merit over the largest merit of the iterations: rounding
-                                                             !! level [-]
-
-  integer, parameter :: MAX_ITERATIONS_PER_SUBSTEP = 12       !< corrections of one substep
-  integer, parameter :: FAST_SUBSTEP_ITERATIONS = 6         !< with at most so many corrections the next substep is twice as long
-  integer, parameter :: MAX_ITERATIONS_ALL_SUBSTEPS = 60      !< corrections of all substeps
-  real(DP), parameter :: INITIAL_SUBSTEP_LENGTH = 1.0_DP / 8.0_DP   !< of the whole direction [-]
-  real(DP), parameter :: MIN_SUBSTEP_LENGTH = 1.0_DP / 64.0_DP  !< of the whole direction [-]
 
   !> The end of a direction.
   type :: subproblem_result_type
@@ -114,9 +99,9 @@ contains
     allocate (correction, mold=du)
     call evaluate_linearized(system, model, start, du, state)
     do
-      call extend_master_edges(system%contact, start%slaves, state%new%slaves, facet_tracks, is_extended)
-      if (is_extended .and. best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS) then   ! restart with slaves fixed to their
-        ! extended edges
+      call extend_master_edges(system%contact, step%controls%cycling, start%slaves, state%new%slaves, facet_tracks, is_extended)
+      if (is_extended .and. best%n_subproblem_iterations < step%controls%subproblem%max_iterations) then
+        ! Restart with slaves fixed to their extended edges.
         du = initial_du
         best%merit = huge(1.0_DP)                  ! the next iterate is the best one
         state%new%slaves = start%slaves
@@ -127,15 +112,15 @@ contains
       call record_active_set(active_set_history, state%new%slaves, system%merit)
       largest_merit = max(largest_merit, system%merit)
       if (has_subproblem_converged(system, step, start, largest_merit)) exit
-      is_cycle_found = is_cycling(active_set_history)
-      if (best%n_subproblem_iterations == MAX_SUBPROBLEM_ITERATIONS .or. is_cycle_found) exit
+      is_cycle_found = is_cycling(step%controls%subproblem, active_set_history)
+      if (best%n_subproblem_iterations == step%controls%subproblem%max_iterations .or. is_cycle_found) exit
       best%n_subproblem_iterations = best%n_subproblem_iterations + 1
       call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error)
       if (allocated(error)) return
       if (best%outcome /= OUTCOME_OK .or. all(correction == 0.0_DP)) exit   ! GMRES finds no correction
-      call apply_damped_correction(system, model, start, correction, state, du)
+      call apply_damped_correction(system, model, step, start, correction, state, du)
     end do
-    best%is_subproblem_solved = best%n_subproblem_iterations < MAX_SUBPROBLEM_ITERATIONS .and. .not. is_cycle_found &
+    best%is_subproblem_solved = best%n_subproblem_iterations < step%controls%subproblem%max_iterations .and. .not. is_cycle_found &
       .and. best%outcome == OUTCOME_OK
   end subroutine solve_whole_step
 
@@ -155,29 +140,31 @@ contains
     type(configuration_type) :: from                       ! u with the forces at t
     real(DP) :: t, substep_length
     integer :: n_rounds
-    from = start
-    allocate (accepted%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
-    accepted%slaves = start%slaves
-    t = 0.0_DP
-    n_rounds = 0
-    substep_length = INITIAL_SUBSTEP_LENGTH
-    do while (t < 1.0_DP .and. substep_length >= MIN_SUBSTEP_LENGTH .and. n_rounds < MAX_ITERATIONS_ALL_SUBSTEPS)
-      candidate = accepted
-      from%applied_force = start%applied_force - (1.0_DP - t - substep_length) * start%residual
-      call solve_substep(system, model, step, from, substep_length / (1.0_DP - t), state, candidate, error)
-      if (allocated(error)) return
-      n_rounds = n_rounds + candidate%n_subproblem_iterations
-      if (candidate%is_subproblem_solved) then
-        accepted = candidate
-        t = t + substep_length                            ! sums of powers of two: exact
-        substep_length = min(1.0_DP - t, merge(2.0_DP, 1.0_DP, candidate%n_subproblem_iterations <= FAST_SUBSTEP_ITERATIONS) &
-          * substep_length)
-      else
-        substep_length = 0.5_DP * substep_length
-      end if
-    end do
-    accepted%n_subproblem_iterations = n_rounds
-    accepted%is_subproblem_solved = t >= 1.0_DP
+    associate (limits => step%controls%subproblem)
+      from = start
+      allocate (accepted%du(size(start%u, 1), size(start%u, 2)), source=0.0_DP)
+      accepted%slaves = start%slaves
+      t = 0.0_DP
+      n_rounds = 0
+      substep_length = limits%initial_substep
+      do while (t < 1.0_DP .and. substep_length >= limits%min_substep .and. n_rounds < limits%max_iterations_all_substeps)
+        candidate = accepted
+        from%applied_force = start%applied_force - (1.0_DP - t - substep_length) * start%residual
+        call solve_substep(system, model, step, from, substep_length / (1.0_DP - t), state, candidate, error)
+        if (allocated(error)) return
+        n_rounds = n_rounds + candidate%n_subproblem_iterations
+        if (candidate%is_subproblem_solved) then
+          accepted = candidate
+          t = t + substep_length                            ! sums of powers of two: exact
+          if (candidate%n_subproblem_iterations <= limits%fast_substep_iterations) substep_length = 2.0_DP * substep_length
+          substep_length = min(1.0_DP - t, substep_length)
+        else
+          substep_length = 0.5_DP * substep_length
+        end if
+      end do
+      accepted%n_subproblem_iterations = n_rounds
+      accepted%is_subproblem_solved = t >= 1.0_DP
+    end associate
   end subroutine solve_by_substeps
 
 
@@ -201,7 +188,7 @@ contains
     allocate (correction, mold=candidate%du)
     state%new%slaves = candidate%slaves
     call evaluate_linearized(system, model, start, candidate%du, state)
-    do n = 1, MAX_ITERATIONS_PER_SUBSTEP
+    do n = 1, step%controls%subproblem%max_iterations_per_substep
       candidate%n_subproblem_iterations = n
       call solve_correction(system, model, step, state, merge(offset_fraction, 0.0_DP, n == 1), correction, candidate%outcome, &
         error)
@@ -210,12 +197,12 @@ contains
         candidate%du = candidate%du + correction
         call evaluate_linearized(system, model, start, candidate%du, state)
       else
-        call apply_damped_correction(system, model, start, correction, state, candidate%du)
+        call apply_damped_correction(system, model, step, start, correction, state, candidate%du)
       end if
       largest_merit = max(largest_merit, system%merit)
       call record_active_set(active_set_history, state%new%slaves, system%merit)
       candidate%is_subproblem_solved = has_subproblem_converged(system, step, start, largest_merit) .or. all(correction == 0.0_DP)
-      if (candidate%is_subproblem_solved .or. is_cycling(active_set_history)) exit
+      if (candidate%is_subproblem_solved .or. is_cycling(step%controls%subproblem, active_set_history)) exit
     end do
     candidate%slaves = state%new%slaves
   end subroutine solve_substep
@@ -228,26 +215,27 @@ contains
     type(configuration_type), intent(in) :: start          !< u
     real(DP), intent(in) :: largest_merit                !< merit of the iterations [force]
     real(DP) :: settled, negligible_force          ! [-], [force]
-    settled = merge(system%forcing_term, TOL_MERIT_RATIO, system%is_skin)
-    negligible_force = NEWTON_TOLERANCE_SHARE * step%controls%r_n * system%largest_force
+    settled = merge(system%forcing_term, step%controls%subproblem%tolerance, system%is_skin)
+    negligible_force = step%controls%subproblem%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin .and. system%is_constant) then   ! no further Newton iteration is needed
-      settled = SKIN_SETTLED
+      settled = step%controls%subproblem%linear_bulk_tolerance
       negligible_force = skin_goal(system, step)
     end if
     has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(settled * start%merit, &
-      TOL_MERIT_ROUNDING * largest_merit, &
+      step%controls%subproblem%rounding * largest_merit, &
       negligible_force, system%force_rounding * sqrt(real(size(start%u), DP)))
   end function has_subproblem_converged
 
 
   !> Active-set cycling: two passes through the same cycle of statuses without a smaller merit.
-  pure logical function is_cycling(active_set_history)
+  pure logical function is_cycling(controls, active_set_history)
+    type(subproblem_controls_type), intent(in) :: controls
     type(active_set_history_type), intent(in) :: active_set_history
     integer :: k
     k = find_cycle(active_set_history)
     is_cycling = k > 0 .and. 2 * k < min(active_set_history%n, HISTORY_DEPTH)
     if (is_cycling) is_cycling = active_set_history%hash(1 + 2 * k) == active_set_history%hash(1) .and. &
-      active_set_history%merit(1) >= STAGNATION_MERIT_RATIO * active_set_history%merit(1 + 2 * k)
+      active_set_history%merit(1) >= controls%stagnation_ratio * active_set_history%merit(1 + 2 * k)
   end function is_cycling
 
 
@@ -267,9 +255,10 @@ contains
   !> Applies the longest of the tried lengths of a correction at which the merit does not grow, else the one with the least merit;
   !! of
   !! equal ones the longest.
-  subroutine apply_damped_correction(system, model, start, correction, state, du)
+  subroutine apply_damped_correction(system, model, step, start, correction, state, du)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
     type(configuration_type), intent(in) :: start
     real(DP), intent(in) :: correction(:, :)
     type(state_type), intent(inout) :: state
@@ -282,7 +271,7 @@ contains
     least_merit = huge(1.0_DP)
     best_length = 1.0_DP
     length = 1.0_DP
-    do halving = 0, MAX_CORRECTION_HALVINGS
+    do halving = 0, step%controls%subproblem%max_halvings
       length = 0.5_DP**halving
       state%new%slaves = slaves
       call evaluate_linearized(system, model, start, du + length * correction, state)

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_convergence
   use amontons_kinds, only: DP
-  use amontons_steps, only: controls_type
+  use amontons_controls, only: controls_type, newton_controls_type
   implicit none
   private
   public :: convergence_measures_type, assess_convergence, assess_early
@@ -12,12 +12,6 @@ module amontons_convergence
   integer, parameter :: VERDICT_CONVERGED = 1
   integer, parameter :: VERDICT_DIVERGES = 2       !< the residual grows in two consecutive iterations
   integer, parameter :: VERDICT_TOO_SLOW = 3       !< no convergence expected within i_c iterations
-
-  integer, parameter :: EARLY_CHECK_ITERATION = 4                  !< first iteration of the early check
-  real(DP), parameter :: MIN_LOST_RESIDUAL = 0.1_DP             !< least residual of a hopeless attempt, over the largest force [-]
-  real(DP), parameter :: SUFFICIENT_DECREASE = 0.25_DP         !< ratio of residuals over two iterations that counts as
-                                                               !! convergence [-]
-  real(DP), parameter :: DIVERGED_RESIDUAL = 0.5_DP          !< over the largest force: a much shorter increment is needed [-]
 
   !> Measures of an iterate for the verdict.
   type :: convergence_measures_type
@@ -81,15 +75,17 @@ contains
   end function estimate_error
 
 
-  !> Early end of an attempt with contact that can be cut back (empirical): after EARLY_CHECK_ITERATION iterations the residual is
-  !! still more than MIN_LOST_RESIDUAL of the largest force and decreases slowly. Four in five of such attempts failed, after eleven
+  !> Early end of an attempt with contact that can be cut back (empirical): after a few iterations the residual is
+  !! still large and decreases slowly. Four in five of such attempts failed, after eleven
   !! iterations on average.
-  pure subroutine assess_early(measures, verdict)
+  pure subroutine assess_early(controls, measures, verdict)
+    type(newton_controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
-    integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES above DIVERGED_RESIDUAL, else VERDICT_TOO_SLOW
-    if (measures%iteration < EARLY_CHECK_ITERATION .or. measures%residual(0) < MIN_LOST_RESIDUAL .or. &
-      measures%residual(0) < SUFFICIENT_DECREASE * measures%residual(2)) return
-    verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, measures%residual(0) > DIVERGED_RESIDUAL)
+    integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES above diverged_residual, else VERDICT_TOO_SLOW
+    if (measures%iteration < controls%early_check_iteration .or. &
+      measures%residual(0) < controls%min_lost_residual .or. &
+      measures%residual(0) < controls%sufficient_decrease * measures%residual(2)) return
+    verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, measures%residual(0) > controls%diverged_residual)
   end subroutine assess_early
 
 

@@ -39,8 +39,6 @@ module amontons_failure_report
   public :: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
 
   integer, parameter :: N_WORST_NODES = 10               !< nodes listed
-  integer, parameter :: MIN_UNSUPPORTED_ATTEMPTS = 4                 !< consecutive attempts, each shorter, with a free body:
-                                                                     !! no further attempt is made
 
 contains
 
@@ -280,15 +278,16 @@ contains
   end function summarize_attempts
 
 
-  !> Whether the last MIN_UNSUPPORTED_ATTEMPTS attempts at an increment, each shorter, all failed by a free body.
-  pure logical function is_always_unsupported(records) result(is_free)
+  !> Whether the last n_attempts attempts at an increment, each shorter, all failed by a free body.
+  pure logical function is_always_unsupported(records, n_attempts) result(is_free)
     type(increment_record_type), intent(in) :: records(:)   !< the last one is of the last attempt
+    integer, intent(in) :: n_attempts              !< max_unsupported_attempts of the controls
     integer :: i, n
     n = size(records)
-    is_free = n >= MIN_UNSUPPORTED_ATTEMPTS
-    if (is_free) is_free = records(n)%attempt >= MIN_UNSUPPORTED_ATTEMPTS
+    is_free = n >= n_attempts
+    if (is_free) is_free = records(n)%attempt >= n_attempts
     if (.not. is_free) return
-    do i = n - MIN_UNSUPPORTED_ATTEMPTS + 1, n
+    do i = n - n_attempts + 1, n
       is_free = is_free .and. family_of(records(i)%failure) == FAMILY_FREE_BODY
     end do
   end function is_always_unsupported

@@ -7,6 +7,7 @@ module amontons_globalization
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
+  use amontons_controls, only: globalization_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type
   use amontons_convergence, only: convergence_measures_type
@@ -23,10 +24,7 @@ module amontons_globalization
   integer, parameter :: STEP_KIND_PROXIMAL = 1           !< direction of K + s diag K: a body is not supported yet
   integer, parameter :: STEP_KIND_SNAP_THROUGH = 2            !< the same, from one equilibrium to the next past a limit point
 
-  integer, parameter :: UNSOLVED_LIMIT_NONE = 0, UNSOLVED_LIMIT_DELAYED = 2, UNSOLVED_LIMIT_INFINITE = huge(1)   !< unsolved_limit
-
-  real(DP), parameter :: DRIFT_SHIFT_FACTOR = 36.0_DP       !< on the snap-through shift of drifting bodies: SNAP_SHIFT_RATIO then
-                                                            !! divides it by 6, so the shift becomes 6 times the last one [-]
+  integer, parameter :: UNSOLVED_LIMIT_NONE = 0, UNSOLVED_LIMIT_INFINITE = huge(1)   !< unsolved_limit
 
   !> Memory of the steps of an attempt.
   type :: globalization_type
@@ -49,9 +47,10 @@ module amontons_globalization
 contains
 
   !> Delays snap-through steps until several subproblems remained unsolved: the increment can be cut back instead.
-  pure subroutine delay_snap_through(strategy)
+  pure subroutine delay_snap_through(strategy, controls)
     type(globalization_type), intent(inout) :: strategy
-    strategy%unsolved_limit = UNSOLVED_LIMIT_DELAYED
+    type(globalization_controls_type), intent(in) :: controls
+    strategy%unsolved_limit = controls%max_unsolved
   end subroutine delay_snap_through
 
 
@@ -78,8 +77,8 @@ contains
     outcome = OUTCOME_OK
     allocate (trial_step%du, mold=state%new%u)
     is_drifting = is_body_drifting(strategy, step, measures, state)
-    if (is_drifting) strategy%snap_shift = strategy%snap_shift * DRIFT_SHIFT_FACTOR
-    is_newton_skipped = is_drifting .or. (strategy%is_rejected .and. strategy%unsolved_limit <= UNSOLVED_LIMIT_DELAYED)
+    if (is_drifting) strategy%snap_shift = strategy%snap_shift * step%controls%globalization%drift_shift_factor
+    is_newton_skipped = is_drifting .or. (strategy%is_rejected .and. strategy%unsolved_limit < UNSOLVED_LIMIT_INFINITE)
     strategy%is_rejected = .false.
     if (is_newton_skipped) then
       strategy%n_unsolved = max(strategy%n_unsolved, strategy%unsolved_limit) + 1
@@ -145,8 +144,9 @@ contains
     integer :: oldest
     oldest = merge(0, 2, strategy%n_snap_through > 0)
     is_body_drifting = step%line_search == LINE_SEARCH_AUTO .and. size(state%new%slaves) > 0 &
-      .and. strategy%unsolved_limit <= UNSOLVED_LIMIT_DELAYED .and. &
-      measures%iteration > 3 .and. all(measures%residual(0:oldest) <= step%controls%r_n)
+      .and. strategy%unsolved_limit < UNSOLVED_LIMIT_INFINITE &
+      .and. measures%iteration >= step%controls%globalization%min_drift_iterations .and. &
+      all(measures%residual(0:oldest) <= step%controls%r_n)
   end function is_body_drifting
 
 

@@ -4,7 +4,7 @@
 !! Rules and names of the controls: CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
 module amontons_increment_control
   use amontons_kinds, only: DP
-  use amontons_steps, only: step_type, next_time_point
+  use amontons_steps, only: step_type, next_time_point, TOL_TIME
   use amontons_convergence, only: VERDICT_DIVERGES
   implicit none
   private
@@ -15,10 +15,6 @@ module amontons_increment_control
   integer, parameter :: OUTCOME_STEP_DONE = 1              !< the end of the step is reached
   integer, parameter :: OUTCOME_CUT_BACK = 2               !< after a failed attempt: try again with the smaller increment
   integer, parameter :: OUTCOME_GIVE_UP = 3                !< no smaller increment is allowed
-
-  integer, parameter :: MAX_QUICK_ITERATIONS = 4                    !< iterations that count as few although statuses changed
-  real(DP), parameter :: TOL_STOP_TIME = 1.0e-6_DP          !< an increment that ends this near to the end of the step ends there
-                                                            !! [-]
 
   !> Effort of a converged attempt.
   type :: attempt_effort_type
@@ -63,7 +59,7 @@ contains
     real(DP) :: time_left
     time_left = next_time_point(step, stepper%step_time) - stepper%step_time
     dt = stepper%dt
-    if (dt >= time_left - TOL_STOP_TIME * step%period) dt = time_left
+    if (dt >= time_left - TOL_TIME * step%period) dt = time_left
   end function propose_increment
 
 
@@ -76,7 +72,7 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_STEP_DONE or OUTCOME_CONTINUE
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
-    if (abs(step%period - stepper%step_time) <= TOL_STOP_TIME * step%period) stepper%step_time = step%period
+    if (abs(step%period - stepper%step_time) <= TOL_TIME * step%period) stepper%step_time = step%period
     if (.not. step%is_direct) call adapt_increment(stepper, step, effort)
     stepper%attempt = 1
     outcome = OUTCOME_STEP_DONE
@@ -88,19 +84,20 @@ contains
 
   !> Adapts the length of the next increment. It grows after two consecutive fast increments and shrinks after a slow one. It does
   !! not grow after active-set cycles. In a step with a failed attempt it does not grow either where statuses changed after the
-  !! first iteration and convergence took more than MAX_QUICK_ITERATIONS iterations.
+  !! first iteration and convergence took more than max_quick_iterations iterations.
   pure subroutine adapt_increment(stepper, step, effort)
     type(stepper_type), intent(inout) :: stepper
     type(step_type), intent(in) :: step
     type(attempt_effort_type), intent(in) :: effort
     logical :: is_fast, is_contact_predicted
-    is_contact_predicted = effort%n_status_changes == 0 .or. effort%n_iterations <= MAX_QUICK_ITERATIONS
+    is_contact_predicted = effort%n_status_changes == 0 .or. &
+      effort%n_iterations <= step%controls%increments%max_quick_iterations
     is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles_treated == 0 .and. (is_contact_predicted &
       .or. .not. stepper%has_failed)
     stepper%n_fast_increments = merge(stepper%n_fast_increments + 1, 0, is_fast)
     if (effort%n_iterations > step%controls%i_l) then
       stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
-    else if (stepper%n_fast_increments >= 2) then
+    else if (stepper%n_fast_increments >= step%controls%increments%min_fast_increments) then
       stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
     end if
   end subroutine adapt_increment
@@ -127,7 +124,7 @@ contains
     stepper%has_failed = .true.
     stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
     if (stepper%dt < step%dt_min) then
-      if (dt <= step%dt_min * (1.0_DP + TOL_STOP_TIME)) return
+      if (dt <= step%dt_min * (1.0_DP + TOL_TIME)) return
       stepper%dt = step%dt_min
     end if
     stepper%n_fast_increments = 0

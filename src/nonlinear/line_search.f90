@@ -27,16 +27,8 @@ module amontons_line_search
   private
   public :: line_search_report_type, perform_line_search, MERIT_DECREASE_RATIO
 
-  integer, parameter :: MAX_LENGTH_HALVINGS = 4
   real(DP), parameter :: TOL_PRESCRIBED = 1.0e-13_DP      !< remaining prescribed displacement over the largest displacement that
                                                           !! counts as zero [-]
-  real(DP), parameter :: MAX_SLIDING = 1.2_DP      !< sliding distance of a slave node in one iteration over the facet size while
-                                                   !! supports move, at most [-]
-  real(DP), parameter :: NATURAL_MONOTONICITY_RATIO = 0.75_DP          !< largest next correction over this one at which the merit
-                                                                       !! may grow [-]
-  real(DP), parameter :: REJECTED_MERIT_GROWTH = 10.0_DP         !< AUTO rejects the step if even the best length increases the
-                                                                 !! merit by more than this factor [-]
-  real(DP), parameter :: MIN_REJECTED_RESIDUAL = 1.0e-2_DP       !< and to more than this fraction of the largest force [-]
   real(DP), parameter :: MERIT_DECREASE_RATIO = 1.0_DP - 1.0e-9_DP   !< merits whose ratio is not below this are equal up to
                                                                      !! rounding [-]
   real(DP), parameter :: MAX_MERIT_GROWTH = 1.0_DP / MERIT_DECREASE_RATIO   !< AUTO accepts the full step if the merit grows by no
@@ -107,7 +99,7 @@ contains
     subroutine try_length(alpha)
       real(DP), intent(in) :: alpha
       real(DP) :: full_merit
-      if (abs(alpha - 1.0_DP) < 1.0e-3_DP .or. .not. start%is_merit_comparable) return
+      if (abs(alpha - 1.0_DP) < step%controls%line_search%min_length_change .or. .not. start%is_merit_comparable) return
       full_merit = system%merit
       call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, outcome)
       if (outcome == OUTCOME_OK .and. system%merit <= full_merit) then
@@ -130,7 +122,7 @@ contains
 
 
   !> The full step, or the longest half, quarter, ... that leaves no element inverted. While supports move, no slave node
-  !! slides by more than MAX_SLIDING facets, since its gap and weights are linearised at u, unless the contact subproblem is solved.
+  !! slides by more than max_sliding facets, since its gap and weights are linearised at u, unless the contact subproblem is solved.
   subroutine try_full_step(system, model, step, du, start, state, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -140,12 +132,13 @@ contains
     type(state_type), intent(inout) :: state
     type(line_search_report_type), intent(inout) :: report
     integer, intent(out) :: outcome
-    real(DP) :: max_length
+    real(DP) :: max_length, max_sliding             ! [-], facets [-]
     integer :: halving
     max_length = 1.0_DP
+    max_sliding = step%controls%line_search%max_sliding
     if (.not. start%is_merit_comparable .and. .not. system%is_subproblem_solved) &
-      max_length = MAX_SLIDING / max(MAX_SLIDING, largest_sliding(system%contact, model, start%slaves, du))
-    do halving = 0, MAX_LENGTH_HALVINGS
+      max_length = max_sliding / max(max_sliding, largest_sliding(system%contact, model, start%slaves, du))
+    do halving = 0, step%controls%line_search%max_halvings
       report%step_length = max_length * 0.5_DP**halving
       call evaluate_trial(system, model, step, start, start%u + report%step_length * du, report%step_length == 1.0_DP, state, &
         outcome)
@@ -283,14 +276,15 @@ contains
     if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! no contact
     if (.not. start%is_merit_comparable .or. system%merit <= MAX_MERIT_GROWTH * start%merit) return
     if (system%is_subproblem_solved) then
-      if (next_correction_length(system) <= NATURAL_MONOTONICITY_RATIO * direction_norm(system, du)) return
+      if (next_correction_length(system) <= &
+        step%controls%line_search%natural_monotonicity_ratio * direction_norm(system, du)) return
     end if
     best_length = report%step_length
     best_merit = system%merit
     here = best_length
     alpha = min(0.5_DP * best_length, find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, &
       controls_of(system, step)))
-    do halving = 1, MAX_LENGTH_HALVINGS
+    do halving = 1, step%controls%line_search%max_halvings
       if (alpha < step%controls%s_min) exit
       call evaluate_trial(system, model, step, start, start%u + alpha * du, .false., state, outcome)
       here = alpha
@@ -301,8 +295,9 @@ contains
       if (best_merit <= MAX_MERIT_GROWTH * start%merit .or. alpha <= step%controls%s_min) exit
       alpha = max(0.5_DP * alpha, step%controls%s_min)
     end do
-    report%is_rejected = system%is_schur_active .and. best_merit > REJECTED_MERIT_GROWTH * start%merit .and. &
-      best_merit > max(MIN_REJECTED_RESIDUAL, step%controls%r_n) * system%largest_force
+    report%is_rejected = system%is_schur_active .and. &
+      best_merit > step%controls%line_search%rejected_merit_growth * start%merit .and. &
+      best_merit > max(step%controls%line_search%min_rejected_residual, step%controls%r_n) * system%largest_force
     if (report%is_rejected) best_length = 0.0_DP
     if (best_length /= here) call evaluate_trial(system, model, step, start, start%u + best_length * du, best_length == 1.0_DP, &
       state, outcome)

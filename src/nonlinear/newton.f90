@@ -7,6 +7,7 @@ module amontons_newton
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
+  use amontons_controls, only: controls_type, newton_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_iteration_records, only: iteration_record_type
   use amontons_state, only: state_type, STATUS_OPEN
@@ -24,19 +25,6 @@ module amontons_newton
   implicit none
   private
   public :: newton_type, begin_newton, iterate
-
-  real(DP), parameter :: MAX_DISPLACEMENT_RATIO = 100.0_DP         !< largest displacement of an increment over the size of the
-                                                                   !! model; beyond it a body counts as unsupported [-]
-
-  real(DP), parameter :: MAX_PROXIMAL_RATIO = 2.0_DP       !< the same limit where the last step was a proximal or snap-through
-                                                           !! step [-]
-
-  real(DP), parameter :: MAX_FORCING_TERM = 1.0e-2_DP      !< forcing term of the first direction [-]
-  real(DP), parameter :: MIN_FORCING_TERM = 1.0e-6_DP      !< least forcing term [-]
-  real(DP), parameter :: MIN_FORCE_SCALE_RATIO = 1.0e-3_DP   !< least force scale of the residual, over force_scale [-]
-  real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP      !< rounding level of a residual, over the attempt's largest force [-]
-  real(DP), parameter :: MAX_PREDICTED_SLIDING = 0.6_DP        !< facets: a slave node that slides farther may gain or lose
-                                                               !! contact [-]
 
   !> State of Newton's method within an increment.
   type :: newton_type
@@ -59,7 +47,7 @@ contains
 
   !> Starts an increment with the loads at its end. Predictor: extrapolate with the velocity of the previous increment; where
   !! elements fail there, start from the committed displacement. Slave nodes keep their status unless they slide farther than
-  !! MAX_PREDICTED_SLIDING.
+  !! newton%max_predicted_sliding of the controls.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
     type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else is reset
     type(equilibrium_type), intent(inout) :: system
@@ -79,7 +67,8 @@ contains
       dt = state%new%total_time - state%old%total_time
       sliding = largest_sliding(system%contact, model, state%old%slaves, dt * state%old%v)
       state%new%u = state%old%u + dt * state%old%v
-      call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=sliding < MAX_PREDICTED_SLIDING)
+      call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen= &
+        sliding < step%controls%newton%max_predicted_sliding)
     end if
     is_extrapolated = newton%outcome == OUTCOME_OK
     if (.not. is_extrapolated) then
@@ -92,7 +81,7 @@ contains
     ! Forces of stiff parts are arbitrary at an extrapolated start, contact forces of a stiff law at any.
     if (.not. is_extrapolated) newton%force_scale = max(newton%force_scale, system%bulk_force)
     call record_residual(newton, system, [system%largest_residual, maxval(max_components(system, system%residual_at_gap, -1))], &
-      step%controls%r_n)                           ! K may not be assembled yet
+      step%controls)                           ! K may not be assembled yet
   end subroutine begin_newton
 
 
@@ -109,7 +98,7 @@ contains
     integer :: n_krylov, n_rounds
     verdict = VERDICT_DIVERGES
     if (newton%outcome /= OUTCOME_OK) return
-    system%forcing_term = forcing_term(newton%measures)
+    system%forcing_term = forcing_term(step%controls%newton, newton%measures)
     n_krylov = system%n_krylov
     n_rounds = system%n_subproblem_iterations
     call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
@@ -124,11 +113,12 @@ contains
 
   !> Admissible merit of the contact subproblem over that at its start: the square of the last decrease of the residual, so that
   !! Newton's quadratic convergence is kept. Source: S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17 (1996) 16-32, choice 2.
-  pure real(DP) function forcing_term(measures)
+  pure real(DP) function forcing_term(controls, measures)
+    type(newton_controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
-    forcing_term = MAX_FORCING_TERM
+    forcing_term = controls%max_forcing_term
     if (measures%residual(0) < measures%residual(1)) forcing_term = &
-      min(MAX_FORCING_TERM, max(MIN_FORCING_TERM, (measures%residual(0) / measures%residual(1))**2))
+      min(controls%max_forcing_term, max(controls%min_forcing_term, (measures%residual(0) / measures%residual(1))**2))
   end function forcing_term
 
 
@@ -151,9 +141,9 @@ contains
     if (newton%globalization%step_kind /= STEP_KIND_NEWTON) call end_proximal_step(newton, system, model, state, u, residual)
     if (newton%outcome /= OUTCOME_OK) return
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
-    call check_displacements(newton, system, model, state)
+    call check_displacements(newton, system, model, step%controls%newton, state)
     if (newton%outcome /= OUTCOME_OK) return
-    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls%r_n)
+    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
     call record_step(newton, system, state, report)
   end subroutine apply_trial_step
 
@@ -175,11 +165,11 @@ contains
       verdict = VERDICT_CONTINUE                      ! the residual grows during snap-through
     if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. is_contact_active .and. newton%globalization%step_kind &
       == STEP_KIND_NEWTON) &
-      call assess_early(newton%measures, verdict)
+      call assess_early(step%controls%newton, newton%measures, verdict)
     if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! imposed stick beyond friction: iterate again
       verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < step%controls%i_c)
     if (step%line_search == LINE_SEARCH_AUTO) call treat_cycles(newton, system, model, step, state, verdict)
-    if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, state, verdict)
+    if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, step%controls%newton, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine assess_iterate
 
@@ -195,16 +185,18 @@ contains
     logical :: is_found, is_changed
     if (size(state%new%slaves) == 0) return
     if (verdict == VERDICT_CONVERGED) then
-      call release_frozen_nodes(system%contact, model%mesh%coordinates + state%new%u, state%new%slaves, is_changed)
+      call release_frozen_nodes(system%contact, model%mesh%coordinates + state%new%u, step%controls%cycling, state%new%slaves, &
+        is_changed)
     else
-      call break_cycle(system%contact, newton%active_set_history, state%new%slaves, is_found, is_changed)
+      call break_cycle(system%contact, newton%active_set_history, step%controls%cycling, state%new%slaves, is_found, &
+        is_changed)
       if (is_changed) newton%n_cycles_treated = newton%n_cycles_treated + 1
       if (is_changed .and. newton%measures%iteration < step%controls%i_c) verdict = VERDICT_CONTINUE
       if (is_found .and. .not. is_changed .and. newton%can_be_cut_back .and. verdict == VERDICT_CONTINUE) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return
     call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.false.)
-    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls%r_n)
+    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
     if (newton%outcome /= OUTCOME_OK) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. (system%contact%n_changed > 0 .or. &
@@ -230,15 +222,16 @@ contains
 
 
   !> Tunnelling check: rejects a converged iterate if a slave node passed through its master within the increment.
-  subroutine check_tunnelling(newton, system, model, state, verdict)
+  subroutine check_tunnelling(newton, system, model, controls, state, verdict)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
+    type(newton_controls_type), intent(in) :: controls
     type(state_type), intent(in) :: state
     integer, intent(inout) :: verdict
     integer :: s
     s = find_tunnelled_slave(system%contact, model%mesh%coordinates + state%old%u, model%mesh%coordinates + state%new%u, &
-      state%old%slaves, state%new%slaves)
+      state%old%slaves, state%new%slaves, controls%min_crossing_steepness)
     if (s == 0) return
     newton%outcome = OUTCOME_TUNNELLING
     newton%tunnelled_node = state%new%slaves(s)%node
@@ -247,17 +240,19 @@ contains
 
 
   !> Displacements of many times the size of the model in one increment mean an unsupported body.
-  subroutine check_displacements(newton, system, model, state)
+  subroutine check_displacements(newton, system, model, controls, state)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
+    type(newton_controls_type), intent(in) :: controls
     type(state_type), intent(in) :: state
     real(DP) :: displacement_limit, displacement(size(state%new%u, 2))  ! [length]
     logical :: is_proximal
     displacement = max_components(system, state%new%u - state%old%u, 1)
     is_proximal = newton%globalization%step_kind /= STEP_KIND_NEWTON
     if (is_proximal) newton%farthest_node = maxloc(displacement, dim=1)
-    displacement_limit = merge(MAX_PROXIMAL_RATIO, MAX_DISPLACEMENT_RATIO, is_proximal) * mesh_extent(model%mesh)
+    displacement_limit = merge(controls%max_proximal_ratio, controls%max_displacement_ratio, is_proximal) &
+      * mesh_extent(model%mesh)
     if (maxval(displacement) <= displacement_limit) return
     newton%outcome = OUTCOME_UNSUPPORTED
     newton%farthest_node = maxloc(displacement, dim=1)
@@ -266,15 +261,15 @@ contains
 
   !> Shifts in the residual over the largest force. Residuals at rounding level are treated as zero: bodies that only touch, or
   !! move without any force, have no larger force to compare with.
-  subroutine record_residual(newton, system, residual, tolerance)
+  subroutine record_residual(newton, system, residual, controls)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: residual(2)            !< largest of R, and of R with compliant laws at the actual gap [force]
-    real(DP), intent(in) :: tolerance              !< of the residual [-]
+    type(controls_type), intent(in) :: controls
     real(DP) :: scale
     newton%largest_attempt_force = max(newton%largest_attempt_force, system%largest_force)
-    scale = max(system%largest_force, MIN_FORCE_SCALE_RATIO * newton%force_scale, &
-      TOL_FORCE_ROUNDING / tolerance * newton%largest_attempt_force, tiny(1.0_DP))
+    scale = max(system%largest_force, controls%newton%min_force_scale_ratio * newton%force_scale, &
+      controls%newton%force_rounding / controls%r_n * newton%largest_attempt_force, tiny(1.0_DP))
     newton%measures%residual = [max(residual(1) - system%force_rounding, 0.0_DP) / scale, newton%measures%residual(0:1)]
     newton%measures%residual_at_gap = max(residual(2) - system%force_rounding, 0.0_DP) / scale
     newton%measures%gap = max(system%contact%max_gap_error, system%mpc_violation)

@@ -13,6 +13,7 @@ module amontons_proximal_step
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
+  use amontons_controls, only: globalization_controls_type
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
@@ -24,15 +25,6 @@ module amontons_proximal_step
   implicit none
   private
   public :: is_motion_unrestrained, find_proximal_step, find_snap_through_step
-
-  real(DP), parameter :: MIN_PROXIMAL_SHIFT = 1.0e-9_DP         !< least s, tried first [-]
-  real(DP), parameter :: MAX_PROXIMAL_SHIFT = 1.0_DP             !< largest s [-]
-  real(DP), parameter :: MAX_APPROACH_RATIO = 10.0_DP          !< largest step over the distance to first contact [-]
-  real(DP), parameter :: MAX_STEP_EDGES = 2.5_DP         !< largest step in edges of the master [-]
-  real(DP), parameter :: MAX_LENGTH_EXCESS = 2.0_DP           !< factor by which a direction may exceed its limit [-]
-  integer, parameter :: MAX_SHIFT_TRIALS = 6
-  real(DP), parameter :: INITIAL_SNAP_SHIFT = 1.0e-3_DP    !< first s of snap-through [-]
-  real(DP), parameter :: SNAP_SHIFT_RATIO = 6.0_DP       !< ratio of consecutive trial values of s [-]
 
 contains
 
@@ -66,31 +58,33 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: excess, insufficient_shift
     integer :: attempt
-    shift = max(MIN_PROXIMAL_SHIFT, shift)
-    insufficient_shift = 0.0_DP
-    do attempt = 1, MAX_SHIFT_TRIALS
-      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! the subproblem moved contact
-      if (outcome /= OUTCOME_OK) return
-      call set_proximal_shift(system, model, state%new, shift)
-      call solve_newton_step(system, model, step, state, du, outcome, error)
-      if (allocated(error)) return
-      if (outcome == OUTCOME_LINEAR_SOLVER .and. shift < MAX_PROXIMAL_SHIFT) then
-        shift = min(MAX_PROXIMAL_SHIFT, 1.0e3_DP * shift)
-        cycle
-      end if
-      if (outcome /= OUTCOME_OK) return
-      excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, state, du)
-      if (excess <= MAX_LENGTH_EXCESS .or. attempt == MAX_SHIFT_TRIALS) then
-        call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
+    associate (limits => step%controls%globalization)
+      shift = max(limits%min_proximal_shift, shift)
+      insufficient_shift = 0.0_DP
+      do attempt = 1, limits%max_shift_trials
+        call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! the subproblem moved contact
+        if (outcome /= OUTCOME_OK) return
+        call set_proximal_shift(system, model, state%new, shift)
+        call solve_newton_step(system, model, step, state, du, outcome, error)
         if (allocated(error)) return
-        excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, state, du)
-      end if
-      if (excess <= MAX_LENGTH_EXCESS .or. shift >= MAX_PROXIMAL_SHIFT) exit
-      insufficient_shift = shift
-      shift = min(MAX_PROXIMAL_SHIFT, shift * excess)
-    end do
-    shift = max(shift * min(1.0_DP, excess), sqrt(shift * insufficient_shift))
-    if (.not. allocated(predicted_slaves)) predicted_slaves = state%new%slaves
+        if (outcome == OUTCOME_LINEAR_SOLVER .and. shift < limits%max_proximal_shift) then
+          shift = min(limits%max_proximal_shift, limits%singular_shift_factor * shift)
+          cycle
+        end if
+        if (outcome /= OUTCOME_OK) return
+        excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, limits, state, du)
+        if (excess <= limits%max_length_excess .or. attempt == limits%max_shift_trials) then
+          call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
+          if (allocated(error)) return
+          excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, limits, state, du)
+        end if
+        if (excess <= limits%max_length_excess .or. shift >= limits%max_proximal_shift) exit
+        insufficient_shift = shift
+        shift = min(limits%max_proximal_shift, shift * excess)
+      end do
+      shift = max(shift * min(1.0_DP, excess), sqrt(shift * insufficient_shift))
+      if (.not. allocated(predicted_slaves)) predicted_slaves = state%new%slaves
+    end associate
   end subroutine find_proximal_step
 
 
@@ -106,32 +100,35 @@ contains
     type(slave_state_type), allocatable, intent(out) :: predicted_slaves(:)   !< (n_slaves) predicted contact state at its end
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
-    shift = merge(max(MIN_PROXIMAL_SHIFT, shift / SNAP_SHIFT_RATIO), INITIAL_SNAP_SHIFT, shift > 0.0_DP)
-    do
-      call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)
-      if (outcome /= OUTCOME_OK) return
-      call set_proximal_shift(system, model, state%new, shift)
-      call solve_newton_step(system, model, step, state, du, outcome, error)
-      if (allocated(error) .or. outcome /= OUTCOME_OK) return
-      call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
-      if (allocated(error)) return
-      if (system%is_subproblem_solved .or. shift >= MAX_PROXIMAL_SHIFT) exit
-      shift = min(MAX_PROXIMAL_SHIFT, SNAP_SHIFT_RATIO * shift)
-    end do
+    associate (limits => step%controls%globalization)
+      shift = merge(max(limits%min_proximal_shift, shift / limits%snap_shift_ratio), limits%initial_snap_shift, shift > 0.0_DP)
+      do
+        call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)
+        if (outcome /= OUTCOME_OK) return
+        call set_proximal_shift(system, model, state%new, shift)
+        call solve_newton_step(system, model, step, state, du, outcome, error)
+        if (allocated(error) .or. outcome /= OUTCOME_OK) return
+        call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
+        if (allocated(error)) return
+        if (system%is_subproblem_solved .or. shift >= limits%max_proximal_shift) exit
+        shift = min(limits%max_proximal_shift, limits%snap_shift_ratio * shift)
+      end do
+    end associate
   end subroutine find_snap_through_step
 
 
-  !> Limit of the step length: MAX_APPROACH_RATIO times the distance to first contact, at most MAX_STEP_EDGES edges, so that slave
+  !> Limit of the step length: some times the distance to first contact, at most so many edges that slave
   !! nodes stay within the search radius [length].
-  real(DP) function allowed_step_length(system, model, state, du) result(allowed_length)
+  real(DP) function allowed_step_length(system, model, limits, state, du) result(allowed_length)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
+    type(globalization_controls_type), intent(in) :: limits
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     type(contact_row_type) :: row
     real(DP) :: approach, contact_fraction
     integer :: s
-    allowed_length = MAX_STEP_EDGES * minval(system%contact%edge)
+    allowed_length = limits%max_step_edges * minval(system%contact%edge)
     contact_fraction = huge(1.0_DP)
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
@@ -139,12 +136,12 @@ contains
         call current_row(system%contact, slave, row)
         approach = -dot_product(slave%normal, evaluate_relative_position(row, du))
         if (approach > 0.0_DP) contact_fraction = min(contact_fraction, max(slave%gap, &
-          1.0e-3_DP * system%contact%edge(slave%pair)) / approach)
+          limits%min_approach_gap * system%contact%edge(slave%pair)) / approach)
       end associate
     end do
-    allowed_length = min(allowed_length, merge(MAX_APPROACH_RATIO, 1.0_DP, &
+    allowed_length = min(allowed_length, merge(limits%max_approach_ratio, 1.0_DP, &
       system%is_schur_active) * contact_fraction * maxval(nodal_norms(system, du, 1)))
-    allowed_length = max(allowed_length, 1.0e-6_DP * mesh_extent(model%mesh))
+    allowed_length = max(allowed_length, limits%min_step_extent * mesh_extent(model%mesh))
   end function allowed_step_length
 
 end module amontons_proximal_step

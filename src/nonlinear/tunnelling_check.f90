@@ -16,8 +16,6 @@ module amontons_tunnelling_check
   private
   public :: largest_sliding, find_tunnelled_slave
 
-  real(DP), parameter :: MIN_CROSSING_STEEPNESS = 0.25_DP           !< normal part of a path over its length; a flatter path that
-                                                                    !! ends beyond the border slid over the border [-]
   real(DP), parameter :: MIN_FRONT_DISTANCE = 1.0e-3_DP      !< least distance of a point in front of a facet, over its edge [-]
 
 contains
@@ -69,12 +67,13 @@ contains
   !! - The node had a projection and has none now, and lies behind its old projection point by more than the search depth. (A
   !!   path over the master's edge counts too: only its ends are known.)
   !! - The node is open, with no projection, or on the opposite side of the master, or without projection before, and its straight
-  !!   path crosses a facet from the front. Sliding over the master's edge is excluded by MIN_CROSSING_STEEPNESS.
-  integer function find_tunnelled_slave(contact, x_old, x_new, old, new) result(tunnelled)
+  !!   path crosses a facet from the front. Sliding over the master's edge is excluded by the least steepness.
+  integer function find_tunnelled_slave(contact, x_old, x_new, old, new, min_steepness) result(tunnelled)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
     type(slave_state_type), intent(in) :: old(:)         !< (n_slaves) at the start of the increment
     type(slave_state_type), intent(in) :: new(:)         !< (n_slaves) at its end
+    real(DP), intent(in) :: min_steepness          !< min_crossing_steepness of the controls [-]
     type(contact_row_type) :: row
     type(facet_search_type) :: search(size(contact%facets))
     integer :: s
@@ -92,7 +91,7 @@ contains
         if (allocated(facets%profile)) cycle       ! an analytic profile has no meshed facets to cross
         if (.not. allocated(near%first)) call build_facet_search(facets, x_new, &
           crossing_reach(facets, pack(new%node, new%pair == new(s)%pair), x_old, x_new), near)
-        if (has_crossed_master(facets, near, x_old, x_new, new(s)%node)) return
+        if (has_crossed_master(facets, near, x_old, x_new, new(s)%node, min_steepness)) return
       end associate
     end do
     tunnelled = 0
@@ -141,11 +140,12 @@ contains
 
 
   !> Whether the straight path of a point crosses a facet from front to back; the facet moves with its centre.
-  logical function has_crossed_master(facets, search, x_old, x_new, node)
+  logical function has_crossed_master(facets, search, x_old, x_new, node, min_steepness)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search        !< at x_new, with the margin `crossing_reach`
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) coordinates [length]
     integer, intent(in) :: node                    !< the point
+    real(DP), intent(in) :: min_steepness          !< of a path that counts wherever it ends [-]
     integer, allocatable :: list(:)
     integer :: i, n
     real(DP) :: steepness
@@ -154,7 +154,7 @@ contains
     do i = 1, n
       steepness = crossing_steepness(facets, list(i), x_old, x_new, node)
       if (steepness <= 0.0_DP) cycle
-      if (steepness < MIN_CROSSING_STEEPNESS .and. .not. projects_on_facets(facets, list(:n), x_new, node)) cycle
+      if (steepness < min_steepness .and. .not. projects_on_facets(facets, list(:n), x_new, node)) cycle
       has_crossed_master = .true.
       return
     end do

@@ -1,14 +1,14 @@
-!> Unit test of amontons_steps: when output is due, where increments have to end, and the controls of CalculiX.
+!> Unit test of amontons_steps: when output is due, where increments have to end, and defaults.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_steps
   use amontons_kinds, only: DP
-  use amontons_steps, only: step_type, controls_type, calculix_controls, is_output_due, next_time_point, N_FRD, FRD_ERROR
+  use amontons_steps, only: step_type, is_output_due, next_time_point, N_FRD, FRD_ERROR
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   call check_output()
   call check_times()
-  call check_controls()
+  call check_defaults()
   call suite%finish()
 
 contains
@@ -42,18 +42,11 @@ contains
   end subroutine check_times
 
 
-  !> Cut-back factors are below 1, growth factors above; the CalculiX tolerances are larger.
-  subroutine check_controls()
-    type(controls_type) :: own, other
+  !> Defaults of a step.
+  subroutine check_defaults()
     type(step_type) :: step
-    other = calculix_controls()
-    call suite%that('factors', own%d_f < own%d_c .and. own%d_c < own%d_b .and. own%d_b < 1 .and. own%d_d > 1)
-    call suite%that('iterations', own%i_0 < own%i_r .and. own%i_r < own%i_c .and. own%i_g < own%i_l)
-    call suite%that('looser', other%r_n > own%r_n .and. other%c_n > own%c_n .and. other%i_c < own%i_c)
-    call suite%that('the same cuts', other%d_f == own%d_f .and. other%d_d == own%d_d .and. other%s_min == own%s_min)
-    call suite%that('CalculiX: 0.5 % of the mean force, a correction of 1 %', other%r_n == 0.0005_DP .and. other%c_n == 0.01_DP)
     call suite%that('a step of length 1', step%period == 1 .and. step%dt_initial == 1 .and. step%max_increments == 100)
     call suite%that('fields of the .frd file', N_FRD == FRD_ERROR .and. .not. any(step%frd%is_wanted))
-  end subroutine check_controls
+  end subroutine check_defaults
 
 end program test_steps

@@ -6,6 +6,7 @@ program test_active_set_cycling
   use amontons_topology, only: KIND_C3D8
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
+  use amontons_controls, only: cycling_controls_type
   use amontons_steps, only: step_type
   use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
     NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY
@@ -59,14 +60,14 @@ contains
     do i = 1, 2
       call write_history([STATUS_SLIP, STATUS_STICK], [1, 1], merge([4.0_DP, 1.0_DP, 4.0_DP, 1.0_DP, 4.0_DP], &
         [1.0_DP, 4.0_DP, 1.0_DP, 4.0_DP, 1.0_DP], i == 1), history, slaves)
-      call break_cycle(system%contact, history, slaves, is_found, is_changed)
+      call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
       call suite%that('frozen: found and acted on', is_found .and. is_changed)
       call suite%that('frozen: one node alone', slaves(5)%overrides%status == NODE_OVERRIDE_FROZEN .and. &
         count(slaves%overrides%status == NODE_OVERRIDE_NONE) == size(slaves) - 1)
       call suite%that('frozen: in the status of the least merit', slaves(5)%status == merge(STATUS_SLIP, STATUS_STICK, i == 1))
       call suite%that('frozen: no edge is extended', all(slaves%overrides%edge == NODE_OVERRIDE_NONE))
       slaves(5)%overrides%status = NODE_OVERRIDE_RELEASED
-      call break_cycle(system%contact, history, slaves, is_found, is_changed)
+      call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
       call suite%that('frozen: not a second time', is_found .and. .not. is_changed .and. &
         slaves(5)%overrides%status == NODE_OVERRIDE_RELEASED)
     end do
@@ -80,13 +81,13 @@ contains
     type(slave_state_type), allocatable :: slaves(:)
     logical :: is_found, is_changed
     call write_history([STATUS_SLIP, STATUS_STICK], [1, 1], [16.0_DP, 8.0_DP, 4.0_DP, 2.0_DP], history, slaves)
-    call break_cycle(system%contact, history, slaves, is_found, is_changed)
+    call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('no cycle: the merit falls', .not. (is_found .or. is_changed))
     call write_history([STATUS_STICK, STATUS_STICK], [1, 1], [1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP], history, slaves)
-    call break_cycle(system%contact, history, slaves, is_found, is_changed)
+    call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('no cycle: nothing changes', .not. (is_found .or. is_changed))
     call write_history([STATUS_SLIP, STATUS_STICK], [1, 1], [1.0_DP, 1.0_DP], history, slaves)
-    call break_cycle(system%contact, history, slaves, is_found, is_changed)
+    call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('no cycle: too short', .not. (is_found .or. is_changed))
     call suite%that('no cycle: no override', all(slaves%overrides%status == NODE_OVERRIDE_NONE))
   end subroutine check_no_cycle
@@ -99,12 +100,12 @@ contains
     type(slave_state_type), allocatable :: slaves(:)
     logical :: is_found, is_changed
     call write_history([STATUS_OPEN, STATUS_SLIP], [0, 3], [1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP], history, slaves)
-    call break_cycle(system%contact, history, slaves, is_found, is_changed)
+    call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('edge: extended', is_found .and. is_changed .and. slaves(5)%overrides%edge == NODE_OVERRIDE_EXTENDED)
     call suite%that('edge: on its last facet', slaves(5)%facet == 3)
     call suite%that('edge: it alone, and not frozen', count(slaves%overrides%edge /= NODE_OVERRIDE_NONE) == 1 .and. &
       all(slaves%overrides%status == NODE_OVERRIDE_NONE))
-    call break_cycle(system%contact, history, slaves, is_found, is_changed)
+    call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('edge: there is no more to do', is_found .and. .not. is_changed)
   end subroutine check_edge
 
@@ -125,17 +126,17 @@ contains
     allocate (tracks(size(start)))
     do i = 1, 5
       trial(1:2)%facet = merge(1, 0, mod(i, 2) == 1)
-      call extend_master_edges(system%contact, start, trial, tracks, is_extended)
+      call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, is_extended)
       call suite%that('tracks: not yet', .not. is_extended .and. all(start%overrides%edge == NODE_OVERRIDE_NONE))
     end do
     call suite%that('tracks: twice off', all(tracks(1:2)%n_returns == 2) .and. all(tracks(3:)%n_returns == 0))
     trial(1:2)%facet = 0
-    call extend_master_edges(system%contact, start, trial, tracks, is_extended)
+    call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, is_extended)
     call suite%that('tracks: the third time', is_extended .and. start(1)%overrides%edge == NODE_OVERRIDE_EXTENDED)
     call suite%that('tracks: one that was open stays beside its master', start(2)%overrides%edge == NODE_OVERRIDE_OFF_MASTER .and. &
       start(2)%facet == 0)
     call suite%that('tracks: the others as they were', all(start(3:)%overrides%edge == NODE_OVERRIDE_NONE))
-    call extend_master_edges(system%contact, start, trial, tracks, is_extended)
+    call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, is_extended)
     call suite%that('tracks: each node once', .not. is_extended)
   end subroutine check_tracks
 
@@ -148,24 +149,24 @@ contains
     logical :: is_released
     x = model%mesh%coordinates
     slaves = state%new%slaves
-    call release_frozen_nodes(system%contact, x, slaves, is_released)
+    call release_frozen_nodes(system%contact, x, cycling_controls_type(), slaves, is_released)
     call suite%that('release: nothing to do', .not. is_released)
     slaves(3)%overrides%status = NODE_OVERRIDE_FROZEN
     slaves(4)%overrides%friction = NODE_OVERRIDE_FRICTIONLESS
-    call release_frozen_nodes(system%contact, x, slaves, is_released)
+    call release_frozen_nodes(system%contact, x, cycling_controls_type(), slaves, is_released)
     call suite%that('release: both', is_released .and. slaves(3)%overrides%status == NODE_OVERRIDE_RELEASED .and. &
       slaves(4)%overrides%friction == NODE_OVERRIDE_RETRY)
     call suite%that('release: no other', count(slaves%overrides%status /= NODE_OVERRIDE_NONE) == 1)
     slaves = state%new%slaves
     slaves(6)%overrides%edge = NODE_OVERRIDE_OFF_MASTER
     x(3, slaves(6)%node) = 0.1_DP
-    call release_frozen_nodes(system%contact, x, slaves, is_released)
+    call release_frozen_nodes(system%contact, x, cycling_controls_type(), slaves, is_released)
     call suite%that('release: above its master it stays off', .not. is_released)
     x(:, slaves(6)%node) = [1.19_DP, 0.6_DP, -0.1_DP]
-    call release_frozen_nodes(system%contact, x, slaves, is_released)
+    call release_frozen_nodes(system%contact, x, cycling_controls_type(), slaves, is_released)
     call suite%that('release: at the edge it stays off', .not. is_released)
     x(:, slaves(6)%node) = [0.6_DP, 0.6_DP, -0.1_DP]
-    call release_frozen_nodes(system%contact, x, slaves, is_released)
+    call release_frozen_nodes(system%contact, x, cycling_controls_type(), slaves, is_released)
     call suite%that('release: well inside it comes back', is_released .and. slaves(6)%overrides%edge == NODE_OVERRIDE_NONE)
   end subroutine check_release
 

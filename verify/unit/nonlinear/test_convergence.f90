@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_convergence
   use amontons_kinds, only: DP
-  use amontons_steps, only: controls_type
+  use amontons_controls, only: controls_type, newton_controls_type
   use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, VERDICT_CONTINUE, &
     VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
   use check, only: suite_type
@@ -187,7 +187,7 @@ contains
     measures%iteration = iteration
     measures%residual = residual
     verdict = VERDICT_CONTINUE
-    call assess_early(measures, verdict)
+    call assess_early(newton_controls_type(), measures, verdict)
   end function early
 
 end program test_convergence

@@ -139,14 +139,14 @@ contains
       records(i)%failure = sample(k)
       call suite%that('a free body', family_of(records(i)%failure) == FAMILY_FREE_BODY)
     end do
-    call suite%that('four times: it is free for good', is_always_unsupported(records))
-    call suite%that('three attempts are too few', .not. is_always_unsupported(records(:3)))
+    call suite%that('four times: it is free for good', is_always_unsupported(records, 4))
+    call suite%that('three attempts are too few', .not. is_always_unsupported(records(:3), 4))
     records(3)%failure = sample(FAILURE_LIMIT_POINT)
     records(3)%reason = 'FREE BODY: these words say nothing either'
     call suite%that('a limit point is none', family_of(records(3)%failure) == FAMILY_LIMIT_POINT)
-    call suite%that('once not: it may be held', .not. is_always_unsupported(records))
+    call suite%that('once not: it may be held', .not. is_always_unsupported(records, 4))
     records(3)%failure%code = FAILURE_NONE
-    call suite%that('once no failure: it may be held', .not. is_always_unsupported(records))
+    call suite%that('once no failure: it may be held', .not. is_always_unsupported(records, 4))
   end subroutine check_giving_up
 
 end program test_failure_words

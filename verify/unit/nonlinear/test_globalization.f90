@@ -6,6 +6,7 @@ program test_globalization
   use amontons_topology, only: KIND_C3D8
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
+  use amontons_controls, only: globalization_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, LINE_SEARCH_NONE
   use amontons_loads, only: concentrated_type
   use amontons_state, only: state_type
@@ -115,7 +116,7 @@ contains
     strategy%is_rejected = .true.
     call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
     call suite%that('rejected: twice is', is_repeatedly_unsolved(strategy) .and. strategy%n_snap_through == 2)
-    call delay_snap_through(delayed)
+    call delay_snap_through(delayed, globalization_controls_type())
     delayed%is_rejected = .true.
     call choose_step(delayed, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
     call suite%that('rejected: it counts beyond the delay', delayed%step_kind == STEP_KIND_SNAP_THROUGH)

@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_increment_control
   use amontons_kinds, only: DP
-  use amontons_steps, only: step_type, controls_type
+  use amontons_controls, only: controls_type
+  use amontons_steps, only: step_type
   use amontons_convergence, only: convergence_measures_type, assess_convergence, VERDICT_CONTINUE, VERDICT_CONVERGED, &
     VERDICT_DIVERGES, VERDICT_TOO_SLOW
   use amontons_increment_control, only: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, &

@@ -10,9 +10,12 @@ program test_tunnelling_check
   use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
   use amontons_state, only: slave_state_type
   use amontons_contact_pairs, only: contact_type
+  use amontons_controls, only: newton_controls_type
   use amontons_tunnelling_check, only: find_tunnelled_slave
   use check, only: suite_type
   implicit none
+  type(newton_controls_type), parameter :: CONTROLS = newton_controls_type()
+  real(DP), parameter :: MIN_STEEPNESS = CONTROLS%min_crossing_steepness
   type(suite_type) :: suite
   integer :: kind
   do kind = FACET_TRI3, FACET_QUAD8
@@ -77,7 +80,8 @@ contains
       if (from(3) - to(3) < 0.25_DP * norm2(to - from)) is_through = is_through .and. all(to(:2) > 0.0_DP .and. to(:2) < EXTENT)
       x_old(:, n) = from
       x_new(:, n) = to + motion
-      if ((find_tunnelled_slave(contact, x_old, x_new, [slave], [slave]) > 0) .neqv. is_through) n_wrong = n_wrong + 1
+      if ((find_tunnelled_slave(contact, x_old, x_new, [slave], [slave], MIN_STEEPNESS) > 0) .neqv. is_through) &
+        n_wrong = n_wrong + 1
       if (is_through) n_through = n_through + 1
     end do
     call suite%that('some ways go through', n_through > 200)
@@ -107,9 +111,9 @@ contains
       place = 0.5_DP + [7.5_DP, 6.0_DP] * modulo([0.754878_DP, 0.569840_DP] * real(i, DP), 1.0_DP)
       x_old(:, n) = [place, 2.0_DP]
       x_new(:, n) = [place, -4.0_DP]
-      if (find_tunnelled_slave(contact, x_old, x_new, [slave], [slave]) > 0) n_through = n_through + 1
+      if (find_tunnelled_slave(contact, x_old, x_new, [slave], [slave], MIN_STEEPNESS) > 0) n_through = n_through + 1
       x_new(:, n) = [place(2:1:-1), 1.0_DP]
-      if (find_tunnelled_slave(contact, x_old, x_new, [slave], [slave]) > 0) n_above = n_above + 1
+      if (find_tunnelled_slave(contact, x_old, x_new, [slave], [slave], MIN_STEEPNESS) > 0) n_above = n_above + 1
     end do
     call suite%that('all that go down are found', n_through == 500)
     call suite%that('none that stays above is', n_above == 0)
@@ -130,11 +134,11 @@ contains
     x_old = reshape([mesh%coordinates, (4.3_DP, 3.0_DP + real(i, DP), 1.0_DP, i=1, 4)], [3, n + 4])
     x_new = x_old
     x_new(3, n + 2:n + 3) = -1.0_DP
-    call suite%that('the first that passed', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 2)
+    call suite%that('the first that passed', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves, MIN_STEEPNESS) == 2)
     slaves(2)%overrides%side = NODE_OVERRIDE_GIVES_WAY
-    call suite%that('another side watches', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 3)
+    call suite%that('another side watches', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves, MIN_STEEPNESS) == 3)
     contact%is_removed(1) = .true.
-    call suite%that('a pair that is out', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves) == 0)
+    call suite%that('a pair that is out', find_tunnelled_slave(contact, x_old, x_new, slaves, slaves, MIN_STEEPNESS) == 0)
   end subroutine check_first
 
 end program test_tunnelling_check

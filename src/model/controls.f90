@@ -1,0 +1,154 @@
+!> Controls of the solution: the numbers that steer Newton's method, contact and increments, with meaning, unit, default and reason.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A step has one `controls_type`; procedures get it, or the part for their task, by argument. The card CONTROLS sets the fields of
+!! `controls_type` itself and no others. The source of a default stands after a `|`:
+!!
+!! - a module: its section of doc/theory; a number: the page of doc/developer/decisions. They give the derivation or the counts;
+!! - `set`: a choice without a study of its own; all cases of verify/ run with it, and no other value is known to be better.
+!!
+!! Tolerances of rounding and of geometry are not controls: they stand where they are used.
+module amontons_controls
+  use amontons_kinds, only: DP
+  implicit none
+  private
+  public :: controls_type, newton_controls_type, globalization_controls_type, subproblem_controls_type, &
+    line_search_controls_type, cycling_controls_type, increment_controls_type
+  public :: calculix_controls
+
+  !> Newton's method within an increment: predictor, scale of forces, limits of displacements, early end.
+  type :: newton_controls_type
+    real(DP) :: max_predicted_sliding = 0.6_DP   !< facets: a node that the predictor slides farther may change its status [-] | set
+    real(DP) :: max_displacement_ratio = 100.0_DP   !< largest displacement of an increment over the size of the model; beyond it
+                                           !! a body counts as unsupported [-] | set: no supported body moves so far
+    real(DP) :: max_proximal_ratio = 2.0_DP   !< the same where the last step was proximal or snap-through [-] | proximal_step
+    real(DP) :: min_force_scale_ratio = 1.0e-3_DP   !< least force scale over the largest force of the job [-] | convergence
+    real(DP) :: force_rounding = 1.0e-13_DP   !< rounding level of a residual over the largest force of the attempt [-] |
+                                           !! convergence
+    real(DP) :: max_forcing_term = 1.0e-2_DP   !< forcing term of the first direction [-] | 0021
+    real(DP) :: min_forcing_term = 1.0e-6_DP   !< least forcing term [-] | 0021
+    integer :: early_check_iteration = 4   !< first iteration that may end a hopeless attempt | 0022
+    real(DP) :: min_lost_residual = 0.1_DP   !< least residual of a hopeless attempt over the largest force [-] | 0022
+    real(DP) :: sufficient_decrease = 0.25_DP   !< ratio of residuals over two iterations that counts as convergence [-] | 0022
+    real(DP) :: diverged_residual = 0.5_DP   !< over the largest force: the cut-back is that of divergence [-] | 0022
+    real(DP) :: min_crossing_steepness = 0.25_DP   !< normal part of a path over its length; a flatter path that ends beyond the
+                                           !! border slid over the border [-] | tunnelling_check
+  end type newton_controls_type
+
+  !> Choice of the step: proximal steps of unsupported bodies, snap-through steps at limit points.
+  type :: globalization_controls_type
+    integer :: max_unsolved = 2            !< unsolved subproblems in succession before a snap-through step, where a cut-back is
+                                           !! possible; else 0 | 0017
+    integer :: min_drift_iterations = 4    !< first iteration that may find a drifting body | set
+    real(DP) :: drift_shift_factor = 36.0_DP   !< on the shift of drifting bodies: the next trial divides it by snap_shift_ratio,
+                                           !! so that it is 6 times the last one [-] | proximal_step
+    real(DP) :: initial_snap_shift = 1.0e-3_DP   !< first s of snap-through [-] | proximal_step
+    real(DP) :: snap_shift_ratio = 6.0_DP   !< ratio of consecutive trial values of s [-] | proximal_step, 0017
+    real(DP) :: min_proximal_shift = 1.0e-9_DP   !< least s, tried first [-] | set: far above rounding, far below any support
+    real(DP) :: max_proximal_shift = 1.0_DP   !< largest s [-] | proximal_step
+    real(DP) :: singular_shift_factor = 1.0e3_DP   !< on s where the factorization fails [-] | set: three trials to the largest
+    integer :: max_shift_trials = 6        !< trial values of s in one proximal step | set
+    real(DP) :: max_length_excess = 2.0_DP   !< factor by which a direction may exceed its limit before s grows [-] | set
+    real(DP) :: max_approach_ratio = 10.0_DP   !< largest step over the distance to first contact [-] | proximal_step
+    real(DP) :: max_step_edges = 2.5_DP    !< largest step in edges of the master: within the search radius of 3 [-] | proximal_step
+    real(DP) :: min_approach_gap = 1.0e-3_DP   !< least distance to first contact, over an edge of the master [-] | set
+    real(DP) :: min_step_extent = 1.0e-6_DP   !< least limit of a step over the size of the model [-] | set
+  end type globalization_controls_type
+
+  !> Contact subproblem: corrections of a direction, and substeps of the homotopy.
+  type :: subproblem_controls_type
+    integer :: max_iterations = 30         !< corrections of one direction | contact_subproblem
+    integer :: max_halvings = 4            !< halvings of a correction | contact_subproblem
+    real(DP) :: tolerance = 1.0e-2_DP      !< admissible merit at u + du over that at u [-] | contact_subproblem
+    real(DP) :: stagnation_ratio = 0.99_DP   !< merit over that of the previous cycle at which a cycle ends the iteration [-] |
+                                           !! contact_subproblem
+    real(DP) :: newton_tolerance_share = 1.0e-2_DP   !< admissible merit over Newton's residual tolerance [-] | contact_subproblem
+    real(DP) :: linear_bulk_tolerance = 1.0e-6_DP   !< the tolerance on the contact skin with a linear bulk [-] | 0021
+    real(DP) :: rounding = 1.0e-10_DP      !< admissible merit over the largest of the iterations [-] | contact_subproblem
+    integer :: max_iterations_per_substep = 12   !< corrections of one substep | 0017
+    integer :: fast_substep_iterations = 6   !< with at most so many corrections the next substep is twice as long | 0017
+    integer :: max_iterations_all_substeps = 60   !< corrections of all substeps | 0017
+    real(DP) :: initial_substep = 1.0_DP / 8.0_DP   !< first substep over the whole direction; a power of two [-] | 0017
+    real(DP) :: min_substep = 1.0_DP / 64.0_DP   !< least substep over the whole direction; a power of two [-] | 0017
+  end type subproblem_controls_type
+
+  !> Line search. Its bounds s_max and s_min are slots of CONTROLS.
+  type :: line_search_controls_type
+    integer :: max_halvings = 4            !< of a length that inverts elements, or increases the merit | line_search
+    real(DP) :: max_sliding = 1.2_DP       !< facets that a slave node slides at most in an iteration while supports move [-] | set
+    real(DP) :: min_length_change = 1.0e-3_DP   !< a length nearer to 1 is not tried [-] | set: it saves an evaluation
+    real(DP) :: natural_monotonicity_ratio = 0.75_DP   !< largest next correction over this one at which the merit may grow [-] |
+                                           !! line_search (Deuflhard 2004, section 3.3)
+    real(DP) :: rejected_merit_growth = 10.0_DP   !< no length is accepted if even the best one makes the merit so many times as
+                                           !! large [-] | line_search
+    real(DP) :: min_rejected_residual = 1.0e-2_DP   !< and larger than this fraction of the largest force [-] | line_search
+  end type line_search_controls_type
+
+  !> Active-set cycling.
+  type :: cycling_controls_type
+    real(DP) :: stagnation_ratio = 0.5_DP   !< least ratio of merits over a cycle that counts as stagnation [-] | active_set_history
+    integer :: max_master_losses = 3       !< times that a node leaves its master until the edge is extended | active_set_history
+    integer :: max_edge_returns = 2        !< returns over an edge with a jump of the normal until the edge is extended | set
+    real(DP) :: min_depth_in_facet = 0.1_DP   !< distance from the edge at which a node is well within the facet, over its length
+                                           !! [-] | active_set_history
+  end type cycling_controls_type
+
+  !> Increments and cut-backs beside the slots of CONTROLS.
+  type :: increment_controls_type
+    integer :: max_quick_iterations = 4    !< iterations that count as few although statuses changed | 0022
+    integer :: min_fast_increments = 2     !< fast increments in succession before the next one is longer | increment_control
+    integer :: max_unsupported_attempts = 4   !< attempts, each shorter, with a free body before the job ends | proximal_step
+  end type increment_controls_type
+
+  !> Controls of a step. The fields before the parts are CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
+  type :: controls_type
+    ! TIME INCREMENTATION, line 1
+    integer :: i_0 = 8                     !< iteration after which the residuals must fall in two consecutive iterations
+    integer :: i_r = 12                    !< iteration after which a logarithmic estimate decides to cut back
+    integer :: i_p = 9                     !< iteration after which the weaker residual tolerance r_p is used
+    integer :: i_c = 24                    !< most iterations of an increment
+    integer :: i_l = 12                    !< more iterations than this: the next increment is smaller (d_b)
+    integer :: i_g = 6                     !< at most this many iterations twice running: the next increment is larger (d_d)
+    integer :: i_a = 8                     !< most cut-backs of an increment
+    ! TIME INCREMENTATION, line 2
+    real(DP) :: d_f = 0.25_DP              !< cut-back factor: divergence
+    real(DP) :: d_c = 0.5_DP               !< cut-back factor: too slow
+    real(DP) :: d_b = 0.75_DP              !< factor after slow convergence (i_l)
+    real(DP) :: d_d = 1.5_DP               !< factor after fast convergence (i_g)
+    ! FIELD
+    real(DP) :: r_n = 1.0e-6_DP            !< residual over the largest force [-]
+    real(DP) :: c_n = 1.0e-6_DP            !< correction over the largest increment of displacement [-]
+    real(DP) :: r_p = 1.0e-6_DP            !< residual tolerance after i_p iterations [-]
+    real(DP) :: r_l = 1.0e-8_DP            !< residual tolerance below which the correction is not checked [-]
+    ! LINE SEARCH
+    real(DP) :: s_max = 1.01_DP            !< largest step length of the line search [-]
+    real(DP) :: s_min = 0.25_DP            !< smallest step length of the line search [-]
+    ! Specific to Amontons: admissible penetration of a closed node over the edge length of its master facet
+    real(DP) :: gap_tolerance = 1.0e-9_DP  !< [-]
+    ! Parts that no card sets
+    type(newton_controls_type) :: newton
+    type(globalization_controls_type) :: globalization
+    type(subproblem_controls_type) :: subproblem
+    type(line_search_controls_type) :: line_search
+    type(cycling_controls_type) :: cycling
+    type(increment_controls_type) :: increments
+  end type controls_type
+
+contains
+
+  !> The defaults of CalculiX, for the calculix dialect.
+  pure function calculix_controls() result(controls)
+    type(controls_type) :: controls
+    controls%i_0 = 4
+    controls%i_r = 8
+    controls%i_p = 9
+    controls%i_c = 16
+    controls%i_l = 10
+    controls%i_g = 4
+    controls%i_a = 5
+    controls%r_n = 0.0005_DP                     ! CalculiX: 0.005 of the mean force, which is far below the largest
+    controls%c_n = 0.01_DP
+    controls%r_p = 0.02_DP
+  end function calculix_controls
+
+end module amontons_controls
