@@ -51,6 +51,7 @@ uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces 
 uses_deck_faces = containers topology mesh deck_reader
 uses_deck_surfaces = kinds text containers loads user_routines topology mesh surfaces model cards card_schema deck_reader deck_analytic_surfaces deck_faces
 uses_deck_contact = kinds text mesh surfaces steps model cards card_schema deck_reader deck_surfaces
+uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mesh mpc_data model cards card_schema deck_reader
 uses_deck_couplings = kinds text tensor topology mesh mpc_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
 uses_deck_parts = kinds text tensor topology cards
@@ -65,7 +66,7 @@ uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads materials topology model cards card_schema deck_reader deck_surfaces load_propagation
 uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
 uses_deck_traps = text mesh cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
 
 # materials
 uses_logarithmic_strain = kinds tensor
@@ -91,6 +92,7 @@ uses_hex8_simd = kinds materials topology elasticity shape_functions
 uses_facets = kinds containers errors tensor analytic_profiles topology mesh shape_functions
 uses_analytic_master = kinds tensor analytic_profiles topology facets
 uses_contact_constraint_rows = kinds topology shape_functions facets analytic_master
+uses_exterior_surface = kinds containers tensor topology mesh facets
 uses_facet_search = kinds facets
 uses_surface_projection = kinds tensor topology shape_functions facets analytic_master facet_search
 uses_master_symmetry_planes = kinds steps model facets surface_projection
@@ -132,12 +134,13 @@ uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data 
 uses_slave_nodes = kinds surfaces local_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds facets node_overrides state
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows facet_search surface_projection tributary_areas slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
 uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
 uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_integration_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
+uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
 
 # equilibrium
 uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner mesh steps constraints
@@ -185,11 +188,11 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
-uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization user_routine_setup
+uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
 uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes equilibrium model_check active_set_history convergence failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
-uses_main = errors posix logger version model card_table deck analysis
+uses_main = errors posix logger version model card_table deck model_setup analysis

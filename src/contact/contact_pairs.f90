@@ -25,6 +25,7 @@ module amontons_contact_pairs
     MIN_PARALLEL_COSINE
   use amontons_facets, only: facets_type, build_facets
   use amontons_analytic_master, only: build_profile_facets
+  use amontons_exterior_surface, only: depths_below
   use amontons_facet_search, only: facet_search_type
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     merge_rows, rotate_with_normal, &
@@ -35,10 +36,13 @@ module amontons_contact_pairs
   public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
-    update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, SEARCH_RADIUS_RATIO
+    update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, &
+    SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
 
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
+  real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP        !< general contact: a node behind a facet by more than this share of the
+                                                         !! depth of its element does not see it [-]
 
   !> The contact pairs: facets, search, free directions, and the results of the last evaluation.
   type :: contact_type
@@ -117,6 +121,8 @@ contains
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
+      if (model%pairs(p)%is_general .and. .not. allocated(contact%facets(p)%profile)) contact%facets(p)%max_depth = &
+        MAX_DEPTH_SHARE * depths_below(model%mesh, contact%facets(p))
       if (model%pairs(p)%is_mortar) then
         associate (slave => model%surfaces(model%pairs(p)%slave))
           call create_mortar(model%mesh, slave%element, slave%face, slave%nodes, contact%mortar(p), error)

@@ -22,7 +22,7 @@ module amontons_facets
   use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, n_facet_corners, is_line_facet
+  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, n_facet_corners, is_line_facet, is_hidden_behind
   public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
@@ -44,6 +44,7 @@ module amontons_facets
     integer, allocatable :: neighbour(:, :)   !< (4, n) facet across each edge; 0: none
     integer, allocatable :: edge(:, :)        !< (4, n) EDGE_...
     real(DP), allocatable :: edge_length(:)   !< (n) mean length of the edges, reference configuration [length]
+    real(DP), allocatable :: max_depth(:)     !< (n) points deeper behind a facet do not see it; unallocated: no limit [length]
     logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
@@ -124,6 +125,16 @@ contains
     tangents = matmul(x(:, nodes(:n)), transpose(dN(:, :n)))
     if (is_line_facet(facets%kind(f))) tangents(3, 2) = 1
   end subroutine facet_tangents
+
+
+  !> Whether a point behind a facet is too deep to see it.
+  pure logical function is_hidden_behind(facets, f, gap)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                         !< facet
+    real(DP), intent(in) :: gap                      !< distance in front of it [length]
+    is_hidden_behind = .false.
+    if (allocated(facets%max_depth)) is_hidden_behind = gap < -facets%max_depth(f)
+  end function is_hidden_behind
 
 
   !> 'element 12 face S3', with the user's element label.

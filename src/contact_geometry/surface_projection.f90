@@ -14,8 +14,8 @@ module amontons_surface_projection
   use amontons_tensor, only: cross_product, skew_matrix, invert
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, &
-    EDGE_CONCAVE
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, EDGE_FREE, EDGE_SMOOTH, &
+    EDGE_CONVEX, EDGE_CONCAVE
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
     PROJECTION_FAILED, &
@@ -147,6 +147,7 @@ contains
     do i = 1, n
       candidate = project_on_facet(facets, x, point, list(i))
       if (candidate%status /= PROJECTION_INSIDE) cycle
+      if (is_hidden_behind(facets, list(i), candidate%gap)) cycle
       same_path_length = TOL_EQUAL_DISTANCE * facets%edge_length(list(i))
       path_length = find_facet_distance(facets, candidate)
       if (path_length < min_distance - same_path_length) nearest = list(i)
@@ -199,7 +200,8 @@ contains
     type(projection_type) :: found
     found%facet = f
     call track_projection(facets, x, point, found%facet, found%xi, found%gap, found%normal, found%status)
-    if (found%status == PROJECTION_INSIDE .and. abs(found%gap) <= max_distance) projection = found
+    if (found%status /= PROJECTION_INSIDE .or. abs(found%gap) > max_distance) return
+    if (.not. is_hidden_behind(facets, found%facet, found%gap)) projection = found
   end subroutine walk_from_facet
 
 

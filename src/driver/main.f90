@@ -6,9 +6,10 @@ program amontons
   use amontons_posix, only: restart_passive_threads, set_exit_handler, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
-  use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_card_table, only: list_cards
   use amontons_deck, only: explain_deck
+  use amontons_model_setup, only: add_general_contact
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
   implicit none
 
@@ -33,6 +34,7 @@ contains
     type(command_type) :: command
     type(logger_type) :: logger
     type(error_type), allocatable :: error
+    type(model_type) :: model
     character(:), allocatable :: cards
     call set_exit_handler(.true.)
     call open_logger(logger, .false., PROGRESS_NONE)
@@ -48,8 +50,10 @@ contains
         call list_cards(cards)
         call logger%say(cards)
       case (ACTION_EXPLAIN)
-        call explain_deck(command%job, cards, error)
+        call explain_deck(command%job, model, cards, error)
         call logger%say(cards)
+        if (.not. allocated(error)) call add_general_contact(model, cards)
+        if (.not. allocated(error) .and. cards /= '') call logger%say(cards)
       case default
         call open_logger(logger, command%is_quiet, command%progress)
         call run_job(command%job, logger, error)

@@ -1,8 +1,9 @@
 !> Model set-up: the last changes of the model after the deck is read; it is constant from the model check on.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Opens user routines; converts ties and distributing couplings to equations; moves tied nodes and those of ADJUST onto their
-!! masters; gives elements the material of the first step. No later procedure has a model with intent(inout) (`make lint`).
+!! Opens user routines; converts ties and distributing couplings to equations, general contact to contact pairs; moves tied nodes
+!! and those of ADJUST onto their masters; gives elements the material of the first step. No later procedure has a model with
+!! intent(inout) (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -11,11 +12,12 @@ module amontons_model_setup
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
+  use amontons_general_contact, only: general_pairs_type, find_general_pairs
   use amontons_tie_generation, only: generate_ties
   use amontons_user_routine_setup, only: open_user_routines
   implicit none
   private
-  public :: set_up_model
+  public :: set_up_model, add_general_contact
 
 contains
 
@@ -25,10 +27,13 @@ contains
     type(job_options_type), intent(in) :: options
     type(logger_type), intent(inout) :: journal
     type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: found
     call open_user_routines(model, options, error)
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return
+    call add_general_contact(model, found)
+    if (found /= '') call journal%say(found)
     call adjust(model, journal, error)
     if (allocated(error)) return
     if (size(model%steps) == 0) return
@@ -48,6 +53,39 @@ contains
     if (size(equations) > 0) model%equations = [model%equations, equations]
     call move_alloc(coordinates, model%mesh%coordinates)
   end subroutine add_ties
+
+
+  !> Converts general contact to contact pairs. After: text says what was found; '' without *CONTACT.
+  subroutine add_general_contact(model, text)
+    type(model_type), intent(inout) :: model
+    character(:), allocatable, intent(out) :: text
+    type(general_pairs_type) :: found
+    call find_general_pairs(model, found, text)
+    if (size(found%pairs) == 0) return
+    model%surfaces = [model%surfaces, found%surfaces]
+    model%pairs = [model%pairs, found%pairs]
+    call extend_steps(model)
+  end subroutine add_general_contact
+
+
+  !> Extends what the steps say of each pair.
+  subroutine extend_steps(model)
+    type(model_type), intent(inout) :: model
+    integer :: i, n
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        if (allocated(step%is_removed)) then
+          n = size(model%pairs) - size(step%is_removed)
+          step%is_removed = [step%is_removed, spread(.false., 1, n)]
+        end if
+        if (allocated(step%interference)) then
+          n = size(model%pairs) - size(step%interference)
+          step%interference = [step%interference, spread(0.0_DP, 1, n)]
+          step%is_shrink_fit = [step%is_shrink_fit, spread(.false., 1, n)]
+        end if
+      end associate
+    end do
+  end subroutine extend_steps
 
 
   !> ADJUST: moves slave nodes onto their master and logs their number and the largest distance.

@@ -27,6 +27,7 @@ contains
     call describe_mesh(table)
     call describe_materials(table)
     call describe_contact(table)
+    call describe_general_contact(table)
     call describe_contact_changes(table)
     call describe_amplitude_and_equation(table)
     call describe_couplings(table)
@@ -229,6 +230,34 @@ contains
     call table%option('VALUE', VALUE_REAL, 'The gap; negative is overclosure.', default='required')
     call table%option('TABULAR|BOLT|CPSET', VALUE_TEXT, 'Give one VALUE for the pair.', status=ENTRY_REJECTED)
   end subroutine describe_contact
+
+
+  !> General contact.
+  subroutine describe_general_contact(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('CONTACT', SCOPE_MODEL, 'Starts general contact: the faces that may touch are found from the ' // &
+      'geometry, and become contact pairs, surface to surface. CONTACT INCLUSIONS and the assignments follow.')
+    call table%option('OP', VALUE_TEXT, 'General contact holds for all steps.', status=ENTRY_REJECTED)
+    call table%card('CONTACT INCLUSIONS', SCOPE_MODEL, 'The faces that may touch each other.', parent='CONTACT', &
+      data='surface, surface (none: the first again); a first one that is left out is the whole exterior')
+    call table%option('ALL EXTERIOR', VALUE_NONE, 'All free faces of all bodies, and all analytic surfaces.')
+    call table%card('CONTACT EXCLUSIONS', SCOPE_MODEL, 'Faces that do not touch each other. Tied surfaces and those of ' // &
+      'CONTACT PAIR are left out without it.', parent='CONTACT', data='surface, surface, as in CONTACT INCLUSIONS')
+    call table%card('CONTACT PROPERTY ASSIGNMENT', SCOPE_MODEL, 'Gives faces their interaction; the last line that holds for ' // &
+      'two faces counts. Without one contact is exact and frictionless.', parent='CONTACT', &
+      data='surface, surface (as in CONTACT INCLUSIONS), interaction')
+    call table%card('CONTACT FORMULATION', SCOPE_MODEL, 'Says which of two surfaces is the slave; without it ' // &
+      'the program chooses.', parent='CONTACT', &
+      data='surface, surface (as in CONTACT INCLUSIONS), role of the first: SLAVE or MASTER')
+    call table%option('TYPE', VALUE_WORD, 'What is given.', default='required', allowed='MASTER SLAVE ROLES|MAIN SECONDARY ROLES')
+    call table%reject_words('EDGE TO EDGE|PURE MASTER-SLAVE|PURE MAIN-SECONDARY', 'Faces touch faces, and of two ' // &
+      'surfaces one is the slave: write MASTER SLAVE ROLES.')
+    call table%card('SURFACE PROPERTY ASSIGNMENT', SCOPE_MODEL, 'Thickness and place of surfaces; those of solids lie where ' // &
+      'the mesh is.', parent='CONTACT', data='surface, ORIGINAL, THINNING, SPOS, SNEG or 0.')
+    call table%option('PROPERTY', VALUE_WORD, 'What is given. FEATURE EDGE CRITERIA and GEOMETRIC CORRECTION have no effect: ' // &
+      'Amontons defines edges and normals itself.', default='required', &
+      allowed='THICKNESS|OFFSET FRACTION|FEATURE EDGE CRITERIA|GEOMETRIC CORRECTION')
+  end subroutine describe_general_contact
 
 
   !> Changes of interactions and pairs by a step.
@@ -694,7 +723,7 @@ contains
       'heat here, so it has no effect.')
     call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
-    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT FORMULATION|CONTACT STABILIZATION|SECTION ' // &
+    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT STABILIZATION|SECTION ' // &
       'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
       'these settings.')
   end subroutine describe_ignored
@@ -789,9 +818,8 @@ contains
       'All bodies are meshed with solid elements and *SOLID SECTION.')
     call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
-    call table%cards_with(ENTRY_REJECTED, 'CONTACT|CONTACT INCLUSIONS|CONTACT EXCLUSIONS|CONTACT PROPERTY ' // &
-      'ASSIGNMENT|SURFACE PROPERTY ASSIGNMENT|SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &
-      'IMPACTOR|BOND|GAP ELECTRICAL CONDUCTANCE', 'Name the pairs that may touch with *CONTACT PAIR.')
+    call table%cards_with(ENTRY_REJECTED, 'SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &
+      'IMPACTOR|BOND|GAP ELECTRICAL CONDUCTANCE', 'Name the pairs that may touch with *CONTACT PAIR, or let *CONTACT find them.')
   end subroutine describe_rejected_parts
 
 end module amontons_card_table

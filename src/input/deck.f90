@@ -15,6 +15,7 @@ module amontons_deck
   use amontons_deck_materials, only: read_materials, finalize_materials
   use amontons_deck_surfaces, only: read_heading, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
+  use amontons_deck_general_contact, only: read_general_contact
   use amontons_deck_couplings, only: read_transforms, read_couplings
   use amontons_deck_parts, only: flatten_parts
   use amontons_deck_generate, only: generate_mesh
@@ -59,13 +60,13 @@ contains
 
 
   !> The explanation of each card of a deck; also for a deck with errors. Errors: EXIT_IO, EXIT_DECK.
-  subroutine explain_deck(options, text, error)
+  subroutine explain_deck(options, model, text, error)
     type(job_options_type), intent(in) :: options          !< with deck and dialect
+    type(model_type), intent(out) :: model                 !< complete if no error is allocated
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
     type(reader_type) :: reader
     type(name_table_type) :: names
-    type(model_type) :: model
     type(diagnostic_list_type) :: diagnostics
     call make_card_table(reader%table)
     call list_parameters(reader%table, names)
@@ -143,6 +144,7 @@ contains
     call read_surfaces(reader, model)
     call read_interactions(reader, model)
     call read_pairs(reader, model)
+    call read_general_contact(reader, model)
     call read_transforms(reader, model)
     call read_couplings(reader, model)
     call read_distributing_couplings(reader, model)
@@ -439,7 +441,7 @@ contains
   pure logical function is_linear(model)
     type(model_type), intent(in) :: model
     integer :: i
-    is_linear = size(model%pairs) == 0
+    is_linear = size(model%pairs) == 0 .and. .not. allocated(model%general_contact)
     do i = 1, size(model%materials)
       is_linear = is_linear .and. has_linear_law(model%materials(i))
     end do

@@ -5,7 +5,7 @@ module amontons_model
   use amontons_restart_file, only: state_key_type
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type, orientation_type, spring_type
-  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, general_contact_type
   use amontons_loads, only: amplitude_type, equation_type, load_type, load_value, integrated_velocity
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
@@ -59,6 +59,7 @@ module amontons_model
     type(surface_type), allocatable :: surfaces(:)
     type(interaction_type), allocatable :: interactions(:)
     type(contact_pair_type), allocatable :: pairs(:)
+    type(general_contact_type), allocatable :: general_contact   !< *CONTACT; converted to pairs before the start
     type(amplitude_type), allocatable :: amplitudes(:)
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; unallocated: 0 [temperature]

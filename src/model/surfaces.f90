@@ -5,7 +5,7 @@ module amontons_surfaces
   use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, is_compliant, pair_interactions
+  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, is_compliant, pair_interactions
   public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
@@ -65,7 +65,18 @@ module amontons_surfaces
     logical :: has_clearance = .false.          !< CLEARANCE given: it replaces the initial gap of the mesh
     real(DP) :: clearance = 0                   !< the initial gap [length]
     character(:), allocatable :: name           !< 'slave / master', for messages
+    logical :: is_general = .false.             !< found by general contact: its surfaces may be apart and turn away from each other
   end type contact_pair_type
+
+  !> General contact: which faces of the exterior may touch, and by which interaction. The surface 0 is the whole exterior. Of
+  !! several assignments that hold for two faces the last one counts.
+  type :: general_contact_type
+    integer, allocatable :: included(:, :)      !< (2, :) surfaces that may touch
+    integer, allocatable :: excluded(:, :)      !< (2, :) surfaces that do not
+    integer, allocatable :: assigned(:, :)      !< (3, :) two surfaces and the index of their interaction
+    integer, allocatable :: roles(:, :)         !< (2, :) slave and master surface, where the deck says so
+    integer :: line = 0                         !< line of the card in the deck, for messages
+  end type general_contact_type
 
 contains
 

@@ -135,6 +135,7 @@ contains
     type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: none
     if (statistic%n_projected == 0 .and. statistic%n_passive > 0) return
+    if (model%pairs(p)%is_general) return          ! its faces may come together later, or never
     if (statistic%n_slaves == 0 .and. .not. model%pairs(p)%has_point_contact) then
       call report_error(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
     else if (statistic%n_projected == 0) then
@@ -165,6 +166,7 @@ contains
     type(pair_statistics_type), intent(in) :: statistic
     type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: where
+    if (model%pairs(p)%is_general) return          ! its surface has faces around the near ones
     if (2 * statistic%n_same_direction > statistic%n_near) then
       where = 'at ' // to_text(statistic%n_same_direction) // ' of ' // plural(statistic%n_near, 'slave node') // ' near the master'
     else if (statistic%n_facing_away > 0 .and. statistic%n_facing_away == statistic%n_projected) then

@@ -8,7 +8,7 @@ module amontons_mortar_segmentation
   use amontons_tensor, only: cross_product
   use amontons_topology, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
     MAX_POLYGON_CORNERS, MAX_CUT_POINTS
@@ -207,9 +207,11 @@ contains
     real(DP), intent(in) :: x(:, :)
     real(DP), intent(in) :: search_distance                  !< from the plane [length]
     type(projection_plane_type) :: other
+    real(DP) :: distance
     call build_projection_plane(master, g, x, other)
-    is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_FACING_COSINE .and. &
-      abs(dot_product(other%origin - plane%origin, plane%normal)) <= search_distance
+    distance = dot_product(other%origin - plane%origin, plane%normal)
+    is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_FACING_COSINE .and. abs(distance) <= search_distance
+    if (search_distance < huge(1.0_DP)) is_facing_plane = is_facing_plane .and. .not. is_hidden_behind(master, g, distance)
   end function is_facing_plane
 
 
@@ -242,7 +244,7 @@ contains
     segment%cut = cut
     call append_segment_points(slave, master, x, plane, at(:, :q), weight(:q), points, segment)
     segment%last = points%n
-    if (abs(segment%distance) <= search_distance) return
+    if (abs(segment%distance) <= search_distance .and. .not. is_hidden_behind(master, g, segment%distance)) return
     points%n = before
     segment = mortar_segment_type()
   end subroutine intersect_facets

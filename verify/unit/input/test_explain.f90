@@ -3,7 +3,7 @@
 program test_explain
   use amontons_deck, only: explain_deck
   use amontons_errors, only: error_type
-  use amontons_model, only: job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_text, only: NEWLINE
   use check, only: suite_type
   implicit none
@@ -28,6 +28,7 @@ contains
     integer, intent(in) :: dialect
     logical, intent(in) :: has_error
     type(job_options_type) :: options
+    type(model_type) :: model
     type(error_type), allocatable :: error
     integer :: unit, i, first
     open (newunit=unit, file='explain.inp', status='replace', action='write')
@@ -40,7 +41,7 @@ contains
     close (unit)
     options%deck = 'explain.inp'
     options%dialect = dialect
-    call explain_deck(options, text, error)
+    call explain_deck(options, model, text, error)
     call suite%that('verdict', allocated(error) .eqv. has_error)
     open (newunit=unit, file='explain.inp')
     close (unit, status='delete')

@@ -1,0 +1,767 @@
+!> General contact: contact pairs of the exterior faces that are near each other and may touch.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Two faces of different bodies are *near* if their normals oppose, the distance of their boxes is within the reach, and neither
+!! lies behind the other by more than the elements below them are deep. (Faces on the far sides of two sheets that touch oppose each
+!! other too, one behind the other by both thicknesses.) The reach is the search radius of contact pairs and the way that the
+!! bodies can travel in the steps: a small one widens the comparison face by face; a large one adds the faces of whole patches.
+!!
+!! A pair has the near faces of one smooth patch as slave, so that the sides of a corner belong to different pairs, and all near
+!! faces of another body as master. Around both come the faces of the patch that share a node with them, which complete the normals.
+!! Pairs of one and the same two bodies have the same body as slave. Cost: linear in the faces that are near other bodies.
+module amontons_general_contact
+  use amontons_kinds, only: DP, I64
+  use amontons_text, only: to_text, plural, NEWLINE
+  use amontons_containers, only: integer_list_type, sort_integers, ascending_order
+  use amontons_mesh, only: mesh_extent
+  use amontons_mpc_data, only: MPC_RIGID_BODY
+  use amontons_loads, only: prescribed_type, amplitude_type
+  use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM
+  use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
+  use amontons_model, only: model_type, absent_elements
+  use amontons_exterior_surface, only: exterior_type, build_exterior
+  use amontons_facets, only: facets_type
+  use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
+  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
+  use amontons_mortar_segmentation, only: MIN_FACING_COSINE
+  use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
+  implicit none
+  private
+  public :: general_pairs_type, find_general_pairs
+
+  real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
+  real(DP), parameter :: LOAD_TRAVEL_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
+  real(DP), parameter :: DISTINCT_STIFFNESS_RATIO = 1.5_DP !< bodies with a smaller ratio of their moduli are alike [-]
+  real(DP), parameter :: DISTINCT_MESH_RATIO = 1.1_DP      !< the same for the mean edges [-]
+  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP         !< a normal with a smaller free part is held by supports [-]
+
+  ! Why a body is the slave
+  integer, parameter :: REASON_RIGID = 1, REASON_HELD = 2, REASON_SOFTER = 3, REASON_FINER = 4, REASON_SMALLER = 5, &
+    REASON_FIRST = 6, REASON_ROLE = 7
+  character(*), parameter :: REASON_WORDS(7) = [character(48) :: 'the master is rigid', &
+    'supports hold the master', 'the slave is softer', 'the slave has the finer mesh', 'the slave is the smaller surface', &
+    'both are alike', 'as *CONTACT FORMULATION says']
+
+  !> The faces of a body near another one.
+  type :: side_type
+    integer :: n = 0
+    integer :: n_rigid = 0                         !< of them, of rigid bodies
+    integer :: n_held = 0                          !< held along their normal
+    real(DP) :: modulus = 0                        !< mean of Young's modulus [stress]
+    real(DP) :: edge = 0                           !< mean of the longest edge [length]
+    real(DP) :: area = 0                           !< sum [length^2]
+  end type side_type
+
+  !> What is known of the exterior faces beside their geometry.
+  type :: face_data_type
+    logical, allocatable :: is_rigid(:)            !< (n) all corners belong to a rigid body
+    logical, allocatable :: is_held(:)             !< (n) a support holds a corner along the normal in the first step
+    real(DP), allocatable :: modulus(:)            !< (n) Young's modulus of the element [stress]
+    integer, allocatable :: column_of(:)           !< (0:n_surfaces) column of is_in of a surface of the rules; else 0
+    logical, allocatable :: is_in(:, :)            !< (n, columns) the face belongs to the surface
+    integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, ties, given pairs
+    integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
+    integer :: n_groups = 0
+    integer, allocatable :: member(:)              !< (n_groups) a face of the group
+  end type face_data_type
+
+  !> The pairs found, and their surfaces: number i becomes number size(model%surfaces) + i of the model.
+  type :: general_pairs_type
+    type(surface_type), allocatable :: surfaces(:)
+    type(contact_pair_type), allocatable :: pairs(:)
+  end type general_pairs_type
+
+  !> Near faces: face i is near a face of a group.
+  type :: near_faces_type
+    type(integer_list_type) :: face                !< faces
+    type(integer_list_type) :: partner             !< groups; beyond n_groups: analytic surfaces, n_groups + their index
+  end type near_faces_type
+
+contains
+
+  !> Finds the pairs. After: text says what was found and why; without *CONTACT it is '' and there are no pairs.
+  subroutine find_general_pairs(model, found, text)
+    type(model_type), intent(in) :: model
+    type(general_pairs_type), intent(out) :: found
+    character(:), allocatable, intent(out) :: text
+    type(exterior_type) :: exterior
+    type(face_data_type) :: data
+    type(near_faces_type) :: near
+    real(DP) :: travel
+    integer :: no_twins(2, 0)
+    text = ''
+    allocate (found%pairs(0), found%surfaces(0))
+    if (.not. allocated(model%general_contact)) return
+    if (allocated(model%twins)) then
+      call build_exterior(model%mesh, absent_elements(model, 1), model%twins, exterior)
+    else
+      call build_exterior(model%mesh, absent_elements(model, 1), no_twins, exterior)
+    end if
+    call collect_face_data(model, exterior, data)
+    travel = find_travel(model)
+    call find_near_faces(model%general_contact, exterior, data, travel, near)
+    call find_faces_near_profiles(model, exterior, data, travel, near)
+    if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
+    text = 'General contact: ' // plural(size(found%pairs), 'pair') // ' of ' // to_text(exterior%n_bodies) // &
+      ' meshed bodies' // merge(':', '.', size(found%pairs) > 0) // text
+  end subroutine find_general_pairs
+
+
+  !> Stiffness, supports, surfaces and groups of the exterior faces.
+  subroutine collect_face_data(model, exterior, data)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(out) :: data
+    logical, allocatable :: is_free(:, :), is_rigid_node(:)
+    integer :: f, i
+    allocate (is_free(3, model%mesh%n_nodes), source=.true.)
+    allocate (is_rigid_node(model%mesh%n_nodes), source=.false.)
+    if (size(model%steps) > 0) then
+      do i = 1, size(model%steps(1)%prescribed)
+        is_free(model%steps(1)%prescribed(i)%dof, model%steps(1)%prescribed(i)%node) = .false.
+      end do
+    end if
+    if (allocated(model%nonlinear_mpcs)) then
+      do i = 1, size(model%nonlinear_mpcs)
+        if (model%nonlinear_mpcs(i)%kind == MPC_RIGID_BODY) is_rigid_node(model%nonlinear_mpcs(i)%node) = .true.
+      end do
+    end if
+    allocate (data%is_rigid(exterior%n), data%is_held(exterior%n), data%modulus(exterior%n))
+    do f = 1, exterior%n
+      associate (corners => exterior%nodes(exterior%first(f):exterior%first(f) + exterior%n_corners(f) - 1))
+        data%is_rigid(f) = all(is_rigid_node(corners))
+        data%is_held(f) = any([(norm2(merge(exterior%normal(:, f), 0.0_DP, is_free(:, corners(i)))) < MIN_FREE_PART, &
+          i=1, size(corners))])
+      end associate
+      data%modulus(f) = 0.0_DP
+      i = model%mesh%material(exterior%element(f))
+      if (i > 0) data%modulus(f) = small_strain_modulus(model%materials(i))
+    end do
+    call collect_memberships(model, exterior, data)
+    call number_groups(exterior, data)
+  end subroutine collect_face_data
+
+
+  !> Young's modulus at small strain, for a comparison of bodies; of rubber and foam three times the sum of the first constants,
+  !! which is of the size of the shear modulus.
+  pure real(DP) function small_strain_modulus(material) result(modulus)
+    type(material_type), intent(in) :: material
+    modulus = material%youngs_modulus
+    if (modulus > 0.0_DP .or. .not. allocated(material%elastic%value)) return
+    modulus = abs(material%elastic%value(1, 1))
+    if (any(material%elastic_kind == [ELASTIC_HYPER, ELASTIC_FOAM])) modulus = 6 * modulus
+  end function small_strain_modulus
+
+
+  !> The faces of the surfaces that the rules, ties and given pairs name, and the pairs of surfaces left out.
+  subroutine collect_memberships(model, exterior, data)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(inout) :: data
+    logical :: is_named(0:size(model%surfaces)), is_member(6, model%mesh%n_elements), is_node(model%mesh%n_nodes)
+    integer :: i, f, n
+    associate (rules => model%general_contact)
+      data%excluded = rules%excluded
+      do i = 1, size(model%pairs)
+        data%excluded = reshape([data%excluded, model%pairs(i)%slave, model%pairs(i)%master], [2, size(data%excluded, 2) + 1])
+      end do
+      if (allocated(model%ties)) then
+        do i = 1, size(model%ties)
+          data%excluded = reshape([data%excluded, model%ties(i)%slave, model%ties(i)%master], [2, size(data%excluded, 2) + 1])
+        end do
+      end if
+      is_named = .false.
+      is_named([rules%included, data%excluded, rules%assigned(:2, :), rules%roles]) = .true.
+    end associate
+    is_named(0) = .false.
+    allocate (data%column_of(0:size(model%surfaces)), source=0)
+    allocate (data%is_in(exterior%n, count(is_named)))
+    n = 0
+    do i = 1, size(model%surfaces)
+      if (.not. is_named(i)) cycle
+      n = n + 1
+      data%column_of(i) = n
+      associate (surface => model%surfaces(i))
+        is_member = .false.
+        is_node = .false.
+        if (allocated(surface%profile)) then
+          data%is_in(:, n) = .false.
+        else if (surface%is_node_based) then
+          is_node(surface%nodes) = .true.
+          do f = 1, exterior%n
+            data%is_in(f, n) = all(is_node(exterior%nodes(exterior%first(f):exterior%first(f + 1) - 1)))
+          end do
+        else
+          do f = 1, size(surface%element)
+            is_member(surface%face(f), surface%element(f)) = .true.
+          end do
+          data%is_in(:, n) = [(is_member(exterior%face(f), exterior%element(f)), f=1, exterior%n)]
+        end if
+      end associate
+    end do
+  end subroutine collect_memberships
+
+
+  !> Numbers the groups: faces of one patch in the same surfaces.
+  subroutine number_groups(exterior, data)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(inout) :: data
+    integer, allocatable :: number(:)
+    integer :: k, f, key
+    data%group = exterior%patch
+    data%n_groups = exterior%n_patches
+    do k = 0, size(data%is_in, 2)
+      allocate (number(0:2 * data%n_groups + 1), source=0)
+      data%n_groups = 0
+      do f = 1, exterior%n
+        key = 2 * data%group(f)
+        if (k == 0) key = key + merge(1, 0, data%is_rigid(f))
+        if (k > 0) key = key + merge(1, 0, data%is_in(f, max(k, 1)))
+        if (number(key) == 0) then
+          data%n_groups = data%n_groups + 1
+          number(key) = data%n_groups
+        end if
+        data%group(f) = number(key)
+      end do
+      deallocate (number)
+    end do
+    allocate (data%member(data%n_groups))
+    do f = 1, exterior%n
+      data%member(data%group(f)) = f
+    end do
+  end subroutine number_groups
+
+
+  !> The interaction of the faces of two groups; 0: they do not touch. A group 0 stands for an analytic surface.
+  pure integer function find_interaction(rules, data, g, h, analytic) result(interaction)
+    type(general_contact_type), intent(in) :: rules
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: g, h                    !< groups
+    integer, intent(in) :: analytic                !< index of the analytic surface that group 0 stands for, else 0
+    integer :: k
+    interaction = 0
+    if (.not. any([(is_named(rules%included(:, k)), k=1, size(rules%included, 2))])) return
+    if (any([(is_named(data%excluded(:, k)), k=1, size(data%excluded, 2))])) return
+    do k = 1, size(rules%assigned, 2)
+      if (is_named(rules%assigned(:2, k))) interaction = rules%assigned(3, k)
+    end do
+
+  contains
+
+    !> Whether two surfaces name the faces of both groups, in either order.
+    pure logical function is_named(pair)
+      integer, intent(in) :: pair(:)
+      is_named = (is_of(data, g, pair(1), analytic) .and. is_of(data, h, pair(2), analytic)) .or. &
+        (is_of(data, g, pair(2), analytic) .and. is_of(data, h, pair(1), analytic))
+    end function is_named
+
+  end function find_interaction
+
+
+  !> Whether the faces of a group belong to a surface.
+  pure logical function is_of(data, group, surface, analytic)
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: group                   !< 0: the analytic surface
+    integer, intent(in) :: surface                 !< index; 0: all
+    integer, intent(in) :: analytic                !< index of the analytic surface
+    is_of = surface == 0
+    if (is_of) return
+    if (group == 0) is_of = surface == analytic
+    if (group > 0) is_of = data%is_in(data%member(group), data%column_of(surface))
+  end function is_of
+
+
+  !> How far bodies can travel in the steps: zero without NLGEOM, where contact follows the positions at the start; else the sum of
+  !! the largest prescribed displacements, rotations by half the extent of the mesh, and a share of the extent where forces act.
+  pure real(DP) function find_travel(model) result(travel)
+    type(model_type), intent(in) :: model
+    integer :: i
+    travel = 0.0_DP
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        if (.not. step%is_nlgeom) cycle
+        travel = travel + largest_motion(model, step%prescribed)
+        if (size(step%concentrated) + size(step%distributed) > 0) travel = max(travel, LOAD_TRAVEL_SHARE * mesh_extent(model%mesh))
+      end associate
+    end do
+  end function find_travel
+
+
+  !> The largest prescribed displacement of a step; a velocity counts as the extent of the mesh [length].
+  pure real(DP) function largest_motion(model, prescribed) result(largest)
+    type(model_type), intent(in) :: model
+    type(prescribed_type), intent(in) :: prescribed(:)
+    real(DP) :: motion
+    integer :: i
+    largest = 0.0_DP
+    do i = 1, size(prescribed)
+      associate (load => prescribed(i))
+        if (load%is_held) cycle
+        motion = max(abs(load%end), abs(load%start))
+        if (load%amplitude > 0) motion = largest_factor(model%amplitudes(load%amplitude)) * abs(load%end)
+        if (load%is_velocity .or. load%is_user) motion = mesh_extent(model%mesh)
+        if (model%mesh%is_auxiliary(load%node)) motion = 0.5_DP * motion * mesh_extent(model%mesh)
+        largest = max(largest, motion)
+      end associate
+    end do
+  end function largest_motion
+
+
+  !> The largest factor of an amplitude; of a formula the sum of its constants bounds it.
+  pure real(DP) function largest_factor(amplitude) result(largest)
+    type(amplitude_type), intent(in) :: amplitude
+    if (allocated(amplitude%formula_constants)) then
+      largest = sum(abs(amplitude%formula_constants))
+    else
+      largest = maxval(abs(amplitude%factor))
+    end if
+  end function largest_factor
+
+
+  !> Finds the near faces of all groups.
+  subroutine find_near_faces(rules, exterior, data, travel, near)
+    type(general_contact_type), intent(in) :: rules
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    real(DP), intent(in) :: travel                 !< [length]
+    type(near_faces_type), intent(inout) :: near
+    type(facets_type) :: facets
+    type(facet_search_type) :: search
+    logical, allocatable :: is_active(:)
+    integer, allocatable :: list(:), active(:), seen(:)
+    real(DP) :: largest_edge, near_travel
+    integer :: i, j, k, n, f, g
+    if (exterior%n == 0) return
+    largest_edge = maxval(exterior%edge_length)
+    near_travel = merge(travel, 0.0_DP, travel <= SEARCH_RADIUS_RATIO * largest_edge)
+    call find_active_faces(exterior, SEARCH_RADIUS_RATIO * largest_edge + travel, is_active)
+    active = pack([(f, f=1, exterior%n)], is_active)
+    if (size(active) == 0) return
+    call list_facets(size(active), facets)
+    call build_facet_search(facets, exterior_positions(exterior, active), (SEARCH_RADIUS_RATIO + 1) * largest_edge + near_travel, &
+      search)
+    allocate (seen(data%n_groups), source=0)
+    do i = 1, size(active)
+      f = active(i)
+      call find_near_facets(search, exterior%centre(:, f), list, n)
+      do k = 1, n
+        j = active(list(k))
+        g = data%group(j)
+        if (seen(g) == f .or. exterior%body(j) == exterior%body(f)) cycle
+        if (.not. are_near(exterior, f, j, near_travel)) cycle
+        if (find_interaction(rules, data, data%group(f), g, 0) == 0 .or. (data%is_rigid(f) .and. data%is_rigid(j))) cycle
+        seen(g) = f
+        call near%face%add(f)
+        call near%partner%add(g)
+      end do
+    end do
+    if (travel > near_travel) call add_reachable_faces(rules, exterior, data, active, travel, near)
+  end subroutine find_near_faces
+
+
+  !> The faces whose box, widened by a distance, meets the box of another body.
+  subroutine find_active_faces(exterior, distance, is_active)
+    type(exterior_type), intent(in) :: exterior
+    real(DP), intent(in) :: distance               !< [length]
+    logical, allocatable, intent(out) :: is_active(:)   !< (n)
+    real(DP) :: box(3, 2, exterior%n_bodies)
+    integer :: f, b
+    box(:, 1, :) = huge(1.0_DP)
+    box(:, 2, :) = -huge(1.0_DP)
+    do f = 1, exterior%n
+      b = exterior%body(f)
+      box(:, 1, b) = min(box(:, 1, b), exterior%box(:, 1, f))
+      box(:, 2, b) = max(box(:, 2, b), exterior%box(:, 2, f))
+    end do
+    allocate (is_active(exterior%n), source=.false.)
+    do f = 1, exterior%n
+      do b = 1, exterior%n_bodies
+        if (b == exterior%body(f)) cycle
+        is_active(f) = is_active(f) .or. box_distance(exterior%box(:, :, f), box(:, :, b)) <= distance
+      end do
+    end do
+  end subroutine find_active_faces
+
+
+  !> The distance between two boxes [length].
+  pure real(DP) function box_distance(a, b) result(distance)
+    real(DP), intent(in) :: a(3, 2), b(3, 2)       !< lower and upper corner [length]
+    distance = norm2(max(0.0_DP, a(:, 1) - b(:, 2), b(:, 1) - a(:, 2)))
+  end function box_distance
+
+
+  !> Facets for the search: two nodes of each, which are numbered anew (`exterior_positions`).
+  pure subroutine list_facets(n, facets)
+    integer, intent(in) :: n                       !< faces
+    type(facets_type), intent(out) :: facets
+    integer :: i
+    facets%n = n
+    facets%first = [(2 * i - 1, i=1, facets%n + 1)]
+    facets%nodes = [(i, i=1, 2 * facets%n)]
+  end subroutine list_facets
+
+
+  !> The corners of the boxes of some faces, as the positions of two nodes for each.
+  pure function exterior_positions(exterior, faces) result(x)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: faces(:)
+    real(DP) :: x(3, 2 * size(faces))              !< [length]
+    x = reshape(exterior%box(:, :, faces), [3, 2 * size(faces)])
+  end function exterior_positions
+
+
+  !> Whether two faces of different bodies are near each other.
+  pure logical function are_near(exterior, f, m, travel)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f, m                    !< faces
+    real(DP), intent(in) :: travel                 !< [length]
+    real(DP) :: between(3), lateral, front, cosine
+    are_near = .false.
+    cosine = dot_product(exterior%normal(:, f), exterior%normal(:, m))
+    if (cosine > -MIN_FACING_COSINE) return
+    if (box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > travel + SEARCH_RADIUS_RATIO &
+      * max(exterior%edge_length(f), exterior%edge_length(m))) return
+    between = exterior%centre(:, m) - exterior%centre(:, f)
+    front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))
+    lateral = norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f))
+    if (lateral > MAX_LATERAL_OFFSET * (exterior%edge_length(f) + exterior%edge_length(m)) + travel) return
+    if (cosine > -0.5_DP) front = front + lateral * sqrt(1 - cosine**2)   ! inclined: the centres do not show which is in front
+    are_near = front >= -MAX_DEPTH_SHARE * min(exterior%depth(f), exterior%depth(m)) - travel
+  end function are_near
+
+
+  !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, and of them the
+  !! faces within the way of the other group's box.
+  subroutine add_reachable_faces(rules, exterior, data, active, travel, near)
+    type(general_contact_type), intent(in) :: rules
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: active(:)               !< faces
+    real(DP), intent(in) :: travel                 !< [length]
+    type(near_faces_type), intent(inout) :: near
+    real(DP) :: box(3, 2, data%n_groups)
+    integer, allocatable :: key(:), order(:)
+    integer :: first(data%n_groups + 1), g, h, i
+    box(:, 1, :) = huge(1.0_DP)
+    box(:, 2, :) = -huge(1.0_DP)
+    do i = 1, size(active)
+      g = data%group(active(i))
+      box(:, 1, g) = min(box(:, 1, g), exterior%box(:, 1, active(i)))
+      box(:, 2, g) = max(box(:, 2, g), exterior%box(:, 2, active(i)))
+    end do
+    order = active
+    key = data%group(active)
+    call sort_integers(key, order)                 ! the active faces, group by group
+    first = 0
+    do i = 1, size(key)
+      first(key(i) + 1) = first(key(i) + 1) + 1
+    end do
+    first(1) = 1
+    do g = 1, data%n_groups
+      first(g + 1) = first(g) + first(g + 1)
+    end do
+    do g = 1, data%n_groups
+      do h = 1, data%n_groups
+        if (first(g) == first(g + 1) .or. first(h) == first(h + 1)) cycle
+        if (exterior%body(data%member(g)) == exterior%body(data%member(h))) cycle
+        if (data%is_rigid(data%member(g)) .and. data%is_rigid(data%member(h))) cycle
+        if (box_distance(box(:, :, g), box(:, :, h)) > travel) cycle
+        if (find_interaction(rules, data, g, h, 0) == 0) cycle
+        call add_opposing_faces(exterior, order(first(g):first(g + 1) - 1), order(first(h):first(h + 1) - 1), box(:, :, h), h, &
+          travel, near)
+      end do
+    end do
+  end subroutine add_reachable_faces
+
+
+  !> Adds the faces of a group within the way of another group's box that oppose one of its faces.
+  subroutine add_opposing_faces(exterior, own, other, box, h, travel, near)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: own(:), other(:)        !< faces of the group and of the other group
+    real(DP), intent(in) :: box(3, 2)              !< of the other group [length]
+    integer, intent(in) :: h                       !< the other group
+    real(DP), intent(in) :: travel                 !< [length]
+    type(near_faces_type), intent(inout) :: near
+    integer, parameter :: MAX_SAMPLES = 200
+    integer :: i, stride
+    stride = 1 + size(other) / MAX_SAMPLES
+    do i = 1, size(own)
+      if (box_distance(exterior%box(:, :, own(i)), box) > travel) cycle
+      if (minval(matmul(exterior%normal(:, own(i)), exterior%normal(:, other(::stride)))) > 0.0_DP) cycle
+      call near%face%add(own(i))
+      call near%partner%add(h)
+    end do
+  end subroutine add_opposing_faces
+
+
+  !> Adds the faces near analytic surfaces; partners are n_groups + the index of the surface. On a long way all faces count.
+  subroutine find_faces_near_profiles(model, exterior, data, travel, near)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    real(DP), intent(in) :: travel                 !< [length]
+    type(near_faces_type), intent(inout) :: near
+    type(facets_type) :: facets
+    type(projection_type) :: projection
+    real(DP) :: reach
+    integer :: s, f
+    do s = 1, size(model%surfaces)
+      if (.not. allocated(model%surfaces(s)%profile)) cycle
+      do f = 1, exterior%n
+        if (data%is_rigid(f)) cycle
+        if (find_interaction(model%general_contact, data, data%group(f), 0, s) == 0) cycle
+        reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + travel
+        if (travel <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
+          call build_profile_facets(model%surfaces(s)%profile, exterior%edge_length(f), facets)
+          call find_profile_projection(facets, model%mesh%coordinates, exterior%centre(:, f), reach, projection)
+          if (projection%status /= PROJECTION_INSIDE .or. projection%gap > reach .or. projection%gap < -exterior%depth(f)) cycle
+          if (dot_product(projection%normal, exterior%normal(:, f)) > -MIN_FACING_COSINE) cycle
+        end if
+        call near%face%add(f)
+        call near%partner%add(data%n_groups + s)
+      end do
+    end do
+  end subroutine find_faces_near_profiles
+
+
+  !> Builds the pairs from the near faces: slave patch, other body and interaction make a pair.
+  subroutine build_pairs(model, exterior, data, near, found, text)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    type(near_faces_type), intent(in) :: near
+    type(general_pairs_type), intent(inout) :: found
+    character(:), allocatable, intent(inout) :: text
+    type(side_type), allocatable :: sides(:, :)
+    integer, allocatable :: order(:), slaves(:), masters(:)
+    integer(I64), allocatable :: key(:)
+    logical, allocatable :: is_slave(:)
+    integer :: i, k, n
+    call measure_sides(exterior, data, near, sides)
+    n = near%face%n
+    allocate (key(n), is_slave(n))
+    do i = 1, n
+      call find_pair_key(model%general_contact, exterior, data, sides, near%face%items(i), near%partner%items(i), key(i), &
+        is_slave(i))
+    end do
+    order = ascending_order(real(key, DP))
+    i = 1
+    do while (i <= n)
+      k = i
+      do while (k < n)
+        if (key(order(k + 1)) /= key(order(i))) exit
+        k = k + 1
+      end do
+      slaves = pack(near%face%items(order(i:k)), is_slave(order(i:k)))
+      masters = pack(near%face%items(order(i:k)), .not. is_slave(order(i:k)))
+      if (size(slaves) > 0) call append_pair(model, exterior, data, sides, slaves, masters, &
+        near%partner%items(order(i)), found, text)
+      i = k + 1
+    end do
+  end subroutine build_pairs
+
+
+  !> What decides between slave and master, of the faces of each body that are near another one.
+  subroutine measure_sides(exterior, data, near, sides)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    type(near_faces_type), intent(in) :: near
+    type(side_type), allocatable, intent(out) :: sides(:, :)   !< (n_bodies, n_bodies) of a body towards another
+    integer :: i
+    allocate (sides(exterior%n_bodies, exterior%n_bodies))
+    do i = 1, near%face%n
+      if (near%partner%items(i) > data%n_groups) cycle
+      associate (f => near%face%items(i), m => data%member(near%partner%items(i)))
+        associate (side => sides(exterior%body(f), exterior%body(m)))
+          side%n = side%n + 1
+          if (data%is_rigid(f)) side%n_rigid = side%n_rigid + 1
+          if (data%is_held(f)) side%n_held = side%n_held + 1
+          side%modulus = side%modulus + data%modulus(f)
+          side%edge = side%edge + exterior%edge_length(f)
+          side%area = side%area + exterior%area(f)
+        end associate
+      end associate
+    end do
+    where (sides%n > 0)
+      sides%modulus = sides%modulus / real(sides%n, DP)
+      sides%edge = sides%edge / real(sides%n, DP)
+    end where
+  end subroutine measure_sides
+
+
+  !> Whether the first of two faces is the slave: the deck says so; else its body is not rigid, not held along the normal by
+  !! supports, softer, of finer mesh, smaller, or the first one, in this order.
+  pure subroutine choose_slave(rules, exterior, data, sides, faces, is_slave, reason)
+    type(general_contact_type), intent(in) :: rules
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    type(side_type), intent(in) :: sides(:, :)
+    integer, intent(in) :: faces(2)
+    logical, intent(out) :: is_slave
+    integer, intent(out) :: reason                 !< REASON_...
+    type(side_type) :: own, other
+    integer :: k, a, b
+    a = exterior%body(faces(1))
+    b = exterior%body(faces(2))
+    own = sides(a, b)
+    other = sides(b, a)
+    do k = size(rules%roles, 2), 1, -1
+      reason = REASON_ROLE
+      associate (g => data%group(faces(1)), h => data%group(faces(2)), slave => rules%roles(1, k), master => rules%roles(2, k))
+        is_slave = is_of(data, g, slave, 0) .and. is_of(data, h, master, 0)
+        if (is_slave .or. (is_of(data, g, master, 0) .and. is_of(data, h, slave, 0))) return
+      end associate
+    end do
+    if (own%n_rigid * other%n /= other%n_rigid * own%n) then
+      reason = REASON_RIGID
+      is_slave = own%n_rigid * other%n < other%n_rigid * own%n
+    else if ((own%n_held > 0) .neqv. (other%n_held > 0)) then
+      reason = REASON_HELD
+      is_slave = own%n_held == 0
+    else if (max(own%modulus, other%modulus) > DISTINCT_STIFFNESS_RATIO * min(own%modulus, other%modulus)) then
+      reason = REASON_SOFTER
+      is_slave = own%modulus < other%modulus
+    else if (max(own%edge, other%edge) > DISTINCT_MESH_RATIO * min(own%edge, other%edge)) then
+      reason = REASON_FINER
+      is_slave = own%edge < other%edge
+    else if (max(own%area, other%area) > DISTINCT_MESH_RATIO * min(own%area, other%area)) then
+      reason = REASON_SMALLER
+      is_slave = own%area < other%area
+    else
+      reason = REASON_FIRST
+      is_slave = a < b
+    end if
+  end subroutine choose_slave
+
+
+  !> The pair to which a near face belongs, as a number, and its side in it.
+  subroutine find_pair_key(rules, exterior, data, sides, f, partner, key, is_slave)
+    type(general_contact_type), intent(in) :: rules
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    type(side_type), intent(in) :: sides(:, :)
+    integer, intent(in) :: f                       !< face
+    integer, intent(in) :: partner                 !< group, or n_groups + analytic surface
+    integer(I64), intent(out) :: key
+    logical, intent(out) :: is_slave
+    integer :: patch, other, interaction, m, reason
+    integer(I64) :: n_others, n_rules
+    if (partner > data%n_groups) then
+      is_slave = .true.
+      patch = exterior%n_patches + exterior%body(f)   ! a profile needs no patches: it acts on nodes
+      other = exterior%n_bodies + partner - data%n_groups
+      interaction = find_interaction(rules, data, data%group(f), 0, partner - data%n_groups)
+    else
+      m = data%member(partner)
+      call choose_slave(rules, exterior, data, sides, [f, m], is_slave, reason)
+      patch = exterior%patch(merge(f, m, is_slave))
+      other = exterior%body(merge(m, f, is_slave))
+      interaction = find_interaction(rules, data, data%group(f), partner, 0)
+    end if
+    n_others = int(exterior%n_bodies + size(data%column_of), I64)
+    n_rules = int(size(rules%assigned, 2) + 1, I64)
+    key = (int(patch, I64) * n_others + int(other, I64)) * n_rules + int(findloc(rules%assigned(3, :), interaction, dim=1), I64)
+  end subroutine find_pair_key
+
+
+  !> Appends one pair with its surfaces, and its line to the text.
+  subroutine append_pair(model, exterior, data, sides, slaves, masters, partner, found, text)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    type(side_type), intent(in) :: sides(:, :)
+    integer, intent(in) :: slaves(:), masters(:)   !< faces, perhaps several times; an analytic master has none
+    integer, intent(in) :: partner                 !< n_groups + the index of an analytic master
+    type(general_pairs_type), intent(inout) :: found
+    character(:), allocatable, intent(inout) :: text
+    type(contact_pair_type) :: pair
+    type(surface_type) :: slave, master
+    logical :: is_slave, has_profile
+    integer :: reason, g, h, s
+    has_profile = partner > data%n_groups
+    if (size(masters) == 0 .and. .not. has_profile) return
+    pair%is_general = .true.
+    pair%is_mortar = .not. has_profile
+    g = data%group(slaves(1))
+    call make_surface(model, exterior, data, slaves, slave)
+    slave%name = body_name(model, exterior, exterior%body(slaves(1)))
+    if (.not. has_profile) slave%name = slave%name // '#' // to_text(exterior%patch(slaves(1)))
+    found%surfaces = [found%surfaces, slave]
+    pair%slave = size(model%surfaces) + size(found%surfaces)
+    reason = REASON_RIGID
+    if (has_profile) then
+      s = partner - data%n_groups
+      master = model%surfaces(s)
+      pair%master = s
+      pair%interaction = find_interaction(model%general_contact, data, g, 0, s)
+    else
+      h = data%group(masters(1))
+      pair%interaction = find_interaction(model%general_contact, data, g, h, 0)
+      call make_surface(model, exterior, data, masters, master)
+      master%name = body_name(model, exterior, exterior%body(masters(1)))
+      found%surfaces = [found%surfaces, master]
+      pair%master = size(model%surfaces) + size(found%surfaces)
+      call choose_slave(model%general_contact, exterior, data, sides, [slaves(1), masters(1)], is_slave, reason)
+    end if
+    pair%name = slave%name // ' / ' // master%name
+    found%pairs = [found%pairs, pair]
+    text = text // NEWLINE // '  slave ' // slave%name // ' (' // plural(size(slave%face), 'face') // '), master ' // master%name
+    if (.not. has_profile) text = text // ' (' // plural(size(master%face), 'face') // ')'
+    text = text // ', interaction ' // model%interactions(pair%interaction)%name // ': ' // trim(REASON_WORDS(reason)) // '.'
+  end subroutine append_pair
+
+
+  !> The surface of some faces and of those of their groups that share a node with them.
+  subroutine make_surface(model, exterior, data, faces, surface)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: faces(:)                !< perhaps several times
+    type(surface_type), intent(out) :: surface
+    integer, allocatable :: list(:)
+    logical :: is_in(exterior%n), has_node(model%mesh%n_nodes), is_group(data%n_groups)
+    integer :: f, i
+    is_in = .false.
+    is_in(faces) = .true.
+    is_group = .false.
+    is_group(data%group(faces)) = .true.
+    has_node = .false.
+    do i = 1, size(faces)
+      has_node(exterior%nodes(exterior%first(faces(i)):exterior%first(faces(i) + 1) - 1)) = .true.
+    end do
+    do f = 1, exterior%n
+      if (.not. is_group(data%group(f)) .or. is_in(f)) cycle
+      is_in(f) = any(has_node(exterior%nodes(exterior%first(f):exterior%first(f + 1) - 1)))
+    end do
+    list = pack([(f, f=1, exterior%n)], is_in)
+    surface%element = exterior%element(list)
+    surface%face = exterior%face(list)
+    has_node = .false.
+    do i = 1, size(list)
+      has_node(exterior%nodes(exterior%first(list(i)):exterior%first(list(i) + 1) - 1)) = .true.
+    end do
+    surface%nodes = pack([(i, i=1, model%mesh%n_nodes)], has_node)
+  end subroutine make_surface
+
+
+  !> The name of the first element set that is exactly the body; else 'BODY' and its number.
+  function body_name(model, exterior, body) result(name)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: body
+    character(:), allocatable :: name
+    integer :: i, n
+    name = 'BODY' // to_text(body)
+    if (.not. allocated(model%mesh%element_sets)) return
+    n = count(exterior%body_of_element == body)
+    do i = 1, size(model%mesh%element_sets)
+      associate (set => model%mesh%element_sets(i))
+        if (size(set%members) /= n) cycle
+        if (any(exterior%body_of_element(set%members) /= body)) cycle
+        name = set%name
+        return
+      end associate
+    end do
+  end function body_name
+
+end module amontons_general_contact

@@ -1,0 +1,231 @@
+!> CONTACT with its inclusions, exclusions and assignments to the rules of general contact.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_general_contact
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
+  use amontons_card_schema, only: has_parameter, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields, is_card
+  use amontons_model, only: model_type
+  use amontons_surfaces, only: interaction_type, general_contact_type
+  use amontons_text, only: is_one_of, name_key, parse_real, NUMBER_OK
+  implicit none
+  private
+  public :: read_general_contact
+
+  character(*), parameter :: DEFAULT_INTERACTION = 'GENERAL CONTACT'   !< name of the one for faces without an assignment
+
+contains
+
+  !> Reads the rules; after `read_interactions`. Faces without an assignment have exact contact without friction.
+  subroutine read_general_contact(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(general_contact_type) :: rules
+    type(interaction_type) :: default
+    integer :: c, n, line
+    if (.not. any([(is_card(reader, c, 'CONTACT'), c=1, reader%cards%n_cards)])) return
+    allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0))
+    default%name = DEFAULT_INTERACTION
+    model%interactions = [model%interactions, default]
+    rules%assigned = reshape([0, 0, size(model%interactions)], [3, 1])
+    n = 0
+    line = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'CONTACT')) then
+        line = reader%cards%cards(c)%line
+        rules%line = reader%cards%line_number(line)
+      else if (is_card(reader, c, 'CONTACTINCLUSIONS')) then
+        n = n + 1
+        call read_inclusions(reader, model, c, rules)
+      else if (is_card(reader, c, 'CONTACTEXCLUSIONS')) then
+        call read_exclusions(reader, model, c, rules)
+      else if (is_card(reader, c, 'CONTACTPROPERTYASSIGNMENT')) then
+        call read_assignments(reader, model, c, rules)
+      else if (is_card(reader, c, 'CONTACTFORMULATION')) then
+        call read_roles(reader, model, c, rules)
+      else if (is_card(reader, c, 'SURFACEPROPERTYASSIGNMENT')) then
+        call read_surface_properties(reader, model, c)
+      end if
+    end do
+    if (n == 0) call report_error(reader, line, '*CONTACT says nothing without *CONTACT INCLUSIONS: give it with ALL ' // &
+      'EXTERIOR, or with pairs of surfaces.')
+    model%general_contact = rules
+  end subroutine read_general_contact
+
+
+  !> CONTACT INCLUSIONS: the whole exterior, or pairs of surfaces.
+  subroutine read_inclusions(reader, model, c, rules)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(general_contact_type), intent(inout) :: rules
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: pair(2), n
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      if (has_parameter(parameters, 'ALL EXTERIOR')) then
+        call report_error(reader, row%line, 'With ALL EXTERIOR *CONTACT INCLUSIONS takes no data lines; leave out one of both.')
+        return
+      end if
+      call check_n_fields(reader, row, 2)
+      call read_surfaces(reader, model, row, pair, is_ok)
+      if (is_ok) rules%included = reshape([rules%included, pair], [2, size(rules%included, 2) + 1])
+    end do
+    if (has_parameter(parameters, 'ALL EXTERIOR')) then
+      rules%included = reshape([rules%included, 0, 0], [2, size(rules%included, 2) + 1])
+    else if (n == 0) then
+      call report_error(reader, reader%cards%cards(c)%line, '*CONTACT INCLUSIONS needs ALL EXTERIOR, or data lines: surface, ' // &
+        'surface.')
+    end if
+  end subroutine read_inclusions
+
+
+  !> CONTACT EXCLUSIONS: pairs of surfaces.
+  subroutine read_exclusions(reader, model, c, rules)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(general_contact_type), intent(inout) :: rules
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: pair(2), n
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call check_n_fields(reader, row, 2)
+      call read_surfaces(reader, model, row, pair, is_ok)
+      if (is_ok) rules%excluded = reshape([rules%excluded, pair], [2, size(rules%excluded, 2) + 1])
+    end do
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT EXCLUSIONS needs data lines: surface, surface.')
+  end subroutine read_exclusions
+
+
+  !> CONTACT PROPERTY ASSIGNMENT: pairs of surfaces and their interaction.
+  subroutine read_assignments(reader, model, c, rules)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(general_contact_type), intent(inout) :: rules
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: name
+    integer :: pair(2), interaction, n
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call check_n_fields(reader, row, 3)
+      call read_surfaces(reader, model, row, pair, is_ok)
+      name = field_text(reader%cards, row, 3)
+      interaction = reader%interactions%find(name)
+      if (interaction == 0) call report_error(reader, row%line, 'There is no surface interaction ''' // name // '''' // &
+        reader%interactions%suggest(name))
+      if (is_ok .and. interaction > 0) rules%assigned = reshape([rules%assigned, pair, interaction], &
+        [3, size(rules%assigned, 2) + 1])
+    end do
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT PROPERTY ASSIGNMENT needs data lines: ' // &
+      'surface, surface, interaction.')
+  end subroutine read_assignments
+
+
+  !> CONTACT FORMULATION: pairs of surfaces and the role of the first one.
+  subroutine read_roles(reader, model, c, rules)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(general_contact_type), intent(inout) :: rules
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: role
+    integer :: pair(2)
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      call check_n_fields(reader, row, 3)
+      call read_surfaces(reader, model, row, pair, is_ok)
+      role = name_key(field_text(reader%cards, row, 3))
+      if (.not. is_one_of(role, 'SLAVE|MASTER|SECONDARY|MAIN')) then
+        call report_error(reader, row%line, 'The third field is ''' // field_text(reader%cards, row, 3) // '''; it must be ' // &
+          'the role of the first surface: SLAVE or MASTER (or SECONDARY, MAIN).')
+        cycle
+      end if
+      if (is_one_of(role, 'MASTER|MAIN')) pair = pair(2:1:-1)
+      if (is_ok) rules%roles = reshape([rules%roles, pair], [2, size(rules%roles, 2) + 1])
+    end do
+  end subroutine read_roles
+
+
+  !> SURFACE PROPERTY ASSIGNMENT: the faces of solids lie where the mesh is; another place is refused.
+  subroutine read_surface_properties(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: word
+    integer :: surface, status
+    real(DP) :: value
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      call read_surface(reader, model, row, 1, surface, is_ok)
+      if (.not. is_one_of(parameter_word(parameters, 'PROPERTY', ''), 'THICKNESS|OFFSETFRACTION')) cycle
+      word = name_key(field_text(reader%cards, row, 2))
+      call parse_real(word, value, status)
+      if (word == '' .or. is_one_of(word, 'ORIGINAL|THINNING|SPOS|SNEG')) cycle
+      if (status == NUMBER_OK) then
+        if (abs(value) <= 0.0_DP) cycle
+      end if
+      call report_error(reader, row%line, 'The second field is ''' // field_text(reader%cards, row, 2) // '''. The faces of ' // &
+        'solids have no thickness and lie where the mesh is: ORIGINAL or 0. is allowed. Move the nodes, or give the pair a ' // &
+        '*CLEARANCE.')
+    end do
+  end subroutine read_surface_properties
+
+
+  !> The two surfaces of a row. A first one that is left out is the whole exterior, a second one is the first again.
+  subroutine read_surfaces(reader, model, row, pair, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(out) :: pair(2)              !< indices; 0: the whole exterior
+    logical, intent(out) :: is_ok
+    logical :: is_second_ok
+    call read_surface(reader, model, row, 1, pair(1), is_ok)
+    call read_surface(reader, model, row, 2, pair(2), is_second_ok)
+    is_ok = is_ok .and. is_second_ok
+    if (field_text(reader%cards, row, 2) == '') pair(2) = pair(1)
+  end subroutine read_surfaces
+
+
+  !> The surface of a field: of element faces, or analytic.
+  subroutine read_surface(reader, model, row, field, surface, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: field
+    integer, intent(out) :: surface              !< index; 0: the field is empty
+    logical, intent(out) :: is_ok
+    character(:), allocatable :: name
+    surface = 0
+    is_ok = .true.
+    name = field_text(reader%cards, row, field)
+    if (name == '') return
+    surface = reader%surfaces%find(name)
+    is_ok = surface > 0 .and. surface <= size(model%surfaces)
+    if (surface == 0) call report_error(reader, row%line, 'There is no surface ''' // name // '''' // &
+      reader%surfaces%suggest(name))
+    if (.not. is_ok) return
+    is_ok = .not. model%surfaces(surface)%is_node_based
+    if (.not. is_ok) call report_error(reader, row%line, 'The surface ''' // name // ''' is made of nodes; general contact ' // &
+      'needs element faces.')
+  end subroutine read_surface
+
+end module amontons_deck_general_contact
