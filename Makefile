@@ -12,7 +12,7 @@ endif
 .SUFFIXES:
 
 # --- what the user may set ----------------------------------------------------------------------------------------
-BUILD  ?= release#     release, debug, sanitize or races
+BUILD  ?= release#     release, portable (for other processors, too), debug, sanitize or races
 WERROR ?=#             1: a warning of the compiler is an error
 V      ?=#             1: show the commands as they are run
 ARCH   ?= -march=native
@@ -31,16 +31,17 @@ ifeq ($(BUILD),release)
 B := build
 BIN := bin
 LIB := lib
-else ifneq ($(filter $(BUILD),debug sanitize races),)
+else ifneq ($(filter $(BUILD),portable debug sanitize races),)
 B := build/$(BUILD)
 BIN := $(B)/bin
 LIB := $(B)/lib
 else
-$(error BUILD is "$(BUILD)"; it can be release, debug, sanitize or races)
+$(error BUILD is "$(BUILD)"; it can be release, portable, debug, sanitize or races)
 endif
 VENV := .venv
 Q := $(if $(V),,@)
 PY := $(VENV)/bin/python
+PYTHON_OF_TOOLS ?= $(abspath $(PY))
 
 # --- compilers ----------------------------------------------------------------------------------------------------
 # (Optimising, gfortran 12 takes the bounds of an array that is not yet allocated for variables used before they are
@@ -49,6 +50,7 @@ FWARN := -Wall -Wextra -pedantic -Wimplicit-interface -Wuse-without-only -Wconve
   -Wno-maybe-uninitialized -Wno-uninitialized -Wno-compare-reals
 CWARN := -Wall -Wextra -pedantic
 OPT_release  := -O3 $(ARCH) -g
+OPT_portable := -O3 $(if $(filter x86_64,$(shell uname -m)),-march=x86-64-v2) -g1
 OPT_debug    := -O0 -g -fno-omit-frame-pointer
 OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined
 OPT_races    := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
@@ -99,7 +101,7 @@ $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach module,$(MODULES),$(eval $(call module_rule,$(module))))
 
-.PHONY: picture report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place hooks clean help depends
+.PHONY: picture report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place wheel pack-wheel hooks clean help depends
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -291,8 +293,21 @@ place:
 	install -m 644 share/_amontons $(SHARE)/zsh/site-functions/_amontons
 	install -m 644 share/amontons.fish $(SHARE)/fish/vendor_completions.d/amontons.fish
 
+wheel: ready $(VENV)/installed ## Build the Python package with library, program and all they need into dist (Linux, any x86-64 since 2009)
+	@$(MAKE) BUILD=portable build
+	@$(MAKE) BUILD=portable pack-wheel
+
+# What is built already becomes a wheel; auditwheel adds OpenBLAS, SuiteSparse, HDF5 and what these need.
+DIST ?= dist
+pack-wheel:
+	@rm -rf $(B)/wheel && mkdir -p $(B)/wheel $(DIST)
+	$(Q)AMONTONS_LIB=$(LIB) AMONTONS_BIN=$(BIN) $(PYTHON_OF_TOOLS) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+	  --wheel-dir $(B)/wheel ./python
+	$(Q)PATH="$(dir $(PYTHON_OF_TOOLS)):$$PATH" $(PYTHON_OF_TOOLS) -m auditwheel repair --wheel-dir $(DIST) $(B)/wheel/amontons-*.whl
+	@rm -rf $(B)/wheel
+
 clean: ## Remove all that make built, but not .venv
-	rm -rf build bin lib results
+	rm -rf build bin lib results dist python/build python/*.egg-info
 
 help: ## Print this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))

@@ -6,10 +6,11 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from os import PathLike
+from pathlib import Path
 from types import TracebackType
 
 import numpy as np
@@ -98,6 +99,17 @@ class Matrix:
         return np.bincount(rows, self.value * np.asarray(vector, dtype=float)[self.column], self.shape[0])
 
 
+@dataclass(frozen=True)
+class Increment:
+    """An increment that is committed."""
+
+    step: int  #: counted from 1
+    number: int  #: in the job, counted from 1
+    time: float  #: total time at its end
+    dt: float  #: its length
+    iterations: int  #: Newton iterations, those of failed attempts too
+
+
 def version() -> str:
     """The version of the library."""
     text = ctypes.create_string_buffer(64)
@@ -112,6 +124,8 @@ def encoded(text: str | PathLike[str] | None) -> bytes | None:
 
 class Job:
     """A job. Its state is the last commit; later solutions can be kept (commit) or discarded (rollback).
+
+    `for increment in job` solves and commits the increments of the deck one by one.
 
     A job belongs to one thread at a time; several jobs may run side by side in threads of their own.
     """
@@ -155,6 +169,7 @@ class Job:
         """
         self._library = library()
         self._job = ctypes.c_void_p()
+        self._name = name or (Path(deck).stem if deck is not None else "job")
         self._log = Log((lambda _, line: log(line.decode(errors="replace"))) if log else 0)
         options = Options(
             ABI, threads, files, checkpoint, resume, check, encoded(deck), encoded(text), encoded(name), encoded(outdir),
@@ -183,6 +198,23 @@ class Job:
         if kind is None:
             self.finish()
         self.close()
+
+    def __repr__(self) -> str:
+        """Where it stands."""
+        if not self._job:
+            return f"<Job {self._name}: closed>"
+        end = "done" if self.is_done else "not done"
+        return f"<Job {self._name}: step {self.number('STEP'):.0f}, {self.number('INCREMENTS'):.0f} increments, time {self.time:g}, {end}>"
+
+    def __iter__(self) -> Iterator[Increment]:
+        """The increments that are left, each as soon as it is committed; the files are closed after the last."""
+        iterations = int(self.number("ITERATIONS"))
+        while not self.is_done:
+            time = self.time
+            self.advance()
+            before, iterations = iterations, int(self.number("ITERATIONS"))
+            yield Increment(int(self.number("STEP")), int(self.number("INCREMENTS")), self.time, self.time - time, iterations - before)
+        self.finish()
 
     def __del__(self) -> None:
         """Gives the memory back."""
@@ -248,6 +280,7 @@ class Job:
     def get(self, quantity: str, where: str | int = "") -> NDArray[np.float64]:
         """A quantity at the nodes of a set, surface or label ("": all nodes), one row per node.
 
+        CFN, CFS, CAREA and the other sums over contact pairs take "slave / master" or the slave surface; one row per pair.
         POINT quantities have one row per integration point of an element set or the label of an element, ELEMENT
         quantities one per element; numbers are single ones. The names are in doc/manual/library.md, and
         names("QUANTITIES") lists them.
@@ -272,7 +305,7 @@ class Job:
         return self.get("NODES", where).astype(np.int64)
 
     def names(self, kind: str) -> list[str]:
-        """The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" of `get`."""
+        """The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "PAIRS", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" of `get`."""
         length = ctypes.c_int64()
         self._judge(self._library.amontons_names(self._job, kind.encode(), None, 0, ctypes.byref(length)))
         text = ctypes.create_string_buffer(length.value)

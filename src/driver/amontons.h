@@ -90,7 +90,7 @@ int amontons_get(amontons_job *job, const char *quantity, const char *set, doubl
                  int64_t *rows, int64_t *columns);
 int amontons_set(amontons_job *job, const char *quantity, const char *set, const double *values, int64_t n);
 
-/* The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" that
+/* The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "PAIRS", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" that
  * amontons_get accepts: one per line, ended by 0. With text = NULL only the size needed is returned. */
 int amontons_names(amontons_job *job, const char *kind, char *text, int64_t room, int64_t *needed);
 

@@ -2,19 +2,22 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Names are those of the result file; case and blanks are ignored. A node set, a surface or a label selects nodes, an element
-!! set or a label selects elements, '' selects all of them. `amontons_driven_loads` applies what is set.
+!! set or a label selects elements, 'slave / master' or the slave surface a contact pair, '' all of them.
+!! `amontons_driven_loads` applies what is set.
 module amontons_job_query
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
+  use amontons_containers, only: name_table_type
   use amontons_text, only: name_key, to_text, parse_integer, NUMBER_OK
   use amontons_topology, only: element_kind_type, facet_kind_type, element_kind, facet_kind
   use amontons_mesh, only: mesh_extent
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_state, only: history_variable
   use amontons_constraints, only: condense_forces
-  use amontons_result_schema, only: field_rows, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN
+  use amontons_result_schema, only: field_rows, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, &
+    PAIR_COLUMNS, N_PAIR_REALS, N_PAIR_INTEGERS
   use amontons_postprocess, only: nodal_slaves
-  use amontons_results, only: point_fields
+  use amontons_results, only: point_fields, pair_rows
   use amontons_analysis, only: analysis_type, is_at_end
   use amontons_driven_loads, only: set_driven, set_friction, friction_now, current_loads, DRIVEN_FORCE, &
     DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, &
@@ -32,6 +35,7 @@ module amontons_job_query
   character(16), parameter :: POINT_QUANTITIES(*) = [character(16) :: 'ELEMENT LABEL', 'POINT LABEL', 'POINT VOLUME', 'POINT S', &
     'POINT E', 'POINT ENERGY', 'POINT PEEQ', 'POINT SDV', 'ELEMENT VOLUME', 'ELEMENT S', 'ELEMENT E', 'ELEMENT ENERGY', &
     'ELEMENT PEEQ', 'ELEMENT SDV']
+  integer, parameter :: PAIR_SUMS(*) = [6, 7, 8, 9, 10, 11, 12]   !< the sums among PAIR_COLUMNS: after the counts and the time
 
 contains
 
@@ -48,6 +52,7 @@ contains
     logical :: is_known
     call get_number(analysis, name_key(quantity), set, values, is_known, error)
     if (.not. (is_known .or. allocated(error))) call get_of_elements(analysis, name_key(quantity), set, values, is_known, error)
+    if (.not. (is_known .or. allocated(error))) call get_of_pairs(analysis, name_key(quantity), set, values, is_known, error)
     if (is_known .or. allocated(error)) return
     select case (name_key(quantity))
     case ('FACECENTRES')
@@ -61,18 +66,19 @@ contains
     if (allocated(error)) return
     call get_vector(analysis, name_key(quantity), nodes, values, is_known)
     if (.not. is_known) call get_column(analysis, name_key(quantity), nodes, values, is_known)
-    if (.not. is_known) call set_error(error, EXIT_USAGE, 'There is no quantity named ' // quantity // '.')
+    if (.not. is_known) call set_error(error, EXIT_USAGE, 'There is no quantity named ' // quantity // &
+      suggestion(analysis, [character(10) :: 'QUANTITIES'], quantity))
   end subroutine query_values
 
 
-  !> The names of a kind in a job: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS, and the QUANTITIES of
-  !! query_values. Errors: EXIT_USAGE.
+  !> The names of a kind in a job: NODE SETS, ELEMENT SETS, SURFACES, PAIRS, INTERACTIONS, MATERIALS, and the
+  !! QUANTITIES of query_values. Errors: EXIT_USAGE.
   subroutine query_names(analysis, kind, names, error)
     type(analysis_type), intent(in) :: analysis
     character(*), intent(in) :: kind
     character(:), allocatable, intent(out) :: names(:)
     type(error_type), allocatable, intent(out) :: error
-    integer, parameter :: LENGTH = 2 * NAME_LENGTH + 1   ! the name of an instance, a point, the name of a set
+    integer, parameter :: LENGTH = 4 * NAME_LENGTH + 5   ! of a pair: twice the name of an instance, a point, the name of a surface
     integer :: i
     associate (model => analysis%model, mesh => analysis%model%mesh)
       select case (name_key(kind))
@@ -91,6 +97,11 @@ contains
         do i = 1, size(names)
           names(i) = model%surfaces(i)%name
         end do
+      case ('PAIRS')
+        allocate (character(LENGTH) :: names(size(model%pairs)))
+        do i = 1, size(names)
+          names(i) = model%pairs(i)%name
+        end do
       case ('INTERACTIONS')
         allocate (character(LENGTH) :: names(size(model%interactions)))
         do i = 1, size(names)
@@ -102,10 +113,11 @@ contains
           names(i) = model%materials(i)%name
         end do
       case ('QUANTITIES')
-        names = [character(LENGTH) :: NUMBER_QUANTITIES, FIELD_QUANTITIES, POINT_COLUMNS%name, POINT_QUANTITIES]
+        names = [character(LENGTH) :: NUMBER_QUANTITIES, FIELD_QUANTITIES, POINT_COLUMNS%name, POINT_QUANTITIES, &
+          PAIR_COLUMNS(PAIR_SUMS)%name]
       case default
         call set_error(error, EXIT_USAGE, 'There are no names of ' // kind // '; NODE SETS, ELEMENT SETS, SURFACES, ' // &
-          'INTERACTIONS, MATERIALS and QUANTITIES have some.')
+          'PAIRS, INTERACTIONS, MATERIALS and QUANTITIES have some.')
       end select
     end associate
   end subroutine query_names
@@ -160,6 +172,92 @@ contains
   end subroutine get_number
 
 
+  !> Sums over contact pairs: a column of the history of pairs of the result file.
+  subroutine get_of_pairs(analysis, quantity, set, values, is_known, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: quantity           !< squeezed
+    character(*), intent(in) :: set                !< 'slave / master', or the slave surface of one pair; '' means all pairs
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (components, pairs)
+    logical, intent(out) :: is_known
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: reals(:, :)
+    integer, allocatable :: integers(:, :), pairs(:)
+    integer :: i, column, first
+    column = 0
+    do i = 1, size(PAIR_SUMS)
+      if (name_key(PAIR_COLUMNS(PAIR_SUMS(i))%name) == quantity) column = PAIR_SUMS(i)
+    end do
+    is_known = column > 0
+    if (.not. is_known) return
+    call find_pairs(analysis, set, pairs, error)
+    if (allocated(error)) return
+    associate (model => analysis%model)
+      allocate (integers(N_PAIR_INTEGERS, size(model%pairs)), reals(N_PAIR_REALS, size(model%pairs)))
+      call pair_rows(model, analysis%state%new, [0, 0], analysis%state%new%total_time, integers, reals)
+    end associate
+    first = sum(PAIR_COLUMNS(:column - 1)%width, mask=.not. PAIR_COLUMNS(:column - 1)%is_integer)
+    values = reals(first + 1:first + PAIR_COLUMNS(column)%width, pairs)
+  end subroutine get_of_pairs
+
+
+  !> The contact pair of a name or of a slave surface; '' means all.
+  subroutine find_pairs(analysis, set, pairs, error)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: set
+    integer, allocatable, intent(out) :: pairs(:)
+    type(error_type), allocatable, intent(out) :: error
+    logical, allocatable :: is_wanted(:)
+    integer :: i
+    associate (model => analysis%model)
+      allocate (is_wanted(size(model%pairs)), source=len_trim(set) == 0)
+      do i = 1, size(model%pairs)
+        if (name_key(model%pairs(i)%name) == name_key(set)) is_wanted(i) = .true.
+      end do
+      if (.not. any(is_wanted)) then
+        do i = 1, size(model%pairs)
+          is_wanted(i) = name_key(model%surfaces(model%pairs(i)%slave)%name) == name_key(set)
+        end do
+        if (count(is_wanted) > 1) then
+          call set_error(error, EXIT_USAGE, set // ' is the slave of several contact pairs; name one as "slave / master".')
+          return
+        end if
+      end if
+      pairs = pack([(i, i=1, size(model%pairs))], is_wanted)
+    end associate
+    if (size(pairs) == 0 .and. len_trim(set) > 0) call set_error(error, EXIT_USAGE, 'There is no contact pair named ' // set // &
+      suggestion(analysis, [character(10) :: 'PAIRS'], set))
+  end subroutine find_pairs
+
+
+  !> The end of a sentence about an unknown name: the nearest of the names of some kinds as the deck has
+  !! it, all of a few, or a full stop.
+  function suggestion(analysis, kinds, name) result(text)
+    type(analysis_type), intent(in) :: analysis
+    character(*), intent(in) :: kinds(:)           !< of query_names
+    character(*), intent(in) :: name               !< unknown
+    character(:), allocatable :: text
+    character(:), allocatable :: names(:)
+    type(name_table_type) :: table
+    type(error_type), allocatable :: error
+    integer :: i, k, best, position
+    logical :: is_new
+    do k = 1, size(kinds)
+      call query_names(analysis, trim(kinds(k)), names, error)
+      do i = 1, size(names)
+        call table%add(trim(names(i)), position, is_new)
+      end do
+    end do
+    text = table%suggest(name)
+    best = table%nearest(name)
+    do k = 1, size(kinds)
+      call query_names(analysis, trim(kinds(k)), names, error)
+      do i = 1, size(names)
+        if (best > 0 .and. table%find(names(i)) == best) text = '; did you mean ' // trim(names(i)) // '?'
+      end do
+    end do
+  end function suggestion
+
+
   !> The centres of the faces of a surface (means of their corners), in the order in which P is set.
   subroutine get_face_centres(analysis, set, values, error)
     type(analysis_type), intent(in) :: analysis
@@ -171,7 +269,8 @@ contains
     integer :: i, k, e, surface, corners(4)
     surface = surface_of(analysis, set)
     if (surface == 0) then
-      call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
+      call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // &
+          suggestion(analysis, [character(10) :: 'SURFACES'], set))
       return
     end if
     associate (faces => analysis%model%surfaces(surface), mesh => analysis%model%mesh)
@@ -376,7 +475,8 @@ contains
       i = 0
       if (status == NUMBER_OK) i = findloc(mesh%element_label, label, dim=1)
       if (i > 0) elements = [i]
-      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no element set or element named ' // set // '.')
+      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no element set or element named ' // set // &
+        suggestion(analysis, [character(12) :: 'ELEMENT SETS'], set))
     end associate
   end subroutine find_elements
 
@@ -468,7 +568,8 @@ contains
       kind = DRIVEN_PRESSURE
       surface = surface_of(analysis, set)
       if (surface == 0) then
-        call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // '.')
+        call set_error(error, EXIT_USAGE, 'There is no surface named ' // set // &
+          suggestion(analysis, [character(10) :: 'SURFACES'], set))
       else
         items = 6 * (analysis%model%surfaces(surface)%element - 1) + analysis%model%surfaces(surface)%face
       end if
@@ -522,7 +623,8 @@ contains
       i = 0
       if (status == NUMBER_OK) i = findloc(mesh%node_label, label, dim=1)
       if (i > 0) nodes = [i]
-      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no node set, surface or node named ' // set // '.')
+      if (i == 0) call set_error(error, EXIT_USAGE, 'There is no node set, surface or node named ' // set // &
+        suggestion(analysis, [character(10) :: 'NODE SETS', 'SURFACES'], set))
     end associate
   end subroutine find_nodes
 
@@ -551,7 +653,8 @@ contains
         if (name_key(interactions(i)%name) == name_key(name)) return
       end do
     end associate
-    call set_error(error, EXIT_USAGE, 'There is no interaction named ' // name // '.')
+    call set_error(error, EXIT_USAGE, 'There is no interaction named ' // name // &
+      suggestion(analysis, [character(12) :: 'INTERACTIONS'], name))
   end subroutine find_interaction
 
 

@@ -416,7 +416,7 @@ contains
   end subroutine set_values
 
 
-  !> The names of a kind: NODE SETS, ELEMENT SETS, SURFACES, INTERACTIONS, MATERIALS; QUANTITIES of get_values.
+  !> The names of a kind: NODE SETS, ELEMENT SETS, SURFACES, PAIRS, INTERACTIONS, MATERIALS; QUANTITIES of get_values.
   subroutine get_names(job, kind, names, error)
     type(job_type), intent(in) :: job
     character(*), intent(in) :: kind

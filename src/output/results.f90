@@ -48,7 +48,7 @@ module amontons_results
   implicit none
   private
   public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
-  public :: export_result_pages, apply_result_pages, discard_results, is_writing, point_fields
+  public :: export_result_pages, apply_result_pages, discard_results, is_writing, point_fields, pair_rows
 
   character(*), parameter :: REASON_TABLE = '/AMONTONS/history/reason'
   character(*), parameter :: FAILURE_TEXT_GROUP = '/AMONTONS/told'
@@ -247,19 +247,32 @@ contains
     type(fields_type), intent(in) :: fields                  !< committed
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
-    type(slave_state_type), allocatable :: slaves(:)
-    type(pair_sums_type) :: s
-    integer :: integers(N_PAIR_INTEGERS, size(model%pairs)), p, k
+    integer :: integers(N_PAIR_INTEGERS, size(model%pairs))
     real(DP) :: reals(N_PAIR_REALS, size(model%pairs))
-    do p = 1, size(model%pairs)
-      slaves = pack(fields%slaves, fields%slaves%pair == p)
-      call sum_pair_forces(model, fields%u, slaves, s)
-      integers(:, p) = [record%step, record%increment, p - 1, (count(slaves%status == k), k=0, 2)]
-      reals(:, p) = [record%total_time, s%force, s%moment, s%area, s%place(:, :2)]
-    end do
+    call pair_rows(model, fields, [record%step, record%increment], record%total_time, integers, reals)
     call check_finite('pair', PAIR_COLUMNS, reals, error)
     if (.not. allocated(error)) call append_columns(results%store, PAIR_COLUMNS, integers, reals, results%pairs, error)
   end subroutine write_pair_sums
+
+
+  !> Rows of PAIR_COLUMNS: the sums over each pair.
+  subroutine pair_rows(model, fields, count_of, total_time, integers, reals)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: count_of(2)                       !< step and increment
+    real(DP), intent(in) :: total_time                       !< [time]
+    integer, intent(out) :: integers(:, :)                   !< (N_PAIR_INTEGERS, n_pairs)
+    real(DP), intent(out) :: reals(:, :)                     !< (N_PAIR_REALS, n_pairs)
+    type(slave_state_type), allocatable :: slaves(:)
+    type(pair_sums_type) :: s
+    integer :: p, k
+    do p = 1, size(model%pairs)
+      slaves = pack(fields%slaves, fields%slaves%pair == p)
+      call sum_pair_forces(model, fields%u, slaves, s)
+      integers(:, p) = [count_of, p - 1, (count(slaves%status == k), k=0, 2)]
+      reals(:, p) = [total_time, s%force, s%moment, s%area, s%place(:, :2)]
+    end do
+  end subroutine pair_rows
 
 
   !> Writes the history row of a failed attempt, without fields, and flushes the file.

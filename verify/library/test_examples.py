@@ -6,7 +6,6 @@ SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -63,20 +62,3 @@ def test_staggered_loop_with_rollback() -> None:
     for window, displacement in enumerate(displacements, 1):
         assert abs(displacement + 0.01 * window / 4 * 400 / 1400) < 1e-12
     assert max(tries) <= 5
-
-
-@pytest.mark.slow
-def test_package_installs(root: Path, library: Path, tmp_path: Path) -> None:
-    """`pip install ./python` gives a package that works from anywhere."""
-    source, target = tmp_path / "python", tmp_path / "site"
-    shutil.copytree(root / "python", source)
-    done = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", str(target), str(source)],
-                          capture_output=True, text=True)  # fmt: skip
-    if done.returncode and "setuptools" in done.stderr:
-        pytest.skip("setuptools cannot be had here")
-    assert done.returncode == 0, done.stderr
-    environment = os.environ | {"PYTHONPATH": str(target), "AMONTONS_LIBRARY": str(library)}
-    done = subprocess.run([sys.executable, "-c", "import amontons; print(amontons.__file__, amontons.version())"],
-                          cwd=tmp_path, env=environment, capture_output=True, text=True)  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert str(target) in done.stdout

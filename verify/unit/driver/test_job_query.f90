@@ -118,6 +118,10 @@ contains
 
   !> Time, counts, works: the work of a force that grows to 5 over 0.005 is 0.0125.
   subroutine check_numbers()
+    call expect_refusal('TIMME', '', 'did you mean TIME?')
+    call expect_refusal('U', 'LIDD', 'did you mean LID?')
+    call expect_refusal('P', 'LIDS', 'did you mean LID?')
+    call expect_refusal('CFN', 'LID', 'There is no contact pair named LID; the deck has none at all')
     call expect_number('TIME', 0.5_DP)
     call expect_number('step time', 0.5_DP)
     call expect_number('Time left', 0.5_DP)
