@@ -12,7 +12,8 @@
 module amontons_contact_skin
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, multiply, multiply_transpose
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, sparse_product, sparse_sum, multiply, &
+    multiply_transpose
   use amontons_dense, only: solve_small
   use amontons_constraints, only: constraints_type
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
@@ -50,6 +51,7 @@ module amontons_contact_skin
     type(sparse_type), private :: by_imbalance     !< D_R (n_unknowns x n_unknowns) [-]
     type(sparse_type), private :: by_displacement  !< D_u (n_unknowns x n_unknowns) [force/length]
     type(tangent_parts_type), private :: parts
+    type(sparse_type), private :: jumps            !< N (free unknowns of the skin, squared): v_s = jump + N v [-]
     type(tile_type), allocatable, private :: tiles(:)
   end type skin_type
 
@@ -72,7 +74,7 @@ contains
 
 
   !> Updates the preconditioner for a tangent: projection and tiles.
-  subroutine renew_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, error)
+  subroutine renew_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, shares, error)
     type(skin_type), intent(inout) :: self         !< with its tiles; P may be computed later
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in) :: whole    !< with them
@@ -81,6 +83,7 @@ contains
     type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave, the slave node first; no
                                                    !! values
+    type(sparse_type), intent(in) :: shares        !< of master nodes in the jumps of compliant slaves (n_nodes x n_nodes) [-]
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: skin_of(:), tile_of(:)
     integer :: i
@@ -97,6 +100,8 @@ contains
     if (allocated(error)) return
     call lay_skin(self, rows, skin_of, tile_of)
     call take_parts(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+    if (allocated(error)) return
+    call relate_jumps(self, shares, skin_of, error)
     if (allocated(error)) return
     call share_members(self, tile_of)
     call factorise_tiles(self%parts, self%tiles, error)
@@ -237,7 +242,6 @@ contains
     free(self%free_of) = [(i, i=1, size(self%free_of))]
     call take_rows(whole%transformation, unknown, free, size(self%free_of), self%parts%relation, error)
     if (allocated(error)) return
-    self%parts%relation_t = sparse_transpose(self%parts%relation)
     call take_rows(stiffness, unknown, skin, n, self%parts%stiffness, error, is_symmetric=.true.)
     if (allocated(error)) return
     call take_rows(by_imbalance, unknown, skin, n, taken, error)
@@ -246,6 +250,38 @@ contains
     call take_rows(by_displacement, unknown, skin, n, taken, error)
     if (.not. allocated(error)) self%parts%by_displacement_t = sparse_transpose(taken)
   end subroutine take_parts
+
+
+  !> The jumps of compliant slaves take the place of their displacements on the skin: T (1 + N) in place of T.
+  subroutine relate_jumps(self, shares, skin_of, error)
+    type(skin_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: shares        !< (n_nodes x n_nodes) [-]
+    integer, intent(in) :: skin_of(:)              !< (n_nodes)
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: masters                   !< N on the skin (free unknowns of the skin x unknowns of the skin) [-]
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer :: node, p, n, k, axis, n_free
+    n_free = size(self%free_of)
+    n = 3 * size(shares%column)
+    allocate (row(n), column(n), value(n))
+    n = 0
+    do k = 1, n_free
+      node = (self%unknown_of(self%free_of(k)) + 2) / 3
+      axis = self%unknown_of(self%free_of(k)) - 3 * (node - 1)
+      do p = shares%first(node), shares%first(node + 1) - 1
+        n = n + 1
+        row(n) = k
+        column(n) = 3 * (skin_of(shares%column(p)) - 1) + axis
+        value(n) = shares%value(p)
+      end do
+    end do
+    call sparse_from_triplets(n_free, self%parts%relation%n_rows, row(:n), column(:n), value(:n), masters, error)
+    if (allocated(error)) return
+    self%jumps = sparse_product(masters, self%parts%relation)
+    if (n > 0) self%parts%relation = sparse_sum(self%parts%relation, 1.0_DP, sparse_product(self%parts%relation, self%jumps))
+    self%parts%relation_t = sparse_transpose(self%parts%relation)
+  end subroutine relate_jumps
 
 
   !> Extracts a submatrix: some rows, and the columns with a new index. A symmetric matrix is given by its upper triangle; the
@@ -340,10 +376,12 @@ contains
     type(skin_type), intent(in) :: self
     real(DP), intent(in) :: d(:)                   !< (n_free) r - J x [force]
     real(DP), intent(inout) :: x(:)                !< (n_free) [length]
-    real(DP) :: correction(size(self%free_of))
+    real(DP) :: force(size(self%free_of)), correction(size(self%free_of)), carried(size(self%free_of))
+    call multiply_transpose(self%jumps, d(self%free_of), force)
     correction = 0.0_DP
-    call correct_tiles(self%tiles, d(self%free_of), correction)
-    x(self%free_of) = x(self%free_of) + correction
+    call correct_tiles(self%tiles, d(self%free_of) + force, correction)
+    call multiply(self%jumps, correction, carried)
+    x(self%free_of) = x(self%free_of) + correction + carried
   end subroutine correct_skin
 
 

@@ -11,7 +11,6 @@ module amontons_newton_step
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
-  use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, STATUS_OPEN
@@ -22,7 +21,7 @@ module amontons_newton_step
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_skin, only: cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
   use amontons_free_rigid_motions, only: find_motions, is_singular_along
-  use amontons_robin_springs, only: find_near, robin_springs, skin_rows
+  use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
     apply_schur_interface
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
@@ -350,8 +349,8 @@ contains
 
 
   !> Whether the contact subproblem is solved on the contact skin: by the cost of a round. The dense interface takes n_c^3
-  !! operations, the skin some number of products with the bulk. Compliant laws, which need more Krylov iterations, take the dense
-  !! interface as long as it is allowed. The choice depends on nothing but the model and the interface, which a checkpoint keeps.
+  !! operations, the skin some number of products with the bulk. The choice depends on nothing but the model and the interface,
+  !! which a checkpoint keeps.
   pure logical function takes_skin(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -359,9 +358,8 @@ contains
     if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
     takes_skin = step%interface == INTERFACE_SKIN
     if (takes_skin .or. .not. allocated(system%is_interface_unknown)) return
-    takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS
-    if (takes_skin .or. any(is_compliant(system%contact%laws))) return
-    takes_skin = system%reduced_system%is_iterative .or. is_skin_cheaper(system, USUAL_ITERATIONS)
+    takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS .or. system%reduced_system%is_iterative .or. &
+      is_skin_cheaper(system, USUAL_ITERATIONS)
   end function takes_skin
 
 
@@ -381,15 +379,17 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: imbalance_tangent, displacement_tangent, rows
+    type(sparse_type) :: imbalance_tangent, displacement_tangent, rows, shares
     call ensure_bulk_factor(system, model, step, state, .true., error)
     if (allocated(error) .or. .not. system%skin%is_ready) return
     call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
       imbalance_tangent, displacement_tangent)
     if (any(model%pairs%has_point_contact)) system%skin%memory%is_near = find_near(system%contact, state%new)   ! points change
     call skin_rows(system%contact, state%new, system%skin%memory%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
+    call master_shares(system%contact_tangents, model%mesh%n_nodes, shares, error)
+    if (allocated(error)) return
     call renew_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, imbalance_tangent, &
-      displacement_tangent, rows, error)
+      displacement_tangent, rows, shares, error)
     if (allocated(error)) return
     system%is_skin = .true.
     system%is_interface_singular = is_free(system)
@@ -840,8 +840,7 @@ contains
   end subroutine apply_preconditioner
 
 
-  !> y ~ inv(J) x by the bulk solver and then by the tiles. Where all contact is compliant, the
-  !! bulk solver contains its springs; tiles are omitted, since they would cut the coupling by these springs.
+  !> y ~ inv(J) x by the bulk solver and then by the tiles.
   subroutine apply_skin(system, x, y)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
@@ -851,7 +850,6 @@ contains
     tangent%system => system
     allocate (rest(size(x)))
     call apply_bulk(system%skin, x, y)
-    if (all(system%contact_tangents%is_compliant_node) .and. size(system%contact_tangents) > 0) return
     call tangent%apply(y, rest)
     call correct_skin(system%skin, x - rest, y)
   end subroutine apply_skin

@@ -1,24 +1,25 @@
-!> Robin springs between slave nodes and master, which restrain the bodies in the preconditioner of wide contact, and the nodes of
-!! the contact skin.
+!> Robin springs between slave nodes and master, which restrain the bodies in the preconditioner of wide contact, and what the
+!! contact skin consists of: the nodes of its rows, and the shares of the master nodes in the jumps of compliant slaves.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs to its
 !! projection on the master, in all directions that the supports leave free: the node's own stiffness c along the normal, and a
-!! fraction of c across it. Under a compliant law they have the mean slopes of the law over the closed slaves of the pair.
+!! fraction of c across it. Under a compliant law they are at most the mean slopes of the law over the closed slaves of the pair.
 module amontons_robin_springs
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_tensor, only: outer_product
-  use amontons_sparse, only: sparse_type
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_STICK
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
+  use amontons_shared_slave_nodes, only: support_free_projector
   use amontons_contact_linearization, only: contact_tangent_type
   use amontons_contact_operators, only: assemble_spring_matrix
   use amontons_equilibrium, only: MAX_INTERFACE_GAP
   implicit none
   private
-  public :: find_near, robin_springs, skin_rows
+  public :: find_near, robin_springs, skin_rows, master_shares
 
   real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
   real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
@@ -51,7 +52,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(contact_tangent_type), allocatable :: links(:)
     type(contact_row_type) :: row
-    real(DP) :: slope(2, size(contact%facets)), along, across
+    real(DP) :: slope(2, size(contact%facets)), free(3, 3), along, across
     integer :: n_at(n_unknowns / 3), s, n
     call mean_slopes(contact, fields, closed, slope)
     n_at = 0
@@ -71,10 +72,10 @@ contains
         link%weights = row%weights
         along = STIFF_ALONG * slave%stiffness / real(n_at(slave%node), DP)
         across = STIFF_ACROSS * slave%stiffness / real(n_at(slave%node), DP)
-        if (slope(1, slave%pair) > 0.0_DP) along = slope(1, slave%pair) * slave%area
-        if (slope(2, slave%pair) > 0.0_DP) across = slope(2, slave%pair) * slave%area
-        link%spring = across * contact%free(:, :, s) + (along - across) * &
-          outer_product(matmul(contact%free(:, :, s), slave%normal), matmul(contact%free(:, :, s), slave%normal))
+        if (slope(1, slave%pair) > 0.0_DP) along = min(along, slope(1, slave%pair) * slave%area)
+        if (slope(2, slave%pair) > 0.0_DP) across = min(across, slope(2, slave%pair) * slave%area)
+        free = support_free_projector(contact%axes(:, :, s), contact%free_mask(:, s))
+        link%spring = across * free + (along - across) * outer_product(matmul(free, slave%normal), matmul(free, slave%normal))
       end associate
     end do
     call assemble_spring_matrix(links, n_unknowns, springs, error)
@@ -161,5 +162,64 @@ contains
     end subroutine put
 
   end subroutine skin_rows
+
+
+  !> The shares N of master nodes in the jump u_s - sum N_m u_m of each slave node of a compliant law: the negative weights of all
+  !! its rows, scaled to the sum 1. A node that is master of another such slave has no jump.
+  subroutine master_shares(links, n_nodes, shares, error)
+    type(contact_tangent_type), intent(in) :: links(:)        !< of the closed slaves
+    integer, intent(in) :: n_nodes
+    type(sparse_type), intent(out) :: shares       !< N (n_nodes x n_nodes) [-]
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: value(:), total(:)
+    integer, allocatable :: row(:), column(:)
+    logical, allocatable :: is_slave(:), is_master(:)
+    integer :: i, n
+    n = sum(links%n_weights**2)
+    allocate (row(n), column(n), value(n))
+    allocate (total(n_nodes), source=0.0_DP)
+    allocate (is_slave(n_nodes), is_master(n_nodes), source=.false.)
+    do i = 1, size(links)
+      if (links(i)%is_compliant_node) call sort_nodes(links(i)%nodes(:links(i)%n_weights), links(i)%weights > 0.0_DP)
+    end do
+    n = 0
+    do i = 1, size(links)
+      if (links(i)%is_compliant_node) call add_row(links(i)%nodes(:links(i)%n_weights), links(i)%weights)
+    end do
+    call sparse_from_triplets(n_nodes, n_nodes, row(:n), column(:n), value(:n) / total(row(:n)), shares, error)
+
+  contains
+
+    !> Adds the shares of the masters of a row in the jumps of its slaves.
+    subroutine add_row(nodes, w)
+      integer, intent(in) :: nodes(:)
+      real(DP), intent(in) :: w(:)                 !< [-]
+      integer :: j, k
+      do j = 1, size(nodes)
+        if (.not. (is_slave(nodes(j)) .and. w(j) > 0.0_DP)) cycle
+        do k = 1, size(nodes)
+          if (.not. (is_master(nodes(k)) .and. w(k) < 0.0_DP)) cycle
+          n = n + 1
+          row(n) = nodes(j)
+          column(n) = nodes(k)
+          value(n) = -w(j) * w(k)
+          total(row(n)) = total(row(n)) + value(n)
+        end do
+      end do
+    end subroutine add_row
+
+    !> Slaves and masters of a row: a node that is one of them for an earlier row remains it.
+    subroutine sort_nodes(nodes, is_positive)
+      integer, intent(in) :: nodes(:)
+      logical, intent(in) :: is_positive(:)
+      integer :: m
+      do m = 1, size(nodes)
+        if (is_slave(nodes(m)) .or. is_master(nodes(m))) cycle
+        is_slave(nodes(m)) = is_positive(m)
+        is_master(nodes(m)) = .not. is_positive(m)
+      end do
+    end subroutine sort_nodes
+
+  end subroutine master_shares
 
 end module amontons_robin_springs

@@ -25,6 +25,7 @@ MODELS = {
     "hard, domed, NLGEOM": Model(8, is_nlgeom=True, increments=5),
     "hard, blocks": Model(5, is_block=True, increments=5),
     "linear": Model(8, law="linear", increments=4, criteria=1e-7),
+    "linear, domed": Model(10, law="linear", increments=5, criteria=1e-7),
     "linear, integration points": Model(5, law="linear", kind="surface", increments=10, criteria=1e-7),
 }
 

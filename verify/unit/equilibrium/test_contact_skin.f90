@@ -21,7 +21,8 @@ program test_contact_skin
   call make_chains()
   call check_bulk_alone()
   call check_symmetry()
-  call check_tile()
+  call check_tile(.false.)
+  call check_tile(.true.)
   call check_forces()
   call suite%finish()
 
@@ -66,10 +67,12 @@ contains
 
 
   !> The preconditioner with the bulk K and a tile of the nodes 10 and 11.
-  subroutine make_skin(constraints, skin)
+  subroutine make_skin(constraints, skin, has_jump)
     type(constraints_type), intent(in) :: constraints
     type(skin_type), intent(out) :: skin
-    type(sparse_type) :: rows
+    logical, intent(in), optional :: has_jump      !< the slave's displacement is that of the master and a jump
+    type(sparse_type) :: rows, shares
+    integer :: n_shares, i
     type(error_type), allocatable :: error
     integer :: status
     call cut_skin(skin, mesh%coordinates, [SLAVE], N_NODES)
@@ -79,7 +82,11 @@ contains
     rows%n_columns = N_NODES
     rows%first = [1, 3]
     rows%column = [SLAVE, MASTER]
-    call renew_skin(skin, base, constraints, K, D_R, D_u, rows, error)
+    n_shares = 0
+    if (present(has_jump)) n_shares = merge(1, 0, has_jump)
+    call sparse_from_triplets(N_NODES, N_NODES, [(SLAVE, i=1, n_shares)], [(MASTER, i=1, n_shares)], [(1.0_DP, i=1, n_shares)], &
+      shares, error)
+    call renew_skin(skin, base, constraints, K, D_R, D_u, rows, shares, error)
     call suite%that('skin: renewed', .not. allocated(error) .and. skin%n_tiles == 1)
   end subroutine make_skin
 
@@ -146,12 +153,13 @@ contains
 
 
   !> After the tile's correction nothing remains of the residual on the tile, whatever x was; the other unknowns keep their values.
-  subroutine check_tile()
+  subroutine check_tile(has_jump)
+    logical, intent(in) :: has_jump
     type(skin_type) :: skin
     real(DP), dimension(whole%n_free) :: r, x, before, rest
     logical :: is_inside(whole%n_free)
     integer :: i
-    call make_skin(whole, skin)
+    call make_skin(whole, skin, has_jump)
     is_inside = .false.
     do i = 3 * MASTER - 2, 3 * SLAVE
       if (whole%free_of(i) > 0) is_inside(whole%free_of(i)) = .true.

@@ -9,7 +9,7 @@ program test_robin_springs
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
-  use amontons_robin_springs, only: find_near, robin_springs, skin_rows
+  use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_sparse, only: sparse_type
   use amontons_state, only: state_type, STATUS_STICK
   use amontons_steps, only: step_type
@@ -26,6 +26,7 @@ program test_robin_springs
   call check_hard()
   call check_compliant()
   call check_rows()
+  call check_shares()
   call suite%finish()
 
 contains
@@ -88,13 +89,15 @@ contains
   end subroutine check_hard
 
 
-  !> A compliant law: the mean slopes of two closed slaves, a sticking and an open one, times the areas of all.
+  !> A compliant law: the mean slopes of two closed slaves times the areas of all, at most the springs of exact contact. The law
+  !! needs no directions that the supports leave free: the evaluation of exact contact, which finds them, did not run.
   subroutine check_compliant()
     type(contact_tangent_type) :: closed(2)
-    real(DP), parameter :: ALONG = 50.0_DP, ACROSS = 7.0_DP
+    real(DP), parameter :: ALONG = 3.0_DP, ACROSS = 0.2_DP
     real(DP) :: area
     integer :: i
     call start(0.1_DP)
+    system%contact%free = 0.0_DP
     area = sum(state%new%slaves%area)
     closed%slave = [1, 6]
     closed%is_compliant_node = .true.
@@ -106,6 +109,11 @@ contains
     end do
     call suite%near('slope of the pressure', work(closed, 3, .true.), ALONG * area, ALONG * area * TOL)
     call suite%near('slope of the shear', work(closed, 2, .true.), ACROSS * area, ACROSS * area * TOL)
+    do i = 1, 2
+      closed(i)%spring = 1.0e3_DP * closed(i)%spring
+    end do
+    call suite%near('a stiff law', work(closed, 3, .true.), N_SLAVES * OWN, N_SLAVES * OWN * TOL)
+    call suite%near('its shear', work(closed, 2, .true.), 0.1_DP * N_SLAVES * OWN, N_SLAVES * OWN * TOL)
     closed%is_compliant_node = .false.
     call suite%near('exact contact has no slope', work(closed, 3, .true.), N_SLAVES * OWN, N_SLAVES * OWN * TOL)
   end subroutine check_compliant
@@ -132,5 +140,35 @@ contains
     call current_row(system%contact, state%new%slaves(4), row)
     call suite%that('a near slave''s row', all(rows%column(rows%first(3) + 1:rows%first(4) - 1) == row%nodes))
   end subroutine check_rows
+
+
+  !> Shares of masters: those of a node's row; the mean over the rows of points; none through a node that is slave and master, nor
+  !! of exact contact.
+  subroutine check_shares()
+    type(contact_tangent_type) :: closed(5)
+    type(sparse_type) :: shares
+    type(error_type), allocatable :: error
+    integer :: i
+    closed%is_compliant_node = [.true., .true., .true., .true., .false.]
+    closed%n_weights = 3
+    closed(1)%nodes = [1, 8, 9]                    ! a node
+    closed(1)%weights = [1.0_DP, -0.25_DP, -0.75_DP]
+    closed(2)%nodes = [2, 3, 9]                    ! points of a face
+    closed(2)%weights = [0.5_DP, 0.5_DP, -1.0_DP]
+    closed(3)%nodes = [2, 3, 8]
+    closed(3)%weights = [1.0_DP, 0.0_DP, -1.0_DP]
+    closed(4)%nodes = [9, 1, 4]                    ! a master that is a slave of another pair
+    closed(4)%weights = [1.0_DP, -0.5_DP, -0.5_DP]
+    closed(5)%nodes = [5, 8, 9]
+    closed(5)%weights = [1.0_DP, -0.5_DP, -0.5_DP]
+    call master_shares(closed, 10, shares, error)
+    call suite%that('shares: no error', .not. allocated(error))
+    call suite%that('rows of the slaves', all(shares%first == [1, 3, 5, 6, 6, 6, 6, 6, 6, 6, 6]))
+    call suite%that('their masters', all(shares%column == [8, 9, 8, 9, 9]))
+    call suite%near('their shares', maxval(abs(shares%value - [0.25_DP, 0.75_DP, 2.0_DP / 3.0_DP, 1.0_DP / 3.0_DP, 1.0_DP])), &
+      0.0_DP, TOL)
+    call master_shares(closed(5:), 10, shares, error)
+    call suite%that('exact contact has no jumps', size(shares%column) == 0 .and. all([(shares%first(i) == 1, i=1, 11)]))
+  end subroutine check_shares
 
 end program test_robin_springs
