@@ -143,13 +143,13 @@ uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_l
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
 
 # equilibrium
-uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner mesh steps constraints
+uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner controls mesh steps constraints
 uses_skin_tiles = kinds containers errors blas sparse
-uses_contact_skin = kinds errors dense sparse constraints reduced_system skin_tiles
-uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface constraints
-uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner constraints
-uses_equilibrium = kinds errors iteration_records posix sparse surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
-uses_robin_springs = kinds errors tensor sparse contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators equilibrium
+uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles
+uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
+uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
+uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
+uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 
 # model_check

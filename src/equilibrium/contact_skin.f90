@@ -12,24 +12,25 @@
 module amontons_contact_skin
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
+  use amontons_controls, only: skin_controls_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, sparse_product, sparse_sum, multiply, &
     multiply_transpose
   use amontons_dense, only: solve_small
   use amontons_constraints, only: constraints_type
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
-  use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
+  use amontons_skin_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
   implicit none
   private
-  public :: skin_type, skin_memory_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
+  public :: skin_type, skin_memory_type, partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
 
-  integer, parameter :: SLAVES_A_TILE = 64         !< at most
+  type(skin_controls_type), parameter :: DEFAULTS = skin_controls_type()
 
   !> What the preconditioner follows from beside the displacements at its computation; a checkpoint keeps it.
   type :: skin_memory_type
     type(sparse_type) :: springs                   !< Robin springs, upper triangle (n_unknowns x n_unknowns) [force/length]
     logical, allocatable :: is_near(:)             !< (n_slaves) slaves with a Robin spring
     integer :: n_slow = 0                          !< slow Krylov solves since P was computed
-    integer :: slow_limit = 2                      !< slow solves until P is recomputed
+    integer :: slow_limit = DEFAULTS%max_slow_solves                       !< slow solves until P is recomputed
     logical :: is_outdated = .false.               !< P is recomputed for the next Newton direction
     logical :: is_abandoned = .false.              !< the dense interface serves this step better
   end type skin_memory_type
@@ -58,23 +59,23 @@ module amontons_contact_skin
 contains
 
   !> Partitions the slave nodes into tiles.
-  subroutine cut_skin(self, place, node, n_nodes)
+  subroutine partition_skin(self, place, node, slaves_per_tile)
     type(skin_type), intent(inout) :: self
     real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
     integer, intent(in) :: node(:)                 !< slave nodes, each once
-    integer, intent(in) :: n_nodes
+    integer, intent(in) :: slaves_per_tile         !< at most
     integer :: tile(size(node))
-    call cut_tiles(place(:, node), SLAVES_A_TILE, tile, self%n_tiles)
+    call partition_points(place(:, node), slaves_per_tile, tile, self%n_tiles)
     if (allocated(self%tile_of_node)) deallocate (self%tile_of_node)
-    allocate (self%tile_of_node(n_nodes), source=0)
+    allocate (self%tile_of_node(size(place, 2)), source=0)
     self%tile_of_node(node) = tile
     if (allocated(self%tiles)) deallocate (self%tiles)
     allocate (self%tiles(self%n_tiles))
-  end subroutine cut_skin
+  end subroutine partition_skin
 
 
   !> Updates the preconditioner for a tangent: projection and tiles.
-  subroutine renew_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, shares, error)
+  subroutine update_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, shares, error)
     type(skin_type), intent(inout) :: self         !< with its tiles; P may be computed later
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in) :: whole    !< with them
@@ -98,14 +99,14 @@ contains
     self%n_bulk = base%n_free
     call relate_rows(self, base, whole, error)
     if (allocated(error)) return
-    call lay_skin(self, rows, skin_of, tile_of)
-    call take_parts(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+    call number_skin_nodes(self, rows, skin_of, tile_of)
+    call extract_skin_tangent(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
     if (allocated(error)) return
     call relate_jumps(self, shares, skin_of, error)
     if (allocated(error)) return
-    call share_members(self, tile_of)
+    call assign_tile_unknowns(self, tile_of)
     call factorise_tiles(self%parts, self%tiles, error)
-  end subroutine renew_skin
+  end subroutine update_skin
 
 
   !> A and D: the rows of unknowns that contact makes dependent, and for each the direction of projection at its node.
@@ -192,7 +193,7 @@ contains
 
 
   !> The unknowns of the skin: the nodes of all rows. A master node belongs to the tile of the first row that contains it.
-  subroutine lay_skin(self, rows, skin_of, tile_of)
+  subroutine number_skin_nodes(self, rows, skin_of, tile_of)
     type(skin_type), intent(in) :: self
     type(sparse_type), intent(in) :: rows
     integer, allocatable, intent(out) :: skin_of(:)   !< (n_nodes) number in the skin; 0: not in it
@@ -213,17 +214,17 @@ contains
       end do
     end do
     tile_of = tile_of(:n)
-  end subroutine lay_skin
+  end subroutine number_skin_nodes
 
 
   !> Extracts the parts of the tangent on the skin.
-  subroutine take_parts(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+  subroutine extract_skin_tangent(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
     type(skin_type), intent(inout) :: self
     type(constraints_type), intent(in) :: whole
     type(sparse_type), intent(in) :: stiffness, by_imbalance, by_displacement
     integer, intent(in) :: skin_of(:)              !< (n_nodes)
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: taken
+    type(sparse_type) :: extracted
     integer, allocatable :: unknown(:), skin(:), free(:)
     integer :: i, n, node
     n = 3 * maxval([0, skin_of])
@@ -240,16 +241,16 @@ contains
     self%skin_of_free = pack([(i, i=1, n)], whole%free_of(unknown) > 0)
     free = 0
     free(self%free_of) = [(i, i=1, size(self%free_of))]
-    call take_rows(whole%transformation, unknown, free, size(self%free_of), self%parts%relation, error)
+    call extract_rows(whole%transformation, unknown, free, size(self%free_of), self%parts%relation, error)
     if (allocated(error)) return
-    call take_rows(stiffness, unknown, skin, n, self%parts%stiffness, error, is_symmetric=.true.)
+    call extract_rows(stiffness, unknown, skin, n, self%parts%stiffness, error, is_symmetric=.true.)
     if (allocated(error)) return
-    call take_rows(by_imbalance, unknown, skin, n, taken, error)
+    call extract_rows(by_imbalance, unknown, skin, n, extracted, error)
     if (allocated(error)) return
-    self%parts%by_imbalance_t = sparse_transpose(taken)
-    call take_rows(by_displacement, unknown, skin, n, taken, error)
-    if (.not. allocated(error)) self%parts%by_displacement_t = sparse_transpose(taken)
-  end subroutine take_parts
+    self%parts%by_imbalance_t = sparse_transpose(extracted)
+    call extract_rows(by_displacement, unknown, skin, n, extracted, error)
+    if (.not. allocated(error)) self%parts%by_displacement_t = sparse_transpose(extracted)
+  end subroutine extract_skin_tangent
 
 
   !> The jumps of compliant slaves take the place of their displacements on the skin: T (1 + N) in place of T.
@@ -286,12 +287,12 @@ contains
 
   !> Extracts a submatrix: some rows, and the columns with a new index. A symmetric matrix is given by its upper triangle; the
   !! submatrix has both triangles.
-  subroutine take_rows(matrix, rows, number, n_columns, taken, error, is_symmetric)
+  subroutine extract_rows(matrix, rows, number, n_columns, extracted, error, is_symmetric)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: rows(:)
     integer, intent(in) :: number(:)               !< (n_columns of matrix) new index; 0: not extracted
     integer, intent(in) :: n_columns
-    type(sparse_type), intent(out) :: taken        !< (size(rows) x n_columns)
+    type(sparse_type), intent(out) :: extracted        !< (size(rows) x n_columns)
     type(error_type), allocatable, intent(out) :: error
     logical, intent(in), optional :: is_symmetric
     integer, allocatable :: row(:), column(:)
@@ -318,12 +319,12 @@ contains
         value(n) = value(n - 1)
       end do
     end do
-    call sparse_from_triplets(size(rows), n_columns, row(:n), column(:n), value(:n), taken, error)
-  end subroutine take_rows
+    call sparse_from_triplets(size(rows), n_columns, row(:n), column(:n), value(:n), extracted, error)
+  end subroutine extract_rows
 
 
   !> The free unknowns of each tile.
-  subroutine share_members(self, tile_of)
+  subroutine assign_tile_unknowns(self, tile_of)
     type(skin_type), intent(inout) :: self
     integer, intent(in) :: tile_of(:)              !< (nodes of the skin)
     integer :: tile(size(self%free_of)), n(self%n_tiles), k, t
@@ -342,7 +343,7 @@ contains
       n(t) = n(t) + 1
       self%tiles(t)%member(n(t)) = k
     end do
-  end subroutine share_members
+  end subroutine assign_tile_unknowns
 
 
   !> x = R Pi P Pi' R' r.
@@ -372,7 +373,7 @@ contains
 
 
   !> x_F = x_F + inv(J_FF) d_F on all tiles.
-  subroutine correct_skin(self, d, x)
+  subroutine apply_tiles(self, d, x)
     type(skin_type), intent(in) :: self
     real(DP), intent(in) :: d(:)                   !< (n_free) r - J x [force]
     real(DP), intent(inout) :: x(:)                !< (n_free) [length]
@@ -382,7 +383,7 @@ contains
     call correct_tiles(self%tiles, d(self%free_of) + force, correction)
     call multiply(self%jumps, correction, carried)
     x(self%free_of) = x(self%free_of) + correction + carried
-  end subroutine correct_skin
+  end subroutine apply_tiles
 
 
   !> w = w - dF_c, with the change of the contact forces dF_c = D_R dRhat + D_u du.

@@ -11,6 +11,7 @@ module amontons_equilibrium
   use amontons_posix, only: peak_megabytes
   use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements
   use amontons_surfaces, only: is_compliant
+  use amontons_controls, only: controls_type
   use amontons_steps, only: step_type, SOLVER_AUTO
   use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
@@ -40,7 +41,7 @@ module amontons_equilibrium
   private
   public :: equilibrium_type, create_equilibrium, begin_step, plan_solver, begin_increment, evaluate_equilibrium, &
     directional_residual, residuals_above_rounding
-  public :: max_components, nodal_norms, MAX_INTERFACE_GAP
+  public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, start_clock, stop_clock
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
@@ -54,11 +55,7 @@ module amontons_equilibrium
   integer, parameter :: OUTCOME_TUNNELLING = 5        !< a slave node passed through its master
   integer, parameter :: OUTCOME_CONSTRAINTS = 6    !< constraints contradict each other: system%conflict says which
 
-  real(DP), parameter :: MAX_FIRST_INCREMENT_RATIO = 0.3_DP         !< first increment over the step below which a factor is reused
-                                                                    !! [-]
   real(DP), parameter :: ROUNDING_FACTOR = 10.0_DP             !< roundings of a gap in the computation of a force, at most [-]
-  real(DP), parameter :: MAX_INTERFACE_GAP = 0.5_DP                   !< largest gap of an open node on the interface over the edge
-                                                                      !! length [-]
 
   !> The equilibrium equations, with all data kept between configurations.
   type :: equilibrium_type
@@ -75,8 +72,9 @@ module amontons_equilibrium
     real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction with the skin: residual over right-hand side [-]
     logical :: is_first_direction = .true.         !< of the increment: it sets the origins of slip of the nodes that close
     real(DP) :: forcing_term = 1.0e-2_DP           !< admissible merit of a contact subproblem over that at its start [-]
+    type(controls_type) :: controls                !< of the present step
     logical :: is_skin = .false.                   !< the present direction uses the skin
-    logical :: is_schur_active = .false.              !< the present direction uses the Schur complement or the skin
+    logical :: has_interface_solver = .false.       !< the present direction has an interface solver: dense, or the contact skin
     logical :: is_subproblem_solved = .false.                !< the contact subproblem of the present direction is solved
     logical :: is_schur_allowed = .true.            !< the interface is not known to be too large
     real(DP), allocatable :: bulk_factor_u(:, :)          !< (3, n_nodes) u at the factorisation of the bulk [length]; not
@@ -206,9 +204,12 @@ contains
     system%is_assembled = .false.
     system%skin%memory%is_abandoned = .false.
     if (allocated(step%is_inactive)) system%has_no_element = find_unconnected_unknowns(model%mesh, step%is_inactive)
+    system%controls = step%controls
+    system%schur_interface%controls = step%controls%krylov
+    system%reduced_system%controls = step%controls%linear_solver
     system%reduced_system%requested_solver = step%solver
     system%reduced_system%is_factor_reused = size(state%old%slaves) > 0 .or. &
-      (system%is_constant .and. step%dt_initial < MAX_FIRST_INCREMENT_RATIO * step%period)
+      (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period)
     call update_base_constraints(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
@@ -229,7 +230,7 @@ contains
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     logical :: is_surely_factor
-    is_surely_factor = is_factor_small(system%base%n_free, system%reduced_system%is_factor_reused)
+    is_surely_factor = is_factor_small(system%controls%linear_solver, system%base%n_free, system%reduced_system%is_factor_reused)
     if (is_surely_factor .and. system%reduced_system%requested_solver == SOLVER_AUTO) return
     call plan_reduced_solver(system%reduced_system, system%assembly%stiffness, system%base, model%mesh, error)
   end subroutine plan_solver
@@ -558,7 +559,7 @@ contains
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         if (slave%facet == 0) cycle
-        if (slave%gap > MAX_INTERFACE_GAP * system%contact%edge(slave%pair) .and. .not. includes_far_nodes) cycle
+        if (slave%gap > system%controls%interface%max_gap * system%contact%edge(slave%pair) .and. .not. includes_far_nodes) cycle
         call current_row(system%contact, slave, row)
         is_near(row%nodes) = .true.
         is_near(row%imbalance_nodes) = .true.

@@ -7,6 +7,7 @@
 !! then, and does not detect it.
 module amontons_free_rigid_motions
   use amontons_kinds, only: DP
+  use amontons_controls, only: skin_controls_type
   use amontons_containers, only: find_root, unite_trees
   use amontons_sparse, only: sparse_type
   use amontons_constraints, only: constraints_type
@@ -16,12 +17,9 @@ module amontons_free_rigid_motions
   private
   public :: free_motions_type, find_motions, is_singular_along
 
-  real(DP), parameter :: WEAK = 1.0e-2_DP          !< largest z'Kz over z'diag(K)z of a motion that is kept [-]
-  real(DP), parameter :: DEPENDENT = 1.0e-10_DP    !< relative eigenvalue below which motions are linearly dependent [-]
-  real(DP), parameter :: SUSPECT = 1.0e-6_DP       !< |J Z y| over |diag(K) Z y| from the Gram matrix below which it is recomputed
-                                                   !! directly [-]
-  real(DP), parameter :: FREE = 1.0e-9_DP          !< the recomputed ratio below which the tangent is singular [-]
-  integer, parameter :: MOST = 48                  !< motions that are kept, at most
+  real(DP), parameter :: TOL_DEPENDENT = 1.0e-10_DP    !< relative eigenvalue below which motions are linearly dependent [-]
+  real(DP), parameter :: TOL_GRAM_MATRIX = 1.0e-6_DP       !< |J Z y| over |diag(K) Z y| from the Gram matrix below which it is
+                                                           !! recomputed directly [-]
 
   !> The kept rigid motions.
   type :: free_motions_type
@@ -32,7 +30,8 @@ module amontons_free_rigid_motions
 contains
 
   !> The rigid motions that the base constraints restrain weakly or not at all.
-  subroutine find_motions(stiffness, base, place, is_angle, motions)
+  subroutine find_motions(controls, stiffness, base, place, is_angle, motions)
+    type(skin_controls_type), intent(in) :: controls
     type(sparse_type), intent(in) :: stiffness     !< K, upper triangle with its diagonal
     type(constraints_type), intent(in) :: base     !< eliminated
     real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
@@ -49,8 +48,8 @@ contains
     call measure_motions(stiffness, body, n_bodies, z, energy, scale)
     allocate (motions%value(base%n_unknowns, 0))
     do b = 1, n_bodies
-      call weak_combinations(energy(:, :, b), scale(:, :, b), m, combination)
-      do k = 1, min(m, MOST - motions%n)
+      call weak_combinations(controls%max_motion_energy, energy(:, :, b), scale(:, :, b), m, combination)
+      do k = 1, min(m, controls%max_motions - motions%n)
         motions%n = motions%n + 1
         motions%value = reshape(motions%value, [base%n_unknowns, motions%n], pad=[0.0_DP])
         do i = 1, base%n_unknowns
@@ -169,7 +168,8 @@ contains
 
 
   !> The combinations of a body's motions with small energy over scale.
-  subroutine weak_combinations(energy, scale, m, combination)
+  subroutine weak_combinations(max_ratio, energy, scale, m, combination)
+    real(DP), intent(in) :: max_ratio              !< of energy over scale [-]
     real(DP), intent(in) :: energy(6, 6), scale(6, 6)
     integer, intent(out) :: m
     real(DP), intent(out) :: combination(6, 6)     !< in its first m columns
@@ -181,22 +181,23 @@ contains
     n = 0
     whiten = 0.0_DP
     do k = 6, 1, -1
-      if (values(k) <= DEPENDENT * values(6)) exit
+      if (values(k) <= TOL_DEPENDENT * values(6)) exit
       n = n + 1
       whiten(:, n) = vectors(:, k) / sqrt(values(k))
     end do
     vectors = 0.0_DP
     call solve_symmetric_eigen(matmul(transpose(whiten(:, :n)), matmul(energy, whiten(:, :n))), values(:n), vectors(:n, :n), status)
     if (status /= DENSE_OK) return
-    m = count(values(:n) <= WEAK)
+    m = count(values(:n) <= max_ratio)
     combination(:, :m) = matmul(whiten(:, :n), vectors(:n, :m))
   end subroutine weak_combinations
 
 
   !> Whether J is singular along some combination of the columns.
-  logical function is_singular_along(images, scales) result(is_singular)
+  logical function is_singular_along(images, scales, free_ratio) result(is_singular)
     real(DP), intent(in) :: images(:, :)           !< (n_free, m) J Z [force]
     real(DP), intent(in) :: scales(:, :)           !< (n_free, m) diag(K) Z [force]
+    real(DP), intent(in) :: free_ratio             !< |J Z y| over |diag(K) Z y| of a free motion [-]
     real(DP) :: gram(size(images, 2), size(images, 2)), values(size(images, 2)), vectors(size(images, 2), size(images, 2))
     real(DP) :: length(size(images, 2)), y(size(images, 2))
     integer :: k, m, status
@@ -210,9 +211,9 @@ contains
     end do
     call solve_symmetric_eigen(gram, values, vectors, status)
     if (status /= DENSE_OK) return
-    if (values(1) > SUSPECT**2) return
+    if (values(1) > TOL_GRAM_MATRIX**2) return
     y = vectors(:, 1) / length
-    is_singular = norm2(matmul(images, y)) <= FREE * norm2(matmul(scales, y))
+    is_singular = norm2(matmul(images, y)) <= free_ratio * norm2(matmul(scales, y))
   end function is_singular_along
 
 end module amontons_free_rigid_motions

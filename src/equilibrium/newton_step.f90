@@ -19,7 +19,7 @@ module amontons_newton_step
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced_system, only: factorise_reduced_system, apply_reduced_inverse, abandon_iteration
   use amontons_woodbury_interface, only: contact_springs_type
-  use amontons_contact_skin, only: cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
+  use amontons_contact_skin, only: partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
   use amontons_free_rigid_motions, only: find_motions, is_singular_along
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
@@ -40,37 +40,10 @@ module amontons_newton_step
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
-  public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, skin_goal, solve_roughly, &
+  public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, skin_merit_tolerance, solve_roughly, &
     apply_unconstrained_tangent, assemble_tangent_matrix
 
-  real(DP), parameter :: KRYLOV_TOLERANCE = 1.0e-9_DP    !< of a direction, relative to the right-hand side [-]
-  real(DP), parameter :: KRYLOV_RESIDUAL_SHARE = 1.0e-3_DP        !< admissible residual of a direction over the residual tolerance
-                                                                  !! of Newton [-]
-  integer, parameter :: MAX_KRYLOV_ITERATIONS = 200                !< Krylov iterations of one direction
-  real(DP), parameter :: ITERATIVE_TOLERANCE = 1.0e-11_DP   !< of a direction without a factor, whose error estimate is less
-                                                            !! reliable [-]
   real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< backward error at rounding level [-]
-  integer, parameter :: MAX_STALE_ITERATIONS = 8                     !< Krylov iterations after which an old factor of the bulk is
-                                                                     !! discarded
-  integer, parameter :: MAX_INDEFINITE_FACTORS = 3                !< such factorisations after which an attempt continues without
-                                                                  !! the interface
-  integer, parameter :: MAX_INTERFACE_UNKNOWNS = 6000            !< largest dense interface [unknowns]
-  real(DP), parameter :: DENSE_WORK_RATIO = 1.9e-6_DP    !< seconds of a round on the dense interface over n_c^3, over those on the
-                                                         !! skin over n less the bulk's share of the dense way (measured on
-                                                         !! plates and blocks) [-]
-  integer, parameter :: SKIN_MOST = 150                  !< Krylov iterations of one direction with the contact skin
-  integer, parameter :: SKIN_RESTART = 50                !< restart length of flexible GMRES: two vectors an iteration
-  real(DP), parameter :: USUAL_ITERATIONS = 14.0_DP      !< Krylov iterations of a round on the skin in the same measurement
-  real(DP), parameter :: SLOW_SKIN = 12.0_DP             !< Krylov iterations per decimal digit of a slow solve; after several of
-                                                         !! them the bulk solver is recomputed [-]
-  real(DP), parameter :: SKIN_FIRST = 1.0e-2_DP          !< relative tolerance of a direction while statuses change [-]
-  real(DP), parameter :: SKIN_CAREFUL = 1.0e-3_DP        !< the same where corrections were halved [-]
-  real(DP), parameter :: SKIN_ROUGH = 0.1_DP             !< the same where only the length of a correction is used [-]
-  real(DP), parameter :: SKIN_LAST = 1.0e-4_DP           !< the same when no status changes [-]
-  real(DP), parameter :: SKIN_ORIGIN = 1.0e-5_DP         !< the same where the direction sets origins of slip [-]
-  real(DP), parameter :: SKIN_ALONE = 1.0e-7_DP          !< the same where no correction follows [-]
-  real(DP), parameter :: SKIN_SHARE = 1.0e-4_DP          !< merit over the residual tolerance r_n at which corrections stop [-]
-  real(DP), parameter :: SKIN_ENOUGH = 0.1_DP            !< a direction with a larger relative residual is rejected [-]
 
   !> J: the exact tangent as an operator on the free unknowns.
   type, extends(operator_type) :: tangent_type
@@ -103,29 +76,30 @@ contains
     call linearize_equilibrium(system, model, step, state, outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call start_clock(system, clock)
-    call factorise_schur(system, model, step, state, error)
+    call prepare_interface_solver(system, model, step, state, error)
     if (allocated(error)) return
     if (system%is_interface_singular) outcome = OUTCOME_LINEAR_SOLVER
-    if (.not. (system%is_schur_active .or. system%is_interface_singular)) call factorise_reduced_matrix(system, model, outcome, &
-      error)
+    if (.not. (system%has_interface_solver .or. system%is_interface_singular)) call factorise_reduced_matrix(system, model, &
+      outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
     system%is_subproblem_solved = .false.
-    system%skin_tolerance = SKIN_ALONE
-    if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(SKIN_ORIGIN, SKIN_FIRST, sets_origins(system, state))
+    system%skin_tolerance = step%controls%skin%tolerance_single
+    if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(step%controls%skin%tolerance_origin, &
+      step%controls%skin%tolerance_changing, sets_origins(system, state))
     system%is_first_direction = .false.
-    call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
+    call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
     if (allocated(error)) return
     if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. system%skin%memory%is_abandoned) then
       call solve_newton_step(system, model, step, state, du, outcome, error)
       return
     end if
-    if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%is_schur_active .and. system%reduced_system%is_iterative) then
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%has_interface_solver .and. system%reduced_system%is_iterative) then
       call abandon_iteration(system%reduced_system)
       call factorise_reduced_matrix(system, model, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
-      call solve_constrained_system(system, residual_floor(system, step), du, outcome, error)
+      call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
     end if
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_newton_step
@@ -159,41 +133,42 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: floor                              ! [force]
+    real(DP) :: allowed_residual                              ! [force]
     integer(I64) :: clock
     call start_clock(system, clock)
     outcome = OUTCOME_LINEAR_SOLVER
     call build_constraints(system, model, step, state%old, state%new, offset_fraction, error)
     if (allocated(error)) return
     call stop_clock(system, clock, PHASE_CONTACT)
-    call factorise_schur(system, model, step, state, error)
-    if (allocated(error) .or. .not. system%is_schur_active) return
+    call prepare_interface_solver(system, model, step, state, error)
+    if (allocated(error) .or. .not. system%has_interface_solver) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    system%skin_tolerance = merge(SKIN_FIRST, SKIN_LAST, system%contact%n_changed > 0)
-    if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, SKIN_CAREFUL)
-    floor = KRYLOV_RESIDUAL_SHARE * step%controls%r_n * system%largest_force
-    if (system%is_skin) floor = 0.5_DP * skin_goal(system, step)
-    call solve_constrained_system(system, floor, du, outcome, error)
+    system%skin_tolerance = merge(step%controls%skin%tolerance_changing, step%controls%skin%tolerance_settled, &
+      system%contact%n_changed > 0)
+    if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, step%controls%skin%tolerance_halved)
+    allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
+    if (system%is_skin) allowed_residual = 0.5_DP * skin_merit_tolerance(system, step)
+    call solve_constrained_system(system, allowed_residual, du, outcome, error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_correction
 
 
   !> The merit at which corrections with the contact skin stop.
-  pure real(DP) function skin_goal(system, step) result(goal)
+  pure real(DP) function skin_merit_tolerance(system, step) result(goal)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    goal = SKIN_SHARE * step%controls%r_n * system%largest_force
-  end function skin_goal
+    goal = system%controls%skin%newton_tolerance_share * step%controls%r_n * system%largest_force
+  end function skin_merit_tolerance
 
 
   !> The admissible residual of a direction: larger than 0 where another Newton iteration follows, to save work.
-  pure real(DP) function residual_floor(system, step) result(floor)
+  pure real(DP) function admissible_residual(system, step) result(allowed_residual)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    floor = 0
-    if (system%is_schur_active .or. (system%reduced_system%is_iterative .and. .not. system%is_constant)) &
-      floor = KRYLOV_RESIDUAL_SHARE * step%controls%r_n * system%largest_force
-  end function residual_floor
+    allowed_residual = 0
+    if (system%has_interface_solver .or. (system%reduced_system%is_iterative .and. .not. system%is_constant)) &
+      allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
+  end function admissible_residual
 
 
   !> K, the linearised contact forces, and C with c, at the configuration of the last evaluation.
@@ -313,10 +288,10 @@ contains
   end subroutine add_proximal_shift
 
 
-  !> Contact by the Schur complement of the interface: the bulk is factorised if no factor is available, the interface always.
-  !! After: is_schur_active is .false. where the interface is too large, the bulk is not positive definite, or
-  !! is_interface_singular.
-  subroutine factorise_schur(system, model, step, state, error)
+  !> The interface solver: the contact skin, or the Schur complement of the interface. The bulk is factorised if no factor is
+  !! available, the interface always. After: has_interface_solver is .false. where the dense interface is too large, the
+  !! bulk is not positive definite, or is_interface_singular.
+  subroutine prepare_interface_solver(system, model, step, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -324,11 +299,11 @@ contains
     type(error_type), allocatable, intent(out) :: error
     logical :: is_complete
     integer :: attempt
-    system%is_schur_active = .false.
+    system%has_interface_solver = .false.
     system%is_interface_singular = .false.
     system%is_skin = .false.
     if (size(state%new%slaves) == 0) return
-    if (takes_skin(system, step)) then
+    if (is_skin_chosen(system, step)) then
       call factorise_skin(system, model, step, state, error)
       return
     end if
@@ -339,40 +314,43 @@ contains
       call factorise_contact_interface(system, is_complete, error)
       if (allocated(error)) return
       system%is_interface_singular = is_complete .and. system%schur_interface%is_singular
-      system%is_schur_active = is_complete .and. .not. system%is_interface_singular
+      system%has_interface_solver = is_complete .and. .not. system%is_interface_singular
       if (is_complete) return
       system%is_interface_unknown = system%is_interface_unknown .or. interface_unknowns(system, model, state%new, .false.)
       system%schur_interface%is_analysed = .false.
       call discard_bulk_factor(system)
     end do
-  end subroutine factorise_schur
+  end subroutine prepare_interface_solver
 
 
   !> Whether the contact subproblem is solved on the contact skin: by the cost of a round. The dense interface takes n_c^3
   !! operations, the skin some number of products with the bulk. The choice depends on nothing but the model and the interface,
   !! which a checkpoint keeps.
-  pure logical function takes_skin(system, step)
+  pure logical function is_skin_chosen(system, step)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    takes_skin = .false.
+    is_skin_chosen = .false.
     if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
-    takes_skin = step%interface == INTERFACE_SKIN
-    if (takes_skin .or. .not. allocated(system%is_interface_unknown)) return
-    takes_skin = count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS .or. system%reduced_system%is_iterative .or. &
-      is_skin_cheaper(system, USUAL_ITERATIONS)
-  end function takes_skin
+    is_skin_chosen = step%interface == INTERFACE_SKIN
+    if (is_skin_chosen .or. .not. allocated(system%is_interface_unknown)) return
+    is_skin_chosen = count(system%is_interface_unknown) > system%controls%interface%max_unknowns .or. system%reduced_system%is_iterative .or. &
+      is_skin_cheaper(system, system%controls%interface%usual_skin_iterations)
+  end function is_skin_chosen
 
 
   !> Whether a round with so many Krylov iterations on the skin costs less than one on the dense interface.
   pure logical function is_skin_cheaper(system, n_iterations)
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: n_iterations
-    is_skin_cheaper = DENSE_WORK_RATIO * real(count(system%is_interface_unknown), DP)**3 * USUAL_ITERATIONS > &
-      n_iterations * real(system%base%n_free, DP)
+    associate (limits => system%controls%interface)
+      is_skin_cheaper = limits%dense_work_ratio * real(count(system%is_interface_unknown), DP)**3 * limits%usual_skin_iterations > &
+        n_iterations * real(system%base%n_free, DP)
+    end associate
   end function is_skin_cheaper
 
 
-  !> Contact by the skin: the bulk solver is computed if none is available, the tiles always. After: is_skin and is_schur_active.
+  !> Contact by the skin: the bulk solver is computed if none is available, the tiles always. After: is_skin and
+  !! has_interface_solver.
   subroutine factorise_skin(system, model, step, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -384,26 +362,27 @@ contains
     if (allocated(error) .or. .not. system%skin%is_ready) return
     call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
       imbalance_tangent, displacement_tangent)
-    if (any(model%pairs%has_point_contact)) system%skin%memory%is_near = find_near(system%contact, state%new)   ! points change
+    if (any(model%pairs%has_point_contact)) system%skin%memory%is_near = &   ! points change
+      find_near(system%contact, state%new, step%controls%interface%max_gap)
     call skin_rows(system%contact, state%new, system%skin%memory%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
     call master_shares(system%contact_tangents, model%mesh%n_nodes, shares, error)
     if (allocated(error)) return
-    call renew_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, imbalance_tangent, &
+    call update_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, imbalance_tangent, &
       displacement_tangent, rows, shares, error)
     if (allocated(error)) return
     system%is_skin = .true.
-    system%is_interface_singular = is_free(system)
-    system%is_schur_active = .not. system%is_interface_singular
+    system%is_interface_singular = has_free_motion(system)
+    system%has_interface_solver = .not. system%is_interface_singular
   end subroutine factorise_skin
 
 
   !> Whether the tangent is singular along a rigid body motion.
-  logical function is_free(system)
+  logical function has_free_motion(system)
     type(equilibrium_type), intent(inout), target :: system
     type(tangent_type) :: tangent
     real(DP), allocatable :: images(:, :), scales(:, :)
     integer :: i, k, f
-    is_free = .false.
+    has_free_motion = .false.
     if (system%motions%n == 0) return
     tangent%system => system
     allocate (images(system%constraints%n_free, system%motions%n), scales(system%constraints%n_free, system%motions%n))
@@ -418,12 +397,12 @@ contains
         if (f > 0) scales(f, k) = scales(f, k) * system%assembly%stiffness%value(system%assembly%stiffness%first(i))
       end do
     end do
-    is_free = is_singular_along(images, scales)
-  end function is_free
+    has_free_motion = is_singular_along(images, scales, system%controls%skin%free_motion_ratio)
+  end function has_free_motion
 
 
   !> K with Robin springs, and its solver: a factor, or the two-level preconditioner where that is too large.
-  subroutine renew_robin(system, model, step, fields, is_resumed, error)
+  subroutine update_bulk_solver(system, model, step, fields, is_resumed, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -439,15 +418,17 @@ contains
     do i = 1, size(model%pairs)                    ! integration points change their nearest node
       if (model%pairs(i)%has_point_contact) is_slave(system%contact%mortar(i)%slave%nodes) = .true.
     end do
-    call cut_skin(system%skin, model%mesh%coordinates, pack([(i, i=1, size(is_slave))], is_slave), model%mesh%n_nodes)
+    call partition_skin(system%skin, model%mesh%coordinates, pack([(i, i=1, size(is_slave))], is_slave), &
+      system%controls%skin%slaves_per_tile)
     if (.not. is_resumed .or. .not. allocated(system%skin%memory%is_near)) then
-      system%skin%memory%is_near = find_near(system%contact, fields)
-      call robin_springs(system%contact, fields, system%skin%memory%is_near, system%contact_tangents, system%base%n_unknowns, &
-        system%skin%memory%springs, error)
+      system%skin%memory%is_near = find_near(system%contact, fields, system%controls%interface%max_gap)
+      call robin_springs(system%controls%skin, system%contact, fields, system%skin%memory%is_near, system%contact_tangents, &
+        system%base%n_unknowns, system%skin%memory%springs, error)
       if (allocated(error)) return
     end if
     if (allocated(system%skin%robin%node_order)) deallocate (system%skin%robin%node_order)   ! as in a resumed job
     system%skin%robin%requested_solver = step%solver
+    system%skin%robin%controls = step%controls%linear_solver
     system%skin%robin%is_factor_reused = .true.
     system%skin%robin%is_rounded = .true.
     call factorise_reduced_system(system%skin%robin, sparse_sum(system%assembly%stiffness, 1.0_DP, system%skin%memory%springs), &
@@ -457,10 +438,11 @@ contains
     if (allocated(error)) return
     allocate (is_angle(model%mesh%n_nodes), source=.false.)
     if (size(system%rotation_length) > 0) is_angle = system%rotation_length < 1.0_DP .or. system%rotation_length > 1.0_DP
-    call find_motions(system%assembly%stiffness, system%base, model%mesh%coordinates + fields%u, is_angle, system%motions)
+    call find_motions(system%controls%skin, system%assembly%stiffness, system%base, model%mesh%coordinates + fields%u, is_angle, &
+      system%motions)
     system%n_factorisations = system%n_factorisations + system%skin%robin%n_factorised
     system%skin%is_ready = status == FACTOR_OK
-  end subroutine renew_robin
+  end subroutine update_bulk_solver
 
 
   !> The interface for the present contact: by the Woodbury formula where all contact is compliant and the bodies are supported
@@ -531,7 +513,7 @@ contains
     !> Computes the solver for the present stiffness.
     subroutine renew()
       if (is_skin) then
-        call renew_robin(system, model, step, state%new, is_resumed, error)
+        call update_bulk_solver(system, model, step, state%new, is_resumed, error)
       else
         call refactorise_bulk(system, error)
       end if
@@ -548,7 +530,7 @@ contains
     system%is_schur_allowed = .false.
     if (system%base%n_free == 0) return            ! all unknowns are prescribed
     if (.not. is_analysis_valid(system%schur_interface, system%base)) then
-      if (count(system%is_interface_unknown) > MAX_INTERFACE_UNKNOWNS) return
+      if (count(system%is_interface_unknown) > system%controls%interface%max_unknowns) return
       call analyse_bulk(system%schur_interface, system%assembly%stiffness, system%base, system%is_interface_unknown, error)
       if (allocated(error) .or. .not. system%schur_interface%is_analysed) return
     end if
@@ -557,7 +539,7 @@ contains
     if (allocated(error)) return
     system%n_factorisations = system%n_factorisations + 1
     if (status /= FACTOR_OK) system%n_indefinite = system%n_indefinite + 1   ! the next iterate may be positive definite
-    system%is_schur_allowed = system%n_indefinite < MAX_INDEFINITE_FACTORS
+    system%is_schur_allowed = system%n_indefinite < system%controls%krylov%max_indefinite_factors
   end subroutine refactorise_bulk
 
 
@@ -588,9 +570,9 @@ contains
 
 
   !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_constrained_system(system, floor, du, outcome, error)
+  subroutine solve_constrained_system(system, allowed_residual, du, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
     real(DP), intent(out) :: du(:, :)
     integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
@@ -602,7 +584,7 @@ contains
     flat = system%constraints%offset
     call right_hand_side(system, flat, b)
     if (system%constraints%n_free > 0) then
-      call run_krylov(system, floor, b, v, outcome, error)
+      call run_krylov(system, allowed_residual, b, v, outcome, error)
       if (allocated(error)) return
       call multiply(system%constraints%transformation, v, start)
       flat = flat + start
@@ -612,9 +594,9 @@ contains
 
 
   !> Solves J v = b by conjugate gradients where J = A and A is not factorised, else by GMRES.
-  subroutine run_krylov(system, floor, b, v, outcome, error)
+  subroutine run_krylov(system, allowed_residual, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
     integer, intent(out) :: outcome
@@ -626,19 +608,19 @@ contains
     type(krylov_report_type) :: report
     logical :: is_iterative
     outcome = OUTCOME_OK
-    is_iterative = system%reduced_system%is_iterative .and. .not. system%is_schur_active
+    is_iterative = system%reduced_system%is_iterative .and. .not. system%has_interface_solver
     if (system%is_skin) then
-      call iterate_skin(system, floor, b, v, outcome, error)
+      call solve_by_skin(system, allowed_residual, b, v, outcome, error)
       return
     end if
     tangent%system => system
     matrix%matrix => system%reduced_system%matrix
     preconditioner%system => system
-    options%tolerance = KRYLOV_TOLERANCE
-    options%absolute_tolerance = floor
-    options%max_iterations = merge(system%reduced_system%max_iterations, MAX_KRYLOV_ITERATIONS, is_iterative)
-    if (is_iterative) options%tolerance = ITERATIVE_TOLERANCE
-    system%schur_interface%allowed_residual = max(options%tolerance, floor / max(norm2(b), tiny(floor)))
+    options%tolerance = system%controls%krylov%tolerance
+    options%absolute_tolerance = allowed_residual
+    options%max_iterations = merge(system%reduced_system%max_iterations, system%controls%krylov%max_iterations, is_iterative)
+    if (is_iterative) options%tolerance = system%controls%krylov%iterative_tolerance
+    system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
     if (is_iterative .and. size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)) then
       call conjugate_gradients(matrix, preconditioner, b, v, options, report)
     else
@@ -646,20 +628,20 @@ contains
       if (allocated(error)) return
     end if
     system%n_krylov = system%n_krylov + report%n_iterations
-    if (system%is_schur_active .and. report%n_iterations > MAX_STALE_ITERATIONS &
+    if (system%has_interface_solver .and. report%n_iterations > system%controls%krylov%max_stale_iterations &
       .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return
     if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
-    if (is_iterative .and. report%residual <= KRYLOV_TOLERANCE) return   ! at rounding level for a slender body
+    if (is_iterative .and. report%residual <= system%controls%krylov%tolerance) return   ! at rounding level for a slender body
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
 
 
   !> Solves J v = b with the contact skin. The linearised model includes the remaining residual, and the next correction reduces it.
-  subroutine iterate_skin(system, floor, b, v, outcome, error)
+  subroutine solve_by_skin(system, allowed_residual, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: floor                  !< residual that is small enough [force]
+    real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
     integer, intent(out) :: outcome
@@ -672,20 +654,20 @@ contains
     tangent%system => system
     preconditioner%system => system
     options%tolerance = system%skin_tolerance
-    options%absolute_tolerance = floor
-    options%max_iterations = SKIN_MOST
-    options%restart = SKIN_RESTART
+    options%absolute_tolerance = allowed_residual
+    options%max_iterations = system%controls%skin%max_iterations
+    options%restart = system%controls%skin%restart
     call gmres(tangent, preconditioner, b, v, options, report, error)
     if (allocated(error)) return
     system%n_krylov = system%n_krylov + report%n_iterations
-    if (report%status /= KRYLOV_CONVERGED .and. report%residual > SKIN_ENOUGH) outcome = OUTCOME_LINEAR_SOLVER
-    call judge_skin(system, report, outcome)
-  end subroutine iterate_skin
+    if (report%status /= KRYLOV_CONVERGED .and. report%residual > system%controls%skin%max_residual) outcome = OUTCOME_LINEAR_SOLVER
+    call check_skin_convergence(system, report, outcome)
+  end subroutine solve_by_skin
 
 
   !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step goes on with the
   !! dense interface if that is allowed and cheaper.
-  subroutine judge_skin(system, report, outcome)
+  subroutine check_skin_convergence(system, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(krylov_report_type), intent(in) :: report !< of a direction
     integer, intent(in) :: outcome                 !< OUTCOME_LINEAR_SOLVER: no direction was found
@@ -695,18 +677,19 @@ contains
     n_iterations = real(report%n_iterations, DP)
     digits = -log10(max(report%residual, tiny(1.0_DP)))
     associate (memory => system%skin%memory)
-      if (n_iterations > SLOW_SKIN * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
+      if (n_iterations > system%controls%skin%slow_iterations * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
       if (memory%n_slow <= memory%slow_limit .and. .not. is_lost) return
-      memory%is_abandoned = count(system%is_interface_unknown) <= MAX_INTERFACE_UNKNOWNS .and. &
+      memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%interface%max_unknowns .and. &
         .not. system%skin%robin%is_iterative .and. &
-        (is_lost .or. (memory%slow_limit > 2 .and. .not. is_skin_cheaper(system, n_iterations)))
+        (is_lost .or. (memory%slow_limit > system%controls%skin%max_slow_solves .and. .not. is_skin_cheaper(system, n_iterations)))
       if (is_lost .and. .not. memory%is_abandoned) return
       memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned)
       if (.not. memory%is_outdated) call discard_bulk_factor(system)
       memory%n_slow = 0
-      memory%slow_limit = merge(2, 2 * memory%slow_limit, memory%is_abandoned)   ! recompute it later next time
+      memory%slow_limit = 2 * memory%slow_limit        ! recompute it later next time
+      if (memory%is_abandoned) memory%slow_limit = system%controls%skin%max_slow_solves
     end associate
-  end subroutine judge_skin
+  end subroutine check_skin_convergence
 
 
   !> v ~ inv(J) b with the present factor. Cost: one solution; with the skin the Krylov iterations for one digit.
@@ -720,8 +703,8 @@ contains
     preconditioner%system => system
     v = 0.0_DP
     if (system%is_skin) then
-      system%skin_tolerance = SKIN_ROUGH
-      call iterate_skin(system, 0.0_DP, b, v, outcome, error)
+      system%skin_tolerance = system%controls%skin%tolerance_length
+      call solve_by_skin(system, 0.0_DP, b, v, outcome, error)
     else
       call preconditioner%apply(b, v)
     end if
@@ -831,8 +814,8 @@ contains
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
     if (self%system%is_skin) then
-      call apply_skin(self%system, x, y)
-    else if (self%system%is_schur_active) then
+      call apply_skin_preconditioner(self%system, x, y)
+    else if (self%system%has_interface_solver) then
       call apply_schur_interface(self%system%schur_interface, x, y)
     else
       call apply_reduced_inverse(self%system%reduced_system, x, y)
@@ -841,7 +824,7 @@ contains
 
 
   !> y ~ inv(J) x by the bulk solver and then by the tiles.
-  subroutine apply_skin(system, x, y)
+  subroutine apply_skin_preconditioner(system, x, y)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
@@ -851,7 +834,7 @@ contains
     allocate (rest(size(x)))
     call apply_bulk(system%skin, x, y)
     call tangent%apply(y, rest)
-    call correct_skin(system%skin, x - rest, y)
-  end subroutine apply_skin
+    call apply_tiles(system%skin, x - rest, y)
+  end subroutine apply_skin_preconditioner
 
 end module amontons_newton_step

@@ -9,6 +9,7 @@ module amontons_reduced_system
   use amontons_text, only: to_text
   use amontons_posix, only: available_megabytes, total_megabytes, process_lock_type, acquire_lock
   use amontons_mesh, only: mesh_type
+  use amontons_controls, only: linear_solver_controls_type
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
@@ -23,24 +24,6 @@ module amontons_reduced_system
   public :: reduced_system_type, plan_reduced_solver, is_factor_small, factorise_reduced_system, apply_reduced_inverse, &
     abandon_iteration, discard_analysis
 
-  real(DP), parameter :: MAX_FACTOR_GROWTH = 1.15_DP          !< growth of the factor at which the nodes are ordered anew [-]
-  real(DP), parameter :: INITIAL_SHIFT_RATIO = 1.0e-4_DP               !< of the preconditioner's diagonal if A is not positive [-]
-  real(DP), parameter :: MAX_MEMORY_SHARE = 0.7_DP                  !< of all memory that a factor may take [-]
-  real(DP), parameter :: MAX_FREE_MEMORY_SHARE = 0.9_DP                  !< of the free memory that a factor may take [-]
-  real(DP), parameter :: OPERATIONS_PER_ENTRY = 220.0_DP       !< of an iteration, an entry of A: operations of a factor in that
-                                                               !! time
-  real(DP), parameter :: EXPECTED_ITERATIONS = 140.0_DP               !< estimated iterations, the preconditioner included
-  real(DP), parameter :: MAX_ITERATION_WORK_RATIO = 1.5_DP               !< iterations may take this times the work of the factor
-  integer, parameter :: MAX_CG_ITERATIONS = 2000           !< where a factor does not fit into memory
-  real(DP), parameter :: FACTOR_ENTRIES_RATIO = 60.0_DP           !< entries of a factor over n^(4/3): more than a compact body has
-                                                                  !! [-]
-  integer, parameter :: MIN_UNKNOWNS_PLANNED = 30000                     !< unknowns below which memory is not checked
-  integer, parameter :: MIN_UNKNOWNS_ESTIMATED = 150000               !< unknowns from which the factor is estimated before it is
-                                                                      !! analysed
-  real(DP), parameter :: SEPARATOR_ENTRIES_RATIO = 14.0_DP         !< entries of a factor over the square of its last separator [-]
-  real(DP), parameter :: SEPARATOR_WORK_RATIO = 6.0_DP             !< its operations over the cube [-]
-  real(DP), parameter :: ESTIMATE_SAFETY_FACTOR = 2.0_DP                 !< an estimate must exceed the limit by this factor [-]
-
   !> A, and its factor or preconditioner.
   type :: reduced_system_type
     type(reduction_type) :: reduction
@@ -48,8 +31,9 @@ module amontons_reduced_system
     type(cholesky_type) :: factor                    !< of A, or of A with a shift
     type(two_level_preconditioner_type) :: iterative              !< in place of the factor
     logical :: is_iterative = .false.              !< the second
+    type(linear_solver_controls_type) :: controls
     integer :: requested_solver = SOLVER_AUTO                 !< SOLVER_... of the step
-    integer :: max_iterations = MAX_CG_ITERATIONS   !< after which the iterative solver is abandoned
+    integer :: max_iterations = 0             !< after which the iterative solver is abandoned
     logical :: is_rounded = .false.                !< the factor is kept in single precision: it is a preconditioner only
     logical :: is_iteration_abandoned = .false.               !< the iterative solver did not converge
     logical :: is_factor_reused = .false.               !< a factor will serve many times
@@ -78,12 +62,13 @@ contains
 
 
   !> Whether a factor is surely small enough, without an analysis.
-  logical function is_factor_small(n, is_repeated)
+  logical function is_factor_small(controls, n, is_repeated)
+    type(linear_solver_controls_type), intent(in) :: controls
     integer, intent(in) :: n                       !< unknowns
     logical, intent(in) :: is_repeated             !< a factor will serve many times
-    is_factor_small = n < MIN_UNKNOWNS_PLANNED
+    is_factor_small = n < controls%min_unknowns_planned
     if (is_repeated .and. .not. is_factor_small) &
-      is_factor_small = FACTOR_ENTRIES_RATIO * real(n, DP)**(4.0_DP / 3.0_DP) * 8.0e-6_DP < memory_limit()
+      is_factor_small = controls%factor_entries_ratio * real(n, DP)**(4.0_DP / 3.0_DP) * 8.0e-6_DP < memory_limit(controls)
   end function is_factor_small
 
 
@@ -162,8 +147,7 @@ contains
 
 
   !> Chooses factor or iteration: as the step requests; else a factor, unless it does not fit into memory or takes very much work
-  !! for
-  !! one use. The analysis of the factor gives both.
+  !! for one use. The analysis of the factor gives both.
   subroutine choose_solver(self, constraints, mesh, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
@@ -171,31 +155,34 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: iterations                         ! that take as long as the factor
     logical :: was_iterative, is_too_large, is_too_slow
-    was_iterative = self%is_iterative
-    self%is_iterative = self%requested_solver == SOLVER_ITERATIVE .and. .not. self%is_iteration_abandoned
-    is_too_large = .false.
-    self%max_iterations = MAX_CG_ITERATIONS
-    self%estimated_megabytes = 0.0_DP
-    if (.not. self%is_iterative) then
-      call estimate_factor(self, constraints, is_too_large, is_too_slow, error)
-      if (allocated(error)) return
-      if (.not. (is_too_large .or. is_too_slow)) then
-        call analyse_factor(self, constraints, error)
-        is_too_large = allocated(error)
-        if (is_too_large .and. (constraints%n_free < MIN_UNKNOWNS_PLANNED .or. self%is_iteration_abandoned)) return
-        if (allocated(error)) deallocate (error)
-        if (.not. is_too_large .and. constraints%n_free >= MIN_UNKNOWNS_PLANNED) is_too_large &
-          = estimate_memory(self%factor) > memory_limit()
-        iterations = self%factor%n_operations / (OPERATIONS_PER_ENTRY * real(size(self%matrix%column), DP))
-        is_too_slow = iterations > EXPECTED_ITERATIONS .and. constraints%n_free >= MIN_UNKNOWNS_PLANNED &
-          .and. .not. self%is_factor_reused
-        if (.not. is_too_large) self%max_iterations = nint(min(MAX_ITERATION_WORK_RATIO * iterations, real(MAX_CG_ITERATIONS, DP)))
+    associate (limits => self%controls)
+      was_iterative = self%is_iterative
+      self%is_iterative = self%requested_solver == SOLVER_ITERATIVE .and. .not. self%is_iteration_abandoned
+      is_too_large = .false.
+      self%max_iterations = limits%max_cg_iterations
+      self%estimated_megabytes = 0.0_DP
+      if (.not. self%is_iterative) then
+        call estimate_factor(self, constraints, is_too_large, is_too_slow, error)
+        if (allocated(error)) return
+        if (.not. (is_too_large .or. is_too_slow)) then
+          call analyse_factor(self, constraints, error)
+          is_too_large = allocated(error)
+          if (is_too_large .and. (constraints%n_free < limits%min_unknowns_planned .or. self%is_iteration_abandoned)) return
+          if (allocated(error)) deallocate (error)
+          if (.not. is_too_large .and. constraints%n_free >= limits%min_unknowns_planned) is_too_large &
+            = estimate_memory(self%factor) > memory_limit(self%controls)
+          iterations = self%factor%n_operations / (limits%operations_per_entry * real(size(self%matrix%column), DP))
+          is_too_slow = iterations > limits%expected_iterations .and. constraints%n_free >= limits%min_unknowns_planned &
+            .and. .not. self%is_factor_reused
+          if (.not. is_too_large) self%max_iterations = nint(min(limits%max_iteration_work_ratio * iterations, &
+            real(limits%max_cg_iterations, DP)))
+        end if
+        self%is_iterative = (is_too_large .or. is_too_slow) .and. .not. self%is_iteration_abandoned
       end if
-      self%is_iterative = (is_too_large .or. is_too_slow) .and. .not. self%is_iteration_abandoned
-    end if
-    if (.not. self%is_iterative) return
-    call create_subdomains(self, constraints, mesh, error)
-    if (.not. (allocated(error) .or. was_iterative)) call report_choice(self, constraints, is_too_large)
+      if (.not. self%is_iterative) return
+      call create_subdomains(self, constraints, mesh, error)
+      if (.not. (allocated(error) .or. was_iterative)) call report_choice(self, constraints, is_too_large)
+    end associate
   end subroutine choose_solver
 
 
@@ -208,22 +195,27 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: n
     integer :: n_separator
-    is_too_large = .false.
-    is_too_slow = .false.
-    if (constraints%n_free < MIN_UNKNOWNS_ESTIMATED .or. self%is_iteration_abandoned .or. allocated(self%node_order)) return
-    call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
-    if (allocated(error)) return
-    n = real(n_separator, DP)
-    is_too_large = 8.0e-6_DP * SEPARATOR_ENTRIES_RATIO * n**2 > ESTIMATE_SAFETY_FACTOR * memory_limit()
-    is_too_slow = SEPARATOR_WORK_RATIO * n**3 > ESTIMATE_SAFETY_FACTOR * EXPECTED_ITERATIONS * OPERATIONS_PER_ENTRY &
-      * real(size(self%matrix%column), DP) .and. .not. self%is_factor_reused
-    if (is_too_large .or. is_too_slow) self%estimated_megabytes = 8.0e-6_DP * SEPARATOR_ENTRIES_RATIO * n**2
+    associate (limits => self%controls)
+      is_too_large = .false.
+      is_too_slow = .false.
+      if (constraints%n_free < limits%min_unknowns_estimated .or. self%is_iteration_abandoned .or. &
+        allocated(self%node_order)) return
+      call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
+      if (allocated(error)) return
+      n = real(n_separator, DP)
+      is_too_large = 8.0e-6_DP * limits%separator_entries_ratio * n**2 > limits%estimate_safety_factor * memory_limit(self%controls)
+      is_too_slow = limits%separator_work_ratio * n**3 > limits%estimate_safety_factor * limits%expected_iterations * &
+        limits%operations_per_entry &
+        * real(size(self%matrix%column), DP) .and. .not. self%is_factor_reused
+      if (is_too_large .or. is_too_slow) self%estimated_megabytes = 8.0e-6_DP * limits%separator_entries_ratio * n**2
+    end associate
   end subroutine estimate_factor
 
 
   !> What a factor may take [megabytes]: a share of all memory, the same whenever a job runs, and no more than is free.
-  real(DP) function memory_limit()
-    memory_limit = min(MAX_MEMORY_SHARE * total_megabytes(), MAX_FREE_MEMORY_SHARE * available_megabytes())
+  real(DP) function memory_limit(controls)
+    type(linear_solver_controls_type), intent(in) :: controls
+    memory_limit = min(controls%max_memory_share * total_megabytes(), controls%max_free_memory_share * available_megabytes())
   end function memory_limit
 
 
@@ -254,7 +246,7 @@ contains
       reason = 'as SOLVER requests'
     else if (is_too_large .and. megabytes <= 0.0_DP) then
       reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
-    else if (is_too_large .and. megabytes > MAX_MEMORY_SHARE * whole_memory) then
+    else if (is_too_large .and. megabytes > self%controls%max_memory_share * whole_memory) then
       reason = 'because the factor would take ' // to_text(nint(megabytes)) // ' megabytes, too much of ' // &
         to_text(nint(whole_memory)) // ' in all'
     else if (is_too_large) then
@@ -336,7 +328,7 @@ contains
     if (allocated(self%node_order)) then
       call analyse(self%factor, self%matrix, order_unknowns_by_node(self%node_order, node), error)
       if (allocated(error)) return
-      if (self%factor%n_entries <= MAX_FACTOR_GROWTH * self%best_entries) return
+      if (self%factor%n_entries <= self%controls%max_factor_growth * self%best_entries) return
     end if
     call order_unknowns(self%matrix, node, n_nodes, order, error)
     if (allocated(error)) return
@@ -356,7 +348,7 @@ contains
     integer :: attempt
     diagonal = abs(self%matrix%value(self%matrix%first(:self%matrix%n_rows)))
     do attempt = 0, 4
-      shift_by = INITIAL_SHIFT_RATIO * 10.0_DP**attempt * diagonal
+      shift_by = self%controls%initial_shift_ratio * 10.0_DP**attempt * diagonal
       call factorise(self%factor, self%matrix, status, shift_by, error)
       if (allocated(error)) return
       self%n_factorised = self%n_factorised + 1

@@ -8,6 +8,7 @@
 module amontons_robin_springs
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
+  use amontons_controls, only: skin_controls_type
   use amontons_tensor, only: outer_product
   use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_STICK
@@ -16,33 +17,31 @@ module amontons_robin_springs
   use amontons_shared_slave_nodes, only: support_free_projector
   use amontons_contact_linearization, only: contact_tangent_type
   use amontons_contact_operators, only: assemble_spring_matrix
-  use amontons_equilibrium, only: MAX_INTERFACE_GAP
   implicit none
   private
   public :: find_near, robin_springs, skin_rows, master_shares
 
-  real(DP), parameter :: STIFF_ALONG = 1.0_DP      !< rho_n: spring along the normal over the node's own stiffness [-]
-  real(DP), parameter :: STIFF_ACROSS = 0.1_DP     !< rho_t: the same across it [-]
-
 contains
 
   !> The slaves that are closed or near their master.
-  pure function find_near(contact, fields) result(is_near)
+  pure function find_near(contact, fields, max_gap) result(is_near)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: max_gap                !< of a near slave over the edge of its facet [-]
     logical :: is_near(size(fields%slaves))
     integer :: s
     do s = 1, size(is_near)
       associate (slave => fields%slaves(s))
         is_near(s) = slave%facet > 0
-        if (is_near(s)) is_near(s) = slave%status /= STATUS_OPEN .or. slave%gap <= MAX_INTERFACE_GAP * contact%edge(slave%pair)
+        if (is_near(s)) is_near(s) = slave%status /= STATUS_OPEN .or. slave%gap <= max_gap * contact%edge(slave%pair)
       end associate
     end do
   end function find_near
 
 
   !> The springs of the near slaves, as the upper triangle of a stiffness. Slaves at one node share its spring.
-  subroutine robin_springs(contact, fields, is_near, closed, n_unknowns, springs, error)
+  subroutine robin_springs(controls, contact, fields, is_near, closed, n_unknowns, springs, error)
+    type(skin_controls_type), intent(in) :: controls
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_near(:)              !< (n_slaves)
@@ -70,8 +69,8 @@ contains
         link%n_weights = size(row%nodes)
         link%nodes = row%nodes
         link%weights = row%weights
-        along = STIFF_ALONG * slave%stiffness / real(n_at(slave%node), DP)
-        across = STIFF_ACROSS * slave%stiffness / real(n_at(slave%node), DP)
+        along = controls%spring_along * slave%stiffness / real(n_at(slave%node), DP)
+        across = controls%spring_across * slave%stiffness / real(n_at(slave%node), DP)
         if (slope(1, slave%pair) > 0.0_DP) along = min(along, slope(1, slave%pair) * slave%area)
         if (slope(2, slave%pair) > 0.0_DP) across = min(across, slope(2, slave%pair) * slave%area)
         free = support_free_projector(contact%axes(:, :, s), contact%free_mask(:, s))

@@ -26,6 +26,7 @@ module amontons_schur_interface
   use amontons_partition, only: order_unknowns
   use amontons_factorization, only: cholesky_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
     solve_backward, FACTOR_OK
+  use amontons_controls, only: krylov_controls_type
   use amontons_constraints, only: constraints_type
   implicit none
   private
@@ -33,9 +34,6 @@ module amontons_schur_interface
     apply_schur_interface
 
   integer, parameter :: N_COLUMNS_TOGETHER = 8                  !< columns of J_c computed together: a vector of doubles [-]
-  real(DP), parameter :: SINGLE_PRECISION_SHARE = 1.0e-3_DP        !< of the allowed residual: single precision has no
-                                                                   !! effect [-]
-  real(DP), parameter :: BULK_RESIDUAL_SHARE = 0.3_DP       !< of the allowed residual: share of the bulk [-]
 
   !> The factors of the bulk and of the interface.
   type :: schur_interface_type
@@ -57,6 +55,7 @@ module amontons_schur_interface
     logical :: is_singular = .false.               !< J_c is singular: a body is not supported
     logical, private :: is_woodbury = .false.    !< the last call was factorise_woodbury
     type(woodbury_type), private :: woodbury           !< its result
+    type(krylov_controls_type) :: controls
     real(DP) :: allowed_residual = 0                        !< allowed relative residual of apply_schur_interface [-]
     type(sparse_type), private :: interface_map         !< C_c (n_contact x n_reduced)
     type(sparse_type), private :: imbalance_tangent     !< D_R on the interface (n_contact x n_contact)
@@ -378,7 +377,8 @@ contains
     integer :: k
     associate (column_of => self%interface_map%column, first => self%interface_map%first)
       t = [(r(column_of(first(k))), k=1, self%n_contact)]
-      call solve_woodbury(self%woodbury, self%triangle, self%shift, SINGLE_PRECISION_SHARE * self%allowed_residual, t, error)
+      call solve_woodbury(self%woodbury, self%triangle, self%shift, &
+        self%controls%single_precision_share * self%allowed_residual, t, error)
       do k = 1, self%n_contact
         r(column_of(first(k))) = t(k)
       end do
@@ -547,7 +547,7 @@ contains
     end do
     y = 0.0_DP
     h = 0.0_DP
-    if (norm2(b) > BULK_RESIDUAL_SHARE * self%allowed_residual) then
+    if (norm2(b) > self%controls%bulk_share * self%allowed_residual) then
       call solve_forward(self%factor, b(self%order), y)
       h = y(m + 1:)
       call multiply_triangular(self%triangle, .false., h)   ! - K_ci inv(K_ii) r_i

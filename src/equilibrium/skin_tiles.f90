@@ -15,7 +15,7 @@ module amontons_skin_tiles
   use amontons_blas, only: sgetrf, sgetrs
   implicit none
   private
-  public :: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
+  public :: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
 
   !> The parts of the tangent on the skin. n_skin: unknowns of the skin; n_free: free unknowns among them.
   type :: tangent_parts_type
@@ -44,11 +44,11 @@ module amontons_skin_tiles
 
 contains
 
-  !> Partitions points into tiles of at most `most` points by recursive bisection across the longest side of the bounding box.
+  !> Partitions points into tiles of at most `max_points` points by recursive bisection across the longest side of the bounding box.
   !! Cost: n log(n)^2. The tiles do not depend on the number of threads. Equal coordinates are ordered by their index.
-  subroutine cut_tiles(place, most, tile, n_tiles)
+  subroutine partition_points(place, max_points, tile, n_tiles)
     real(DP), intent(in) :: place(:, :)            !< (3, n) [length]
-    integer, intent(in) :: most
+    integer, intent(in) :: max_points
     integer, intent(out) :: tile(:)                !< (n) from 1
     integer, intent(out) :: n_tiles
     integer :: order(size(tile)), first(size(tile) + 1), last(size(tile) + 1), n_open, low, high, middle, axis, i
@@ -62,7 +62,7 @@ contains
       low = first(n_open)
       high = last(n_open)
       n_open = n_open - 1
-      if (high - low < most) then
+      if (high - low < max_points) then
         n_tiles = n_tiles + 1
         tile(order(low:high)) = n_tiles
         cycle
@@ -75,7 +75,7 @@ contains
       last(n_open + 1:n_open + 2) = [high, middle]
       n_open = n_open + 2
     end do
-  end subroutine cut_tiles
+  end subroutine partition_points
 
 
   !> The axis of the longest side of the bounding box.

@@ -13,7 +13,8 @@ module amontons_controls
   implicit none
   private
   public :: controls_type, newton_controls_type, globalization_controls_type, subproblem_controls_type, &
-    line_search_controls_type, cycling_controls_type, increment_controls_type
+    line_search_controls_type, cycling_controls_type, increment_controls_type, krylov_controls_type, interface_controls_type, &
+    skin_controls_type, linear_solver_controls_type
   public :: calculix_controls
 
   !> Newton's method within an increment: predictor, scale of forces, limits of displacements, early end.
@@ -84,6 +85,77 @@ module amontons_controls
     real(DP) :: min_rejected_residual = 1.0e-2_DP   !< and larger than this fraction of the largest force [-] | line_search
   end type line_search_controls_type
 
+  !> Krylov iterations of one direction, and how long a factor serves.
+  type :: krylov_controls_type
+    real(DP) :: tolerance = 1.0e-9_DP      !< residual of a direction over the right-hand side [-] | krylov
+    real(DP) :: newton_tolerance_share = 1.0e-3_DP   !< admissible residual of a direction over Newton's residual tolerance [-] |
+                                           !! krylov
+    integer :: max_iterations = 200        !< iterations of a direction with a factor | set: a good factor needs fewer than 10
+    real(DP) :: iterative_tolerance = 1.0e-11_DP   !< residual without a factor, whose estimate of the error is less reliable [-] |
+                                           !! two_level_preconditioner
+    integer :: max_stale_iterations = 8    !< iterations after which an old factor of the bulk is discarded | 0004
+    integer :: max_indefinite_factors = 3  !< such factors of the bulk after which an attempt goes on without the interface | set
+    real(DP) :: single_precision_share = 1.0e-3_DP   !< of the allowed residual: single precision has no effect [-] |
+                                           !! schur_interface
+    real(DP) :: bulk_share = 0.3_DP        !< of the allowed residual: a right-hand side on the bulk below it is zero [-] | set
+    real(DP) :: max_reuse_increment = 0.3_DP   !< first increment over a linear step below which its factor counts as reused [-] |
+                                           !! reduced_system: a factor pays from four uses on
+  end type krylov_controls_type
+
+  !> Contact on the dense interface, and the choice between it and the contact skin.
+  type :: interface_controls_type
+    integer :: max_unknowns = 6000         !< largest dense interface | 0004, 0021
+    real(DP) :: max_gap = 0.5_DP           !< largest gap of an open node on the interface over the edge of its facet [-] | set
+    real(DP) :: dense_work_ratio = 1.9e-6_DP   !< seconds of a round on the dense interface over n_c^3, over those on the skin
+                                           !! over n, less the bulk's share of the dense round [-] | 0021
+    real(DP) :: usual_skin_iterations = 14.0_DP   !< Krylov iterations of a round on the skin in that measurement | 0021
+  end type interface_controls_type
+
+  !> Contact by the skin: inexact rounds, its preconditioner, and free rigid motions.
+  type :: skin_controls_type
+    integer :: max_iterations = 150        !< Krylov iterations of one direction | 0021
+    integer :: restart = 50                !< restart length of flexible GMRES: two vectors an iteration | set: memory
+    real(DP) :: slow_iterations = 12.0_DP   !< iterations per decimal digit of a slow solve [-] | contact_skin
+    integer :: max_slow_solves = 2         !< slow solves until the bulk solver is recomputed; doubled each time | contact_skin
+    real(DP) :: tolerance_changing = 1.0e-2_DP   !< relative residual of a direction while statuses change [-] | 0021
+    real(DP) :: tolerance_halved = 1.0e-3_DP   !< the same where two corrections were halved [-] | 0021
+    real(DP) :: tolerance_settled = 1.0e-4_DP   !< the same when no status changes [-] | contact_skin
+    real(DP) :: tolerance_origin = 1.0e-5_DP   !< the same where the direction sets origins of slip [-] | 0021
+    real(DP) :: tolerance_single = 1.0e-7_DP   !< the same where no correction follows (not AUTO) [-] | set: below r_n
+    real(DP) :: tolerance_length = 0.1_DP   !< the same where only the length of a correction is used [-] | set
+    real(DP) :: max_residual = 0.1_DP      !< a direction with a larger relative residual is rejected [-] | set
+    real(DP) :: newton_tolerance_share = 1.0e-4_DP   !< merit over Newton's residual tolerance at which corrections stop [-] |
+                                           !! contact_skin
+    integer :: slaves_per_tile = 64        !< slave nodes of a tile, at most | 0021
+    real(DP) :: spring_along = 1.0_DP      !< rho_n: Robin spring along the normal over the node's own stiffness [-] | 0021
+    real(DP) :: spring_across = 0.1_DP     !< rho_t: the same across it [-] | 0021
+    real(DP) :: max_motion_energy = 1.0e-2_DP   !< largest z'Kz over z'diag(K)z of a weakly restrained rigid motion [-] |
+                                           !! contact_skin
+    real(DP) :: free_motion_ratio = 1.0e-9_DP   !< |J Z y| over |diag(K) Z y| below which the tangent is singular [-] | contact_skin
+    integer :: max_motions = 48            !< such motions, at most: those of eight bodies | set: memory
+  end type skin_controls_type
+
+  !> Choice of the linear solver: a factor, or iteration where that is too large or takes too much work.
+  type :: linear_solver_controls_type
+    real(DP) :: max_factor_growth = 1.15_DP   !< growth of the factor at which the nodes are ordered anew [-] | set
+    real(DP) :: initial_shift_ratio = 1.0e-4_DP   !< of the preconditioner's diagonal if A is not positive [-] | factorization
+    real(DP) :: max_memory_share = 0.7_DP   !< of all memory that a factor may take [-] | reduced_system
+    real(DP) :: max_free_memory_share = 0.9_DP   !< of the free memory that a factor may take [-] | reduced_system
+    real(DP) :: operations_per_entry = 220.0_DP   !< operations of a factor in the time of an iteration, for each entry of A |
+                                           !! reduced_system
+    real(DP) :: expected_iterations = 140.0_DP   !< estimated iterations, the preconditioner included | reduced_system
+    real(DP) :: max_iteration_work_ratio = 1.5_DP   !< iterations may take so many times the work of the factor [-] | reduced_system
+    integer :: max_cg_iterations = 2000    !< where a factor does not fit into memory | set
+    real(DP) :: factor_entries_ratio = 60.0_DP   !< entries of a factor over n^(4/3): more than a compact body has [-] |
+                                           !! reduced_system
+    integer :: min_unknowns_planned = 30000   !< unknowns below which memory and work are not checked | set
+    integer :: min_unknowns_estimated = 150000   !< unknowns from which the factor is estimated before its analysis | reduced_system
+    real(DP) :: separator_entries_ratio = 14.0_DP   !< entries of a factor over the square of its last separator [-] |
+                                           !! reduced_system
+    real(DP) :: separator_work_ratio = 6.0_DP   !< its operations over the cube [-] | reduced_system
+    real(DP) :: estimate_safety_factor = 2.0_DP   !< an estimate must exceed the limit by this factor [-] | reduced_system
+  end type linear_solver_controls_type
+
   !> Active-set cycling.
   type :: cycling_controls_type
     real(DP) :: stagnation_ratio = 0.5_DP   !< least ratio of merits over a cycle that counts as stagnation [-] | active_set_history
@@ -132,6 +204,10 @@ module amontons_controls
     type(line_search_controls_type) :: line_search
     type(cycling_controls_type) :: cycling
     type(increment_controls_type) :: increments
+    type(krylov_controls_type) :: krylov
+    type(interface_controls_type) :: interface
+    type(skin_controls_type) :: skin
+    type(linear_solver_controls_type) :: linear_solver
   end type controls_type
 
 contains

@@ -19,7 +19,7 @@ module amontons_contact_subproblem
   use amontons_active_set_cycling, only: extend_master_edges, facet_track_type
   use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_linearized, &
     restore_configuration, OUTCOME_OK
-  use amontons_newton_step, only: solve_correction, skin_goal
+  use amontons_newton_step, only: solve_correction, skin_merit_tolerance
   use amontons_line_search, only: MERIT_DECREASE_RATIO
   implicit none
   private
@@ -51,21 +51,21 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(configuration_type) :: start
     type(subproblem_result_type) :: best, candidate
-    logical :: is_schur_active, is_interface_singular             ! at the end of the whole direction
+    logical :: has_interface_solver, is_interface_singular             ! at the end of the whole direction
     slaves = state%new%slaves
-    if (step%line_search /= LINE_SEARCH_AUTO .or. .not. system%is_schur_active) return
+    if (step%line_search /= LINE_SEARCH_AUTO .or. .not. system%has_interface_solver) return
     start = save_configuration(system, state)
     call solve_whole_step(system, model, step, start, state, du, best, error)
     if (allocated(error)) return
     system%n_subproblem_iterations = system%n_subproblem_iterations + best%n_subproblem_iterations
     if (.not. best%is_subproblem_solved .and. system%proximal_shift <= 0.0_DP) then
-      is_schur_active = system%is_schur_active
+      has_interface_solver = system%has_interface_solver
       is_interface_singular = system%is_interface_singular
       call solve_by_substeps(system, model, step, start, state, candidate, error)
       if (allocated(error)) return
       system%n_subproblem_iterations = system%n_subproblem_iterations + candidate%n_subproblem_iterations
       if (candidate%is_subproblem_solved) best = candidate
-      system%is_schur_active = is_schur_active .or. candidate%is_subproblem_solved   ! regardless of failures in a substep
+      system%has_interface_solver = has_interface_solver .or. candidate%is_subproblem_solved   ! regardless of failures in a substep
       system%is_interface_singular = is_interface_singular .and. .not. candidate%is_subproblem_solved
     end if
     du = best%du
@@ -219,7 +219,7 @@ contains
     negligible_force = step%controls%subproblem%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin .and. system%is_constant) then   ! no further Newton iteration is needed
       settled = step%controls%subproblem%linear_bulk_tolerance
-      negligible_force = skin_goal(system, step)
+      negligible_force = skin_merit_tolerance(system, step)
     end if
     has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(settled * start%merit, &
       step%controls%subproblem%rounding * largest_merit, &

@@ -155,8 +155,8 @@ contains
     type(globalization_type), intent(in) :: strategy
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    is_step_unsolved = step%line_search == LINE_SEARCH_AUTO .and. system%is_schur_active .and. .not. system%is_subproblem_solved &
-      .and. &
+    is_step_unsolved = step%line_search == LINE_SEARCH_AUTO .and. system%has_interface_solver .and. &
+      .not. system%is_subproblem_solved .and. &
       strategy%step_kind == STEP_KIND_NEWTON .and. size(system%contact%slip_data) > 0
   end function is_step_unsolved
 

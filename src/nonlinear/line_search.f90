@@ -295,7 +295,7 @@ contains
       if (best_merit <= MAX_MERIT_GROWTH * start%merit .or. alpha <= step%controls%s_min) exit
       alpha = max(0.5_DP * alpha, step%controls%s_min)
     end do
-    report%is_rejected = system%is_schur_active .and. &
+    report%is_rejected = system%has_interface_solver .and. &
       best_merit > step%controls%line_search%rejected_merit_growth * start%merit .and. &
       best_merit > max(step%controls%line_search%min_rejected_residual, step%controls%r_n) * system%largest_force
     if (report%is_rejected) best_length = 0.0_DP

@@ -140,7 +140,7 @@ contains
       end associate
     end do
     allowed_length = min(allowed_length, merge(limits%max_approach_ratio, 1.0_DP, &
-      system%is_schur_active) * contact_fraction * maxval(nodal_norms(system, du, 1)))
+      system%has_interface_solver) * contact_fraction * maxval(nodal_norms(system, du, 1)))
     allowed_length = max(allowed_length, limits%min_step_extent * mesh_extent(model%mesh))
   end function allowed_step_length
 

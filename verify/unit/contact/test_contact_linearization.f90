@@ -289,7 +289,7 @@ contains
     stiffness = state%new%slaves%stiffness
     call solve_newton_step(system, model, step, state, du, trouble, error)
     call suite%that(name // ': a direction is found', trouble == 0 .and. .not. allocated(error))
-    call suite%that(name // ': by the condensed interface', system%is_schur_active)
+    call suite%that(name // ': by the condensed interface', system%has_interface_solver)
     call suite%that(name // ': which is exact (' // achar(48 + system%n_krylov - before) // ')', system%n_krylov - before <= 2)
     state%new%slaves%stiffness = stiffness
     call linearize_contact(system%contact, model, state%old, state%new, system%contact_tangents)

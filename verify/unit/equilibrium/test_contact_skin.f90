@@ -9,7 +9,7 @@ program test_contact_skin
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, eliminate_constraints
   use amontons_reduced_system, only: factorise_reduced_system
-  use amontons_contact_skin, only: skin_type, cut_skin, renew_skin, apply_bulk, correct_skin, subtract_contact
+  use amontons_contact_skin, only: skin_type, partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
   use check, only: suite_type
   implicit none
   integer, parameter :: N_NODES = 20, N = 3 * N_NODES, SLAVE = 11, MASTER = 10
@@ -75,7 +75,7 @@ contains
     integer :: n_shares, i
     type(error_type), allocatable :: error
     integer :: status
-    call cut_skin(skin, mesh%coordinates, [SLAVE], N_NODES)
+    call partition_skin(skin, mesh%coordinates, [SLAVE], 64)
     call factorise_reduced_system(skin%robin, K, .false., base, mesh, status, error)
     call suite%that('bulk: factor', status == FACTOR_OK)
     rows%n_rows = 1
@@ -86,7 +86,7 @@ contains
     if (present(has_jump)) n_shares = merge(1, 0, has_jump)
     call sparse_from_triplets(N_NODES, N_NODES, [(SLAVE, i=1, n_shares)], [(MASTER, i=1, n_shares)], [(1.0_DP, i=1, n_shares)], &
       shares, error)
-    call renew_skin(skin, base, constraints, K, D_R, D_u, rows, shares, error)
+    call update_skin(skin, base, constraints, K, D_R, D_u, rows, shares, error)
     call suite%that('skin: renewed', .not. allocated(error) .and. skin%n_tiles == 1)
   end subroutine make_skin
 
@@ -167,7 +167,7 @@ contains
     r = numbers(whole%n_free, 5)
     x = numbers(whole%n_free, 7)
     before = x
-    call correct_skin(skin, r - matmul(tangent(), x), x)
+    call apply_tiles(skin, r - matmul(tangent(), x), x)
     rest = r - matmul(tangent(), x)
     call suite%that('tile: five unknowns', count(is_inside) == 5)
     call suite%near('tile: no residual', maxval(abs(pack(rest, is_inside))), 0.0_DP, 1.0e-5_DP)

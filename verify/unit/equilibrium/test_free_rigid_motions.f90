@@ -7,10 +7,13 @@ program test_free_rigid_motions
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, eliminate_constraints
+  use amontons_controls, only: skin_controls_type
   use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
   use check, only: suite_type
   implicit none
   integer, parameter :: N_NODES = 8, N = 3 * N_NODES
+  type(skin_controls_type), parameter :: CONTROLS = skin_controls_type()
+  real(DP), parameter :: FREE_RATIO = CONTROLS%free_motion_ratio
   type(suite_type) :: suite
   type(sparse_type) :: K
   real(DP) :: place(3, N_NODES)
@@ -81,7 +84,7 @@ contains
     end if
     call eliminate_constraints(base)
     is_angle = .false.
-    call find_motions(K, base, place, is_angle, motions)
+    call find_motions(skin_controls_type(), K, base, place, is_angle, motions)
   end subroutine motions_of
 
 
@@ -156,15 +159,15 @@ contains
     scales(:, 2) = [0.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, -2.0_DP, 1.0_DP]
     images(:, 1) = [1.0_DP, 0.0_DP, 3.0_DP, 0.0_DP, 0.0_DP, 1.0_DP]
     images(:, 2) = -2.0_DP * images(:, 1)
-    call suite%that('a combination without force', is_singular_along(images, scales))
+    call suite%that('a combination without force', is_singular_along(images, scales, FREE_RATIO))
     images(4, 2) = 1.0e-4_DP
-    call suite%that('a weak spring', .not. is_singular_along(images, scales))
+    call suite%that('a weak spring', .not. is_singular_along(images, scales, FREE_RATIO))
     images(4, 2) = 1.0e-12_DP
-    call suite%that('a force of rounding', is_singular_along(images, scales))
+    call suite%that('a force of rounding', is_singular_along(images, scales, FREE_RATIO))
     images = 0.0_DP
-    call suite%that('no force at all', is_singular_along(images, scales))
-    call suite%that('no motions', .not. is_singular_along(images(:, :0), scales(:, :0)))
-    call suite%that('a motion without scale is not judged', .not. is_singular_along(images, 0.0_DP * scales))
+    call suite%that('no force at all', is_singular_along(images, scales, FREE_RATIO))
+    call suite%that('no motions', .not. is_singular_along(images(:, :0), scales(:, :0), FREE_RATIO))
+    call suite%that('a motion without scale is not judged', .not. is_singular_along(images, 0.0_DP * scales, FREE_RATIO))
   end subroutine check_singularity
 
 end program test_free_rigid_motions

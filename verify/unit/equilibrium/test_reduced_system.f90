@@ -9,6 +9,7 @@ program test_reduced_system
   use amontons_factorization, only: FACTOR_OK
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, eliminate_constraints
+  use amontons_controls, only: linear_solver_controls_type
   use amontons_reduced_system, only: reduced_system_type, is_factor_small, factorise_reduced_system, apply_reduced_inverse, &
     abandon_iteration, discard_analysis
   use check, only: suite_type
@@ -178,10 +179,10 @@ contains
   !> A factor is small for small systems, not for very large ones, and not for one use from 30000 unknowns on.
   subroutine check_sizes(suite)
     type(suite_type), intent(inout) :: suite
-    call suite%that('sizes: small', is_factor_small(29999, .false.))
-    call suite%that('sizes: small, for many uses', is_factor_small(29999, .true.))
-    call suite%that('sizes: for one use', .not. is_factor_small(30000, .false.))
-    call suite%that('sizes: beyond any memory', .not. is_factor_small(huge(1), .true.))
+    call suite%that('sizes: small', is_factor_small(linear_solver_controls_type(), 29999, .false.))
+    call suite%that('sizes: small, for many uses', is_factor_small(linear_solver_controls_type(), 29999, .true.))
+    call suite%that('sizes: for one use', .not. is_factor_small(linear_solver_controls_type(), 30000, .false.))
+    call suite%that('sizes: beyond any memory', .not. is_factor_small(linear_solver_controls_type(), huge(1), .true.))
   end subroutine check_sizes
 
 end program test_reduced_system

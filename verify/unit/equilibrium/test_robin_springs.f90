@@ -9,6 +9,7 @@ program test_robin_springs
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
+  use amontons_controls, only: skin_controls_type
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_sparse, only: sparse_type
   use amontons_state, only: state_type, STATUS_STICK
@@ -53,7 +54,8 @@ contains
     type(error_type), allocatable :: error
     real(DP) :: u(3 * model%mesh%n_nodes)
     integer :: i, p
-    call robin_springs(system%contact, state%new, find_near(system%contact, state%new), closed, size(u), springs, error)
+    call robin_springs(skin_controls_type(), system%contact, state%new, find_near(system%contact, state%new, 0.5_DP), &
+      closed, size(u), springs, error)
     u = 0.0_DP
     u(54 + axis::3) = 1.0_DP
     if (.not. is_relative) u(axis::3) = 1.0_DP
@@ -69,13 +71,13 @@ contains
   !> Slaves are near up to half an edge, 0.6 here; a closed one is near at any gap.
   subroutine check_near()
     call start(0.59_DP)
-    call suite%that('within half an edge', all(find_near(system%contact, state%new)))
+    call suite%that('within half an edge', all(find_near(system%contact, state%new, 0.5_DP)))
     call start(0.61_DP)
-    call suite%that('beyond it', .not. any(find_near(system%contact, state%new)))
+    call suite%that('beyond it', .not. any(find_near(system%contact, state%new, 0.5_DP)))
     state%new%slaves(5)%status = STATUS_STICK
-    call suite%that('but closed', count(find_near(system%contact, state%new)) == 1)
+    call suite%that('but closed', count(find_near(system%contact, state%new, 0.5_DP)) == 1)
     state%new%slaves(5)%facet = 0
-    call suite%that('without a facet', .not. any(find_near(system%contact, state%new)))
+    call suite%that('without a facet', .not. any(find_near(system%contact, state%new, 0.5_DP)))
   end subroutine check_near
 
 

@@ -6,11 +6,14 @@ program test_skin_tiles
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose
   use amontons_dense, only: solve_small
-  use amontons_skin_tiles, only: tangent_parts_type, tile_type, cut_tiles, factorise_tiles, correct_tiles
+  use amontons_skin_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, eliminate_constraints
+  use amontons_controls, only: skin_controls_type
   use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
   use check, only: suite_type
   implicit none
+  type(skin_controls_type), parameter :: CONTROLS = skin_controls_type()
+  real(DP), parameter :: FREE_RATIO = CONTROLS%free_motion_ratio
   type(suite_type) :: suite
   integer :: k
   call random_seed(put=[(17 * k, k=1, 64)])
@@ -28,7 +31,7 @@ contains
     real(DP) :: place(3, 640)
     integer :: tile(640), n_tiles, i, members
     place = reshape([(real(mod(i, 32), DP), real(i / 32, DP), 0.0_DP, i=0, 639)], [3, 640])
-    call cut_tiles(place, 64, tile, n_tiles)
+    call partition_points(place, 64, tile, n_tiles)
     call suite%that('every point lies in a tile', &
       minval(tile) == 1 .and. maxval(tile) == n_tiles)
     do i = 1, n_tiles
@@ -38,7 +41,7 @@ contains
     end do
     call suite%that('halves of halves: 640 points in 16 tiles of 40', &
       n_tiles == 16)
-    call cut_tiles(place(:, :0), 64, tile(:0), n_tiles)
+    call partition_points(place(:, :0), 64, tile(:0), n_tiles)
     call suite%that('no point, no tile', &
       n_tiles == 0)
   end subroutine test_cuts
@@ -139,7 +142,7 @@ contains
       end do
     end if
     call eliminate_constraints(base)
-    call find_motions(upper, base, PLACE, [(.false., i=1, 4)], motions)
+    call find_motions(skin_controls_type(), upper, base, PLACE, [(.false., i=1, 4)], motions)
     n = motions%n
     call suite%that('the rigid motions that supports leave are kept', &
       n >= n_wanted)
@@ -149,12 +152,12 @@ contains
       scales(i, :n) = k(i, i) * motions%value(i, :)
     end do
     call suite%that('a body with a free motion is free', &
-      is_singular_along(images(:, :n), scales(:, :n)))
+      is_singular_along(images(:, :n), scales(:, :n), FREE_RATIO))
     do i = 1, 12
       images(i, :n) = images(i, :n) + 1.0e-4_DP * motions%value(i, :)
     end do
     call suite%that('a weak spring at each node holds it', &
-      .not. is_singular_along(images(:, :n), scales(:, :n)))
+      .not. is_singular_along(images(:, :n), scales(:, :n), FREE_RATIO))
   end subroutine test_motions
 
 

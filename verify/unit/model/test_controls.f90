@@ -11,6 +11,7 @@ program test_controls
   call check_newton()
   call check_steps()
   call check_substeps()
+  call check_linear_solver()
   call suite%finish()
 
 contains
@@ -68,5 +69,21 @@ contains
       call suite%that('tolerances', c%rounding < c%linear_bulk_tolerance .and. c%linear_bulk_tolerance < c%tolerance)
     end associate
   end subroutine check_substeps
+
+
+  !> Tolerances of directions: the tighter, the fewer corrections follow. Limits of memory and work are ordered.
+  subroutine check_linear_solver()
+    associate (skin => own%skin, krylov => own%krylov, linear => own%linear_solver)
+      call suite%that('skin: tighter with fewer corrections to come', skin%tolerance_length > skin%tolerance_changing .and. &
+        skin%tolerance_changing > skin%tolerance_halved .and. skin%tolerance_halved > skin%tolerance_settled .and. &
+        skin%tolerance_settled > skin%tolerance_origin .and. skin%tolerance_origin > skin%tolerance_single)
+      call suite%that('skin: one direction alone satisfies Newton', skin%tolerance_single < own%r_n)
+      call suite%that('skin: a free motion is weakly restrained', skin%free_motion_ratio < skin%max_motion_energy)
+      call suite%that('krylov: below the least forcing term', krylov%newton_tolerance_share * own%r_n < &
+        own%newton%min_forcing_term .and. krylov%iterative_tolerance < krylov%tolerance)
+      call suite%that('memory', linear%max_memory_share < linear%max_free_memory_share .and. linear%max_free_memory_share < 1)
+      call suite%that('planned before estimated', linear%min_unknowns_planned < linear%min_unknowns_estimated)
+    end associate
+  end subroutine check_linear_solver
 
 end program test_controls

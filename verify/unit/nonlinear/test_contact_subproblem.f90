@@ -54,7 +54,7 @@ contains
     integer :: outcome
     call two_blocks(model, friction, gap, push)
     call first_direction(model, system, state, du)
-    call suite%that(name // ': by the interface', system%is_schur_active .or. gap > 0.0_DP)
+    call suite%that(name // ': by the interface', system%has_interface_solver .or. gap > 0.0_DP)
     u = state%new%u
     residual = system%residual
     merit = system%merit
@@ -91,7 +91,7 @@ contains
     call suite%that('another line search: the slaves as they were', size(slaves) == 16 .and. &
       all(slaves%status == state%new%slaves%status))
     model%steps(1)%line_search = LINE_SEARCH_AUTO
-    system%is_schur_active = .false.
+    system%has_interface_solver = .false.
     call solve_contact_subproblem(system, model, model%steps(1), state, du, slaves, error)
     call suite%near('no interface: the direction as it was', norm2(du - before), 0.0_DP, 0.0_DP)
     call suite%that('no interface: nothing was corrected', system%n_subproblem_iterations == 0 .and. &
