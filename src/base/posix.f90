@@ -86,9 +86,9 @@ module amontons_posix
       integer(c_int) :: number
     end function pending_stop_signal
 
-    function status_requested_c() bind(C, name='amontons_status_asked') result(asked)
+    function status_requested_c() bind(C, name='amontons_status_requested') result(is_requested)
       import :: c_int
-      integer(c_int) :: asked
+      integer(c_int) :: is_requested
     end function status_requested_c
 
     function has_memory_c(n_bytes) bind(C, name='amontons_has_memory') result(has)

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM arrived */
-static volatile sig_atomic_t n_status_asked = 0; /* SIGUSR1 arrived and was not answered */
+static volatile sig_atomic_t n_status_requested = 0; /* SIGUSR1 arrived and was not answered */
 static volatile sig_atomic_t is_watching_end = 0;
 
 /* A second SIGINT or SIGTERM kills the process. An iteration may last minutes, so the first signal is answered at once. */
@@ -38,7 +38,7 @@ static void note_stop(int number)
 static void note_status(int number)
 {
   (void)number;
-  n_status_asked = 1;
+  n_status_requested = 1;
 }
 
 /* Starts recording SIGINT, SIGTERM and SIGUSR1. A signal that the caller ignores (nohup, a shell's &) stays ignored. */
@@ -61,11 +61,11 @@ int amontons_stop_signal(void)
 }
 
 /* 1 if a status was requested since the last call. */
-int amontons_status_asked(void)
+int amontons_status_requested(void)
 {
-  int asked = n_status_asked;
-  n_status_asked = 0;
-  return asked;
+  int is_requested = n_status_requested;
+  n_status_requested = 0;
+  return is_requested;
 }
 
 /* The process lock serializes text operations. gfortran stores the length of a string function result (character(:),
@@ -281,11 +281,11 @@ int amontons_cut_file(const char *path, int64_t length)
 }
 
 /* The text of an errno, cut to the length of the buffer. */
-void amontons_reason(int number, char *text, int room)
+void amontons_reason(int number, char *text, int capacity)
 {
   char buffer[256];
   const char *reason = strerror_r(number, buffer, sizeof buffer);
-  snprintf(text, (size_t)room, "%s", reason);
+  snprintf(text, (size_t)capacity, "%s", reason);
 }
 
 /* A 64-bit checksum: each word is mixed into a running sum, so that the order matters (after MurmurHash3's finalizer). */

@@ -154,8 +154,8 @@ contains
         contact%free_mask(:, s)))
       contact%free(:, :, s) = free
       contact%friction(s) = law%friction
-      if (is_friction_in_other_pair(contact%shared_slaves, fields%slaves, s, free, contact%laws%friction, contact%Rhat)) &
-        contact%friction(s) = 0.0_DP
+      if (is_friction_in_other_pair(contact%shared_slaves, fields%slaves, s, free, contact%laws%friction, contact%Rhat, &
+        contact%controls%min_force_ratio)) contact%friction(s) = 0.0_DP
       Rhat = matmul(free, contact%Rhat(:, s))
       free_normal = matmul(free, slave%normal)
       free_share = norm2(free_normal)

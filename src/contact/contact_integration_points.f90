@@ -20,7 +20,7 @@ module amontons_contact_integration_points
   private
   public :: update_points, nearest_point
 
-  real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< two distances in natural coordinates are equal within this [-]
+  real(DP), parameter :: TOL_EQUAL_COORDINATE = 1.0e-9_DP         !< two distances in natural coordinates are equal within this [-]
 
 contains
 
@@ -142,7 +142,7 @@ contains
     least = huge(1.0_DP)
     do i = 1, size(places, 2)
       distance = norm2(places(:, i) - at)
-      if (distance >= least - TOL_EQUAL_DISTANCE) cycle
+      if (distance >= least - TOL_EQUAL_COORDINATE) cycle
       least = distance
       nearest = i
     end do

@@ -14,6 +14,7 @@ module amontons_contact_pairs
   use amontons_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
   use amontons_user_contact, only: user_response_type
   use amontons_local_equilibrium, only: local_solution_type
+  use amontons_controls, only: contact_controls_type
   use amontons_steps, only: step_type
   use amontons_state, only: slave_state_type, n_amplitude_memory, STATUS_OPEN, STATUS_STICK
   use amontons_constraints, only: constraints_type, build_condensation_matrix
@@ -57,6 +58,7 @@ module amontons_contact_pairs
     logical, allocatable :: is_shrink_fit(:)          !< (n_pairs) the initial overclosure of each node is allowed
     logical, allocatable :: is_ramped(:)          !< (n_pairs) initial overclosures are ramped as in CalculiX
     real(DP) :: period = 1                        !< of the step [time]
+    type(contact_controls_type) :: controls       !< of the step
     type(element_faces_type), allocatable :: slave_area_faces(:)  !< (n_pairs) faces for the areas of slave nodes of compliant laws
     integer, allocatable :: midside_followers(:, :)        !< (3, n) mid-side slave node and the two corners that constrain it
     real(DP), allocatable :: slave_normal(:, :)  !< (3, n_slaves) outward from the slave in the reference configuration; 0 if node
@@ -375,6 +377,7 @@ contains
     contact%is_removed = .false.
     if (allocated(step%is_removed)) contact%is_removed = step%is_removed
     contact%period = step%period
+    contact%controls = step%controls%contact
     contact%interference = 0.0_DP
     contact%is_shrink_fit = .false.
     if (allocated(step%interference)) contact%interference = step%interference
@@ -473,7 +476,7 @@ contains
     end if
     if (slave%status /= STATUS_OPEN .and. slave%facet > 0) then
       call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status, edge_extension(slave%overrides))
+        slave%normal, status, edge_extension(slave%overrides, contact%controls%edge_extension))
     else
       call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
         projection, contact%slave_normal(:, s))
@@ -638,7 +641,7 @@ contains
         - rotated_origin_offset(contact, slave))
     else
       call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
-        slave%normal, status, edge_extension(slave%overrides))
+        slave%normal, status, edge_extension(slave%overrides, contact%controls%edge_extension))
       slave%gap = slave%gap + slave%offset
       if (status /= PROJECTION_INSIDE) slave%facet = 0
     end if

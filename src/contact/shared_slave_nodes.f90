@@ -18,8 +18,6 @@ module amontons_shared_slave_nodes
     is_friction_in_other_pair, MIN_PARALLEL_COSINE
 
   real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
-  real(DP), parameter :: MIN_FORCE_RATIO = 1.001_DP  !< a pair presses more than an earlier one if its force is larger by this
-                                                     !! factor [-]
   real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP  !< a normal with a smaller free part than this is fixed by supports or
                                                     !! constrains no further direction [-]
 
@@ -233,13 +231,14 @@ contains
   !> Whether the friction of a slave in several pairs acts in another pair: no direction is left beside its normal, or friction
   !! along the remaining edge acts in the pair with the larger normal force, for equal forces in the first. (If it always acted in
   !! the first pair, friction would vary with a pair of almost no force, and equilibrium might not exist.)
-  pure logical function is_friction_in_other_pair(shared, slaves, s, free, friction, Rhat) result(has)
+  pure logical function is_friction_in_other_pair(shared, slaves, s, free, friction, Rhat, min_ratio) result(has)
     type(shared_slaves_type), intent(in) :: shared
     type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: s
     real(DP), intent(in) :: free(3, 3)             !< its free directions
     real(DP), intent(in) :: friction(:)            !< (n_pairs) mu [-]
     real(DP), intent(in) :: Rhat(:, :)             !< (3, n_slaves) imbalance of their rows [force]
+    real(DP), intent(in) :: min_ratio              !< of the forces of two pairs that differ [-]
     real(DP) :: own, other
     integer :: k, t
     has = .false.
@@ -252,8 +251,8 @@ contains
       t = shared%member(k)
       if (t == s .or. slaves(t)%status == STATUS_OPEN .or. .not. friction(slaves(t)%pair) > 0.0_DP) cycle
       other = -dot_product(slaves(t)%normal, Rhat(:, t))
-      if (t < s) has = has .or. MIN_FORCE_RATIO * other >= own
-      if (t > s) has = has .or. other > MIN_FORCE_RATIO * own
+      if (t < s) has = has .or. min_ratio * other >= own
+      if (t > s) has = has .or. other > min_ratio * own
     end do
   end function is_friction_in_other_pair
 

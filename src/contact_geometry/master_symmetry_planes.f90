@@ -16,7 +16,7 @@ module amontons_master_symmetry_planes
   public :: find_symmetry_planes, find_fixed_directions
 
   real(DP), parameter :: MAX_NORMAL_LEAN = 0.5_DP  !< a larger part of the normal out of the plane is no tilt by averaging [-]
-  real(DP), parameter :: MIN_PARALLEL_COSINE = 1.0_DP - 1.0e-9_DP   !< directions with a larger cosine coincide [-]
+  real(DP), parameter :: MIN_AXIS_COSINE = 1.0_DP - 1.0e-9_DP   !< directions with a larger cosine coincide [-]
 
 contains
 
@@ -59,7 +59,7 @@ contains
       is_fixed_at_all = .true.
       do i = 1, size(nodes)
         is_fixed_at_all = is_fixed_at_all .and. any([(is_fixed(e, nodes(i)) .and. &
-          abs(dot_product(a, dof_direction(model, nodes(i), e))) > MIN_PARALLEL_COSINE, e=1, 3)])
+          abs(dot_product(a, dof_direction(model, nodes(i), e))) > MIN_AXIS_COSINE, e=1, 3)])
       end do
     end function is_fixed_at_all
 
@@ -98,7 +98,7 @@ contains
     do i = 1, model%mesh%n_nodes
       if (model%frame_of(i) == 0) cycle
       associate (is_axis_held => owner(3 * i - 2:3 * i) < 0)   ! a local axis may coincide with a global one
-        is_fixed(:, i) = [(any(is_axis_held .and. abs(dof_direction(model, i, d)) > MIN_PARALLEL_COSINE), d=1, 3)]
+        is_fixed(:, i) = [(any(is_axis_held .and. abs(dof_direction(model, i, d)) > MIN_AXIS_COSINE), d=1, 3)]
       end associate
     end do
     do i = 1, size(step%prescribed)

@@ -34,11 +34,9 @@ module amontons_node_overrides
   integer, parameter :: NODE_OVERRIDE_FROZEN = 5             !< status: kept, whatever the trial traction
   integer, parameter :: NODE_OVERRIDE_RELEASED = 6           !< status: was frozen, and is not frozen again
   integer, parameter :: NODE_OVERRIDE_STICK_ONCE = 7         !< status: set to stick for one evaluation
-  integer, parameter :: NODE_OVERRIDE_EXTENDED = 8           !< edge: its facet extends beyond its edges by EXTENSION
+  integer, parameter :: NODE_OVERRIDE_EXTENDED = 8           !< edge: its facet extends beyond its edges (contact%edge_extension)
   integer, parameter :: NODE_OVERRIDE_OFF_MASTER = 9         !< edge: it stays off the master
   integer, parameter :: NODE_OVERRIDE_GIVES_WAY = 10         !< side: open, since another slave enforces this contact
-
-  real(DP), parameter :: EXTENSION = 0.5_DP   !< length of an extended facet beyond its edges, over the facet length [-]
 
   !> The overrides of one slave node: one of each field at a time.
   type :: node_overrides_type
@@ -82,9 +80,10 @@ contains
 
 
   !> Extension of a node's facet beyond its edges by an override, over the facet length; 0: that of any facet.
-  elemental real(DP) function edge_extension(overrides)
+  elemental real(DP) function edge_extension(overrides, extension)
     type(node_overrides_type), intent(in) :: overrides
-    edge_extension = merge(EXTENSION, 0.0_DP, overrides%edge == NODE_OVERRIDE_EXTENDED)   ! [-]
+    real(DP), intent(in) :: extension              !< of an extended facet over its length [-]
+    edge_extension = merge(extension, 0.0_DP, overrides%edge == NODE_OVERRIDE_EXTENDED)   ! [-]
   end function edge_extension
 
 

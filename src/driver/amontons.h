@@ -55,7 +55,7 @@ typedef struct {
 #define AMONTONS_OPTIONS {AMONTONS_ABI, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
 
 int amontons_abi(void);
-void amontons_version(char *text, int room); /* e.g. "0.1.0", ended by 0 */
+void amontons_version(char *text, int capacity); /* e.g. "0.1.0", ended by 0 */
 
 /* Friction status of n slave nodes of the caller, at an iterate u and after the whole search direction d (the procedure of
  * doc/theory/contact.md, section 4; no job is needed). All nodes are closed. The arrays contain the nodes at u, then at u + d:
@@ -68,7 +68,7 @@ int amontons_classify(int64_t n, const double *tangential, const double *normal_
                       const double *direction, const double *mu, const double *controls, int32_t *verdicts,
                       double *alpha);
 
-/* Opens a job. It can be asked for the message, and has to be closed, even after an error; NULL: no memory. */
+/* Opens a job. It has the message, and must be closed, even after an error; NULL: no memory. */
 int amontons_open(const amontons_options *options, amontons_job **job);
 void amontons_close(amontons_job *job);
 const char *amontons_message(const amontons_job *job); /* of the last call that failed; valid until the next */
@@ -92,7 +92,7 @@ int amontons_set(amontons_job *job, const char *quantity, const char *set, const
 
 /* The names of "NODE SETS", "ELEMENT SETS", "SURFACES", "PAIRS", "INTERACTIONS", "MATERIALS", or the "QUANTITIES" that
  * amontons_get accepts: one per line, ended by 0. With text = NULL only the size needed is returned. */
-int amontons_names(amontons_job *job, const char *kind, char *text, int64_t room, int64_t *needed);
+int amontons_names(amontons_job *job, const char *kind, char *text, int64_t capacity, int64_t *needed);
 
 /* A matrix by compressed rows, counted from 0: "TANGENT" (on the free unknowns), "MAP" (all unknowns from the free
  * ones), "STIFFNESS" (of the elements, on all unknowns). First query the sizes, then copy. */

@@ -375,7 +375,7 @@ contains
   !> The names of a kind, one per line, ended by 0; with text = NULL only the size needed, including the 0.
   integer(c_int) function capi_names(handle, kind, text, buffer_size, needed) bind(C, name='amontons_names') result(status)
     type(c_ptr), value :: handle, kind
-    type(c_ptr), value :: text                     !< char[room], or NULL
+    type(c_ptr), value :: text                     !< char[capacity], or NULL
     integer(c_int64_t), value :: buffer_size
     integer(c_int64_t), intent(out), optional :: needed
     type(handle_type), pointer :: self

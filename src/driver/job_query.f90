@@ -115,6 +115,7 @@ contains
       case ('QUANTITIES')
         names = [character(LENGTH) :: NUMBER_QUANTITIES, FIELD_QUANTITIES, POINT_COLUMNS%name, POINT_QUANTITIES, &
           PAIR_COLUMNS(PAIR_SUMS)%name]
+        if (.not. any(model%materials%n_statev > 0)) names = pack(names, index(names, ' SDV') == 0)
       case default
         call set_error(error, EXIT_USAGE, 'There are no names of ' // kind // '; NODE SETS, ELEMENT SETS, SURFACES, ' // &
           'PAIRS, INTERACTIONS, MATERIALS and QUANTITIES have some.')

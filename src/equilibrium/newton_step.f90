@@ -333,8 +333,8 @@ contains
     if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
     is_skin_chosen = step%interface == INTERFACE_SKIN
     if (is_skin_chosen .or. .not. allocated(system%is_interface_unknown)) return
-    is_skin_chosen = count(system%is_interface_unknown) > system%controls%interface%max_unknowns .or. system%reduced_system%is_iterative .or. &
-      is_skin_cheaper(system, system%controls%interface%usual_skin_iterations)
+    is_skin_chosen = count(system%is_interface_unknown) > system%controls%interface%max_unknowns .or. &
+      system%reduced_system%is_iterative .or. is_skin_cheaper(system, system%controls%interface%usual_skin_iterations)
   end function is_skin_chosen
 
 

@@ -233,15 +233,17 @@ contains
     type(name_table_type), intent(in) :: names
     type(integer_list_type), intent(inout) :: sets(:)
     integer :: numbers(3), i, k, status
+    logical :: is_valid
     if (set == 0) return
     do while (next_row(cards, row))
       if (is_range) then
         numbers = [0, -1, 1]
+        is_valid = row%n > 0
         do i = 1, min(3, row%n)
           call field_integer(cards, row, i, numbers(i), status)
-          if (status /= NUMBER_OK) numbers(2) = numbers(1) - 1
+          is_valid = is_valid .and. status == NUMBER_OK
         end do
-        if (numbers(3) < 1 .or. (numbers(2) - numbers(1)) / max(1, numbers(3)) > 10000000) cycle
+        if (.not. is_valid .or. numbers(3) < 1 .or. (numbers(2) - numbers(1)) / max(1, numbers(3)) > 10000000) cycle
         do k = numbers(1), numbers(2), numbers(3)
           call sets(set)%add(k)
         end do

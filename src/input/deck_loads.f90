@@ -588,14 +588,14 @@ contains
     type(data_row_type), intent(in) :: row
     type(load_region_type), intent(in) :: place
     real(DP), intent(in) :: value                !< of the load
-    logical :: is_told(size(model%materials))
+    logical :: is_reported(size(model%materials))
     integer :: i, m
-    is_told = .false.
+    is_reported = .false.
     do i = 1, size(place%elements)
       m = model%mesh%material(place%elements(i))
       if (m == 0) cycle
-      if (is_told(m)) cycle
-      is_told(m) = .true.
+      if (is_reported(m)) cycle
+      is_reported(m) = .true.
       if (model%materials(m)%has_density) then
         call report_units(reader, row, model%materials(m), place%kind, value)
         cycle

@@ -329,7 +329,7 @@ contains
     end do
     if (has_no_error) step%frd(FRD_ERROR)%is_wanted = .false.
     if (unknown /= '') call report_note(reader, reader%cards%cards(c)%line, 'job.vtkhdf always holds the same fields, and ' // &
-      'job.frd those asked for; what is in neither: ' // unknown // '.')
+      'job.frd the requested ones; what is in neither: ' // unknown // '.')
   end subroutine read_file_request
 
 

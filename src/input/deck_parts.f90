@@ -287,18 +287,26 @@ contains
   end function find_part
 
 
-  !> The largest number in the first fields of some cards.
+  !> The largest label of the nodes or elements of some cards; rows that continue an element have none.
   integer function largest_label(cards, key, first, last) result(largest)
     type(cards_type), intent(in) :: cards
     character(*), intent(in) :: key
     integer, intent(in) :: first, last           !< cards
     type(data_row_type) :: row
-    integer :: c, label, status
+    integer :: c, label, status, n_nodes, n_left
     largest = 0
     do c = first, last
       if (cards%cards(c)%key /= key) cycle
+      n_nodes = 0
+      if (key == 'ELEMENT') n_nodes = n_nodes_of_type(parameter_value(cards, c, 'TYPE'))
+      n_left = 0
       call start_rows(cards%cards(c), row)
       do while (next_row(cards, row))
+        if (n_left > 0) then                       ! further nodes of an element
+          n_left = n_left - row%n
+          cycle
+        end if
+        if (n_nodes > 0) n_left = n_nodes + 1 - row%n
         call field_integer(cards, row, 1, label, status)
         if (status == NUMBER_OK) largest = max(largest, label)
       end do

@@ -114,7 +114,7 @@ contains
     integer :: n
     character(:), allocatable :: definition
     definition = parameter_word(parameters, 'DEFINITION', 'TABULAR')
-    amplitude%course = AMPLITUDE_TABLE
+    amplitude%shape = AMPLITUDE_TABLE
     if (allocated(amplitude%formula_constants)) deallocate (amplitude%formula_constants)
     amplitude%time = [0.0_DP]                    ! until there is something better
     amplitude%factor = [0.0_DP]
@@ -126,7 +126,7 @@ contains
     case ('USER')
       call read_user_amplitude(reader, c, parameters, row, amplitude)
     case ('TABULAR', 'SMOOTHSTEP')
-      if (definition == 'SMOOTHSTEP') amplitude%course = AMPLITUDE_SMOOTH_STEP
+      if (definition == 'SMOOTHSTEP') amplitude%shape = AMPLITUDE_SMOOTH_STEP
       call read_amplitude_table(reader, row, amplitude)
     case ('EQUALLYSPACED')
       call read_numbers(reader, row, 1, numbers)
@@ -136,7 +136,7 @@ contains
       n = size(numbers)
       call order_formula_constants(definition, numbers, amplitude)
       if (.not. allocated(amplitude%formula_constants)) then
-        amplitude%course = AMPLITUDE_TABLE
+        amplitude%shape = AMPLITUDE_TABLE
         if (n > 0) call report_error(reader, reader%cards%cards(c)%line, &
           'PERIODIC needs the number n of terms, omega, t0, A0 and ' // &
           'below them n pairs A, B; MODULATED needs A0, A, t0, omega 1, omega 2; DECAY needs A0, A, t0 and a positive td.')
@@ -144,7 +144,7 @@ contains
     end select
     amplitude%time = amplitude%time + parameter_real(parameters, 'SHIFTX', 0.0_DP)
     amplitude%factor = amplitude%factor + parameter_real(parameters, 'SHIFTY', 0.0_DP)
-    if (amplitude%course >= AMPLITUDE_PERIODIC .and. (has_parameter(parameters, 'SHIFTX') .or. &
+    if (amplitude%shape >= AMPLITUDE_PERIODIC .and. (has_parameter(parameters, 'SHIFTX') .or. &
       has_parameter(parameters, 'SHIFTY'))) call report_error(reader, reader%cards%cards(c)%line, &
       'SHIFTX and SHIFTY shift tables; write the shifted numbers.')
   end subroutine read_amplitude_definition
@@ -159,14 +159,14 @@ contains
     n = size(numbers)
     select case (definition)
     case ('PERIODIC')
-      amplitude%course = AMPLITUDE_PERIODIC
+      amplitude%shape = AMPLITUDE_PERIODIC
       if (n < 4) return
       if (nint(numbers(1)) >= 1 .and. n == 4 + 2 * nint(min(numbers(1), 1.0e6_DP))) amplitude%formula_constants = numbers(2:)
     case ('MODULATED')
-      amplitude%course = AMPLITUDE_MODULATED
+      amplitude%shape = AMPLITUDE_MODULATED
       if (n == 5) amplitude%formula_constants = numbers
     case default
-      amplitude%course = AMPLITUDE_DECAY
+      amplitude%shape = AMPLITUDE_DECAY
       if (n /= 4) return
       if (numbers(4) > 0) amplitude%formula_constants = numbers
     end select
@@ -271,7 +271,7 @@ contains
           'TIME DELAY needs an AMPLITUDE that it delays.')
         cycle
       end if
-      if (model%amplitudes(found)%course >= AMPLITUDE_PERIODIC) call report_error(reader, reader%cards%cards(c)%line, &
+      if (model%amplitudes(found)%shape >= AMPLITUDE_PERIODIC) call report_error(reader, reader%cards%cards(c)%line, &
         'TIME DELAY delays tables; give the formula of the amplitude ''' // model%amplitudes(found)%name // ''' a later t0.')
       amplitude = model%amplitudes(found)
       if (amplitude%is_user) call report_error(reader, reader%cards%cards(c)%line, &

@@ -79,8 +79,8 @@ static void KIND(backward_together)(const cholmod_factor *l, int s, REAL *x, REA
 int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor *l, REAL *x)
 {
   int n_parts = plan->n_parts, is_poor = 0;
-  size_t room = plan->n_above > 0 ? l->n : 1;
-  REAL *above = malloc((size_t)n_parts * room * sizeof(REAL));
+  size_t capacity = plan->n_above > 0 ? l->n : 1;
+  REAL *above = malloc((size_t)n_parts * capacity * sizeof(REAL));
   if (!above) return 0;
 #pragma omp parallel num_threads(n_parts)
   {
@@ -88,7 +88,7 @@ int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor
     REAL *product = malloc(((size_t)plan->most_rows + 1) * sizeof(REAL));
     join_team(product != NULL, &id, &team, &is_poor);
     for (int p = id; p < n_parts && !is_poor; p += team) {
-      REAL *mine = above + (size_t)p * room;
+      REAL *mine = above + (size_t)p * capacity;
       EACH_ABOVE(c) mine[c] = 0;
       for (int k = plan->start[p]; k < plan->start[p + 1]; k++)
         KIND(forward_alone)(l, plan->members[k], plan->end[plan->members[k]], x, mine, product);
@@ -97,7 +97,7 @@ int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor
 #pragma omp master
     if (!is_poor)
       EACH_ABOVE(c)
-        for (int p = 0; p < n_parts; p++) x[c] += above[(size_t)p * room + (size_t)c];
+        for (int p = 0; p < n_parts; p++) x[c] += above[(size_t)p * capacity + (size_t)c];
 #pragma omp barrier
     for (int k = plan->start[n_parts]; k < plan->n_supernodes && !is_poor; k++)
       KIND(forward_together)(l, plan->members[k], x, product, id, team);

@@ -25,7 +25,7 @@ module amontons_woodbury_interface
   private
   public :: woodbury_type, contact_springs_type, invert_interface_stiffness, factorise_spring_coupling, solve_woodbury
 
-  real(SP), parameter :: MIN_PIVOT_RATIO = 1.0e-4_SP     !< least pivot of S over its diagonal for which S is inverted [-]
+  real(SP), parameter :: MIN_SINGLE_PIVOT = 1.0e-4_SP     !< least pivot of S over its diagonal for which S is inverted [-]
   real(SP), parameter :: MAX_COUPLING_ENTRY = 1.0e4_SP          !< largest entry of T: stiffer springs need double precision [-]
   integer, parameter :: BLOCK_ROWS = 32                 !< rows of T computed together
   integer, parameter :: HALF_BLOCK_ROWS = BLOCK_ROWS / 2
@@ -100,7 +100,7 @@ contains
       self%compliance(i, i) = self%compliance(i, i) - real(shift(i) / self%scale, SP)
     end do
     deallocate (single)
-    call invert_spd(self%compliance, MIN_PIVOT_RATIO, status)
+    call invert_spd(self%compliance, MIN_SINGLE_PIVOT, status)
     self%has_inverse = status == DENSE_OK
   end subroutine invert_interface_stiffness
 
@@ -343,17 +343,17 @@ contains
     real(DP), intent(out) :: y(:)                  !< (n_contact) [length]
     real(SP) :: r(size(x)), z(size(x)), force(size(self%woodbury%lu, 1))
     integer :: k, p
-    associate (sprung => self%woodbury, spread => self%woodbury%springs%force_distribution)
+    associate (coupling => self%woodbury, spread => self%woodbury%springs%force_distribution)
       r = real(x, SP)
-      call multiply_dense_transpose(sprung%response, r, force)
-      call solve_dense(sprung%lu, sprung%pivots, force)
+      call multiply_dense_transpose(coupling%response, r, force)
+      call solve_dense(coupling%lu, coupling%pivots, force)
       do k = 1, size(r)
         do p = spread%first(k), spread%first(k + 1) - 1
           r(k) = r(k) + real(spread%value(p), SP) * force(spread%column(p))
         end do
       end do
-      call multiply_dense_transpose(sprung%compliance, r, z)
-      y = real(z, DP) / sprung%scale
+      call multiply_dense_transpose(coupling%compliance, r, z)
+      y = real(z, DP) / coupling%scale
     end associate
   end subroutine apply_compliance
 

@@ -14,7 +14,7 @@ module amontons_controls
   private
   public :: controls_type, newton_controls_type, globalization_controls_type, subproblem_controls_type, &
     line_search_controls_type, cycling_controls_type, increment_controls_type, krylov_controls_type, interface_controls_type, &
-    skin_controls_type, linear_solver_controls_type
+    skin_controls_type, linear_solver_controls_type, contact_controls_type
   public :: calculix_controls
 
   !> Newton's method within an increment: predictor, scale of forces, limits of displacements, early end.
@@ -156,6 +156,14 @@ module amontons_controls
     real(DP) :: estimate_safety_factor = 2.0_DP   !< an estimate must exceed the limit by this factor [-] | reduced_system
   end type linear_solver_controls_type
 
+  !> Contact of a slave node: what keeps decisions from alternating. Search radii and tolerances of geometry are not here.
+  type :: contact_controls_type
+    real(DP) :: edge_extension = 0.5_DP    !< length of an extended facet beyond its edges, over its length [-] |
+                                           !! active_set_cycling
+    real(DP) :: min_force_ratio = 1.001_DP   !< a pair presses a shared node more than an earlier one if its force is larger by
+                                           !! this factor [-] | set: far above rounding
+  end type contact_controls_type
+
   !> Active-set cycling.
   type :: cycling_controls_type
     real(DP) :: stagnation_ratio = 0.5_DP   !< least ratio of merits over a cycle that counts as stagnation [-] | active_set_history
@@ -202,6 +210,7 @@ module amontons_controls
     type(globalization_controls_type) :: globalization
     type(subproblem_controls_type) :: subproblem
     type(line_search_controls_type) :: line_search
+    type(contact_controls_type) :: contact
     type(cycling_controls_type) :: cycling
     type(increment_controls_type) :: increments
     type(krylov_controls_type) :: krylov

@@ -30,7 +30,7 @@ module amontons_loads
     character(:), allocatable :: name
     logical :: is_total_time = .false.           !< TIME=TOTAL TIME
     logical :: is_absolute = .false.             !< VALUE=ABSOLUTE: the factors are magnitudes and replace those of the load
-    integer :: course = AMPLITUDE_TABLE
+    integer :: shape = AMPLITUDE_TABLE
     real(DP), allocatable :: formula_constants(:)          !< PERIODIC: omega, t0, A0, A1, B1, ...; MODULATED: A0, A, t0, omega 1,
                                                            !! omega 2;
     !< DECAY: A0, A, t0, td
@@ -100,7 +100,7 @@ contains
     real(DP), intent(in) :: time                 !< step time, or total time if it is_total_time [time]
     real(DP) :: factor, s
     integer :: i, n
-    if (amplitude%course >= AMPLITUDE_PERIODIC) then
+    if (amplitude%shape >= AMPLITUDE_PERIODIC) then
       factor = formula_value(amplitude, time)
       return
     end if
@@ -115,7 +115,7 @@ contains
         i = i + 1
       end do
       s = (time - amplitude%time(i)) / (amplitude%time(i + 1) - amplitude%time(i))
-      if (amplitude%course == AMPLITUDE_SMOOTH_STEP) s = s**3 * (10 + s * (6 * s - 15))
+      if (amplitude%shape == AMPLITUDE_SMOOTH_STEP) s = s**3 * (10 + s * (6 * s - 15))
       factor = amplitude%factor(i) + s * (amplitude%factor(i + 1) - amplitude%factor(i))
     end if
   end function amplitude_value
@@ -140,7 +140,7 @@ contains
   !> Whether an amplitude has an integral here: a table has, a formula or one of the user has none.
   elemental logical function has_integral(amplitude)
     type(amplitude_type), intent(in) :: amplitude
-    has_integral = amplitude%course < AMPLITUDE_PERIODIC .and. .not. amplitude%is_user
+    has_integral = amplitude%shape < AMPLITUDE_PERIODIC .and. .not. amplitude%is_user
   end function has_integral
 
 
@@ -158,7 +158,7 @@ contains
       s = min(1.0_DP, (time - amplitude%time(i)) / length)
       if (s <= 0) exit
       sum_of_parts = sum_of_parts + length * s * amplitude%factor(i)
-      if (amplitude%course == AMPLITUDE_SMOOTH_STEP) then
+      if (amplitude%shape == AMPLITUDE_SMOOTH_STEP) then
         s = s**4 * (2.5_DP + s * (s - 3))
       else
         s = 0.5_DP * s**2
@@ -175,7 +175,7 @@ contains
     real(DP) :: since, angle
     integer :: k
     associate (a => amplitude%formula_constants)
-      select case (amplitude%course)
+      select case (amplitude%shape)
       case (AMPLITUDE_PERIODIC)
         since = time - a(2)
         factor = a(3)

@@ -2,11 +2,13 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_mesh
   use amontons_kinds, only: DP
+  use amontons_containers, only: find_root, unite_trees
   use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent
+  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent, &
+    find_connected_nodes
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -174,5 +176,41 @@ contains
     nodes(:n) = mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)
     nodes(n + 1:) = 0
   end subroutine element_nodes
+
+
+  !> Bodies: nodes that elements connect, directly or through other nodes, numbered in the order of their first elements.
+  !! Method: union-find. Cost: linear.
+  subroutine find_connected_nodes(mesh, of_node, n, is_absent)
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable, intent(out) :: of_node(:)   !< (n_nodes) body from 1; 0: no element has the node
+    integer, intent(out) :: n                      !< bodies
+    logical, intent(in), optional :: is_absent(:)  !< (n_elements) these elements connect nothing
+    integer, allocatable :: parent(:)
+    logical, allocatable :: is_present(:), has_element(:)
+    integer :: e, i, k
+    allocate (is_present(mesh%n_elements), source=.true.)
+    if (present(is_absent)) is_present = .not. is_absent
+    parent = [(i, i=1, mesh%n_nodes)]
+    allocate (of_node(mesh%n_nodes), source=0)
+    allocate (has_element(mesh%n_nodes), source=.false.)
+    do e = 1, mesh%n_elements
+      if (.not. is_present(e)) cycle
+      do k = mesh%first(e), mesh%first(e + 1) - 1
+        has_element(mesh%nodes(k)) = .true.
+        call unite_trees(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
+      end do
+    end do
+    n = 0
+    do e = 1, mesh%n_elements
+      if (.not. is_present(e)) cycle
+      i = find_root(parent, mesh%nodes(mesh%first(e)))
+      if (of_node(i) > 0) cycle
+      n = n + 1
+      of_node(i) = n
+    end do
+    do i = 1, mesh%n_nodes
+      if (has_element(i)) of_node(i) = of_node(find_root(parent, i))
+    end do
+  end subroutine find_connected_nodes
 
 end module amontons_mesh

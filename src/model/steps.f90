@@ -7,7 +7,7 @@ module amontons_steps
   use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
-  public :: step_type, print_request_type, frd_request_type, is_output_due, next_time_point, TOL_TIME
+  public :: step_type, print_request_type, frd_request_type, is_output_due, next_time_point, TOL_STOP_TIME
   public :: LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
   public :: TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
@@ -31,7 +31,7 @@ module amontons_steps
   integer, parameter :: N_FRD = 13, FRD_DISP = 1, FRD_NDTEMP = 2, FRD_STRESS = 3, FRD_TOSTRAIN = 4, FRD_MESTRAIN = 5, &
     FRD_THSTRAIN = 6, FRD_FORC = 7, FRD_PE = 8, FRD_ENER = 9, FRD_CONTACT = 10, FRD_CELS = 11, FRD_SDV = 12, FRD_ERROR = 13
 
-  real(DP), parameter :: TOL_TIME = 1.0e-6_DP     !< times within this fraction of the period are the same [-]
+  real(DP), parameter :: TOL_STOP_TIME = 1.0e-6_DP     !< times within this fraction of the period are the same [-]
 
   !> One PRINT card.
   type :: print_request_type
@@ -110,7 +110,7 @@ contains
     logical :: is_due
     is_due = .false.
     if (present(times)) then
-      is_due = any(abs(times - step_time) <= TOL_TIME * step%period)
+      is_due = any(abs(times - step_time) <= TOL_STOP_TIME * step%period)
     else if (frequency > 0) then
       is_due = mod(increment, frequency) == 0
     else
@@ -125,7 +125,7 @@ contains
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: step_time      !< where the last increment ended [time]
     real(DP) :: passed
-    passed = step_time + TOL_TIME * step%period
+    passed = step_time + TOL_STOP_TIME * step%period
     stop_time = step%period
     if (allocated(step%print_times)) stop_time = min(stop_time, minval(step%print_times, mask=step%print_times > passed))
     if (allocated(step%file_times)) stop_time = min(stop_time, minval(step%file_times, mask=step%file_times > passed))

@@ -116,11 +116,11 @@ module amontons_user_routines
       type(uinter_type), intent(inout) :: values
     end subroutine uinter_c
 
-    function open_c(path, message, room, handle) bind(C, name='amontons_user_open') result(status)
+    function open_c(path, message, capacity, handle) bind(C, name='amontons_user_open') result(status)
       import :: c_char, c_int, c_ptr
       character(kind=c_char), intent(in) :: path(*)
       character(kind=c_char), intent(out) :: message(*)
-      integer(c_int), value :: room
+      integer(c_int), value :: capacity
       type(c_ptr), intent(out) :: handle
       integer(c_int) :: status
     end function open_c
@@ -143,13 +143,13 @@ module amontons_user_routines
       character(kind=c_char), intent(in) :: folder(*), job(*)
     end subroutine job_c
 
-    subroutine messages_c(handle, smallest, is_stopped, text, room) bind(C, name='amontons_user_news')
+    subroutine messages_c(handle, smallest, is_stopped, text, capacity) bind(C, name='amontons_user_news')
       import :: c_char, c_double, c_int, c_ptr
       type(c_ptr), value :: handle
       real(c_double), intent(out) :: smallest
       integer(c_int), intent(out) :: is_stopped
       character(kind=c_char), intent(out) :: text(*)
-      integer(c_int), value :: room
+      integer(c_int), value :: capacity
     end subroutine messages_c
 
     pure subroutine umat_c(handle, cmname, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_umat')

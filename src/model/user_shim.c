@@ -88,14 +88,14 @@ void xit_(void)
 }
 
 /* The next item of a list of STDB_ABQERR: %I from intv, %R from realv, %S from charv (8 letters each). */
-static int put_item(char *to, size_t room, char kind, const int *intv, const double *realv, const char *charv, int *next)
+static int put_item(char *to, size_t capacity, char kind, const int *intv, const double *realv, const char *charv, int *next)
 {
-  if (kind == 'I') return snprintf(to, room, "%d", intv[next[0]++]);
-  if (kind == 'R') return snprintf(to, room, "%g", realv[next[1]++]);
+  if (kind == 'I') return snprintf(to, capacity, "%d", intv[next[0]++]);
+  if (kind == 'R') return snprintf(to, capacity, "%g", realv[next[1]++]);
   int length = 8;
   const char *from = charv + 8 * next[2]++;
   while (length > 0 && from[length - 1] == ' ') length--;
-  return snprintf(to, room, "%.*s", length, from);
+  return snprintf(to, capacity, "%.*s", length, from);
 }
 
 /* SUBROUTINE STDB_ABQERR(LOP, STRING, INTV, REALV, CHARV): 1 a note, -1 a warning, -2 an error, -3 an error that ends
@@ -123,25 +123,25 @@ void stdb_abqerr_(const int *lop, const char *string, const int *intv, const dou
   if (*lop <= -3) leave();
 }
 
-static void give_text(char *to, size_t room, int *length, const char *from)
+static void give_text(char *to, size_t capacity, int *length, const char *from)
 {
-  size_t n = strlen(from) < room ? strlen(from) : room;
-  memset(to, ' ', room);
+  size_t n = strlen(from) < capacity ? strlen(from) : capacity;
+  memset(to, ' ', capacity);
   memcpy(to, from, n);
   *length = (int)n;
 }
 
 /* SUBROUTINE GETOUTDIR(OUTDIR, LENOUTDIR), GETJOBNAME(JOBNAME, LENJOBNAME) */
-void getoutdir_(char *to, int *length, size_t room);
-void getoutdir_(char *to, int *length, size_t room)
+void getoutdir_(char *to, int *length, size_t capacity);
+void getoutdir_(char *to, int *length, size_t capacity)
 {
-  give_text(to, room, length, inside ? inside->folder : ".");
+  give_text(to, capacity, length, inside ? inside->folder : ".");
 }
 
-void getjobname_(char *to, int *length, size_t room);
-void getjobname_(char *to, int *length, size_t room)
+void getjobname_(char *to, int *length, size_t capacity);
+void getjobname_(char *to, int *length, size_t capacity)
 {
-  give_text(to, room, length, inside ? inside->job : "job");
+  give_text(to, capacity, length, inside ? inside->job : "job");
 }
 
 /* --- routines that crash ------------------------------------------------------------------------------------------ */
@@ -161,15 +161,15 @@ static _Thread_local int has_signal_stack;
 static pthread_mutex_t handlers_lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* The sentence about a call that went wrong. */
-static int describe_call(const routines *self, const char *cause, char *to, int room)
+static int describe_call(const routines *self, const char *cause, char *to, int capacity)
 {
   const call_place *at = &place_of_call;
-  int n = snprintf(to, (size_t)room, "The routine %s of %s has crashed", CAPITALS[at->routine], self->file);
-  if (at->element > 0) n += snprintf(to + n, (size_t)(room - n), " at element %d, integration point %d", at->element, at->point);
-  if (at->node > 0) n += snprintf(to + n, (size_t)(room - n), " at node %d", at->node);
-  if (at->increment > 0) n += snprintf(to + n, (size_t)(room - n), " in increment %d of step %d", at->increment, at->step);
-  n += snprintf(to + n, (size_t)(room - n), ": %s.", cause);
-  return n < room ? n : room - 1;
+  int n = snprintf(to, (size_t)capacity, "The routine %s of %s has crashed", CAPITALS[at->routine], self->file);
+  if (at->element > 0) n += snprintf(to + n, (size_t)(capacity - n), " at element %d, integration point %d", at->element, at->point);
+  if (at->node > 0) n += snprintf(to + n, (size_t)(capacity - n), " at node %d", at->node);
+  if (at->increment > 0) n += snprintf(to + n, (size_t)(capacity - n), " in increment %d of step %d", at->increment, at->step);
+  n += snprintf(to + n, (size_t)(capacity - n), ": %s.", cause);
+  return n < capacity ? n : capacity - 1;
 }
 
 static const char *cause_of(int number)
@@ -322,23 +322,23 @@ static void remove_folder(const char *folder)
 }
 
 /* The first lines of the compiler's output. */
-static void read_log(const char *folder, char *message, int room)
+static void read_log(const char *folder, char *message, int capacity)
 {
   char path[1200];
   snprintf(path, sizeof path, "%s/log", folder);
   FILE *file = fopen(path, "r");
-  size_t n = file ? fread(message, 1, (size_t)room - 1, file) : 0;
+  size_t n = file ? fread(message, 1, (size_t)capacity - 1, file) : 0;
   message[n] = 0;
   while (n > 0 && message[n - 1] == '\n') message[--n] = 0;
   if (file) fclose(file);
 }
 
 /* Words of AMONTONS_FFLAGS, separated by blanks. Returns the memory that they are in. */
-static char *add_flags(const char **words, int *n, int room)
+static char *add_flags(const char **words, int *n, int capacity)
 {
   const char *flags = getenv("AMONTONS_FFLAGS");
   char *copy = flags ? strdup(flags) : NULL, *rest = NULL;
-  for (char *word = copy ? strtok_r(copy, " \t", &rest) : NULL; word && *n < room; word = strtok_r(NULL, " \t", &rest))
+  for (char *word = copy ? strtok_r(copy, " \t", &rest) : NULL; word && *n < capacity; word = strtok_r(NULL, " \t", &rest))
     words[(*n)++] = word;
   return copy;
 }
@@ -373,7 +373,7 @@ static int has_directives(const char *source)
 }
 
 /* Runs the compiler. 1: done. */
-static int run_compiler(const char *const *words, const char *folder, const char *output, char *message, int room)
+static int run_compiler(const char *const *words, const char *folder, const char *output, char *message, int capacity)
 {
   char log[1200];
   snprintf(log, sizeof log, "%s/%s", folder, output);
@@ -389,20 +389,20 @@ static int run_compiler(const char *const *words, const char *folder, const char
   }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) < 0) {
-    snprintf(message, (size_t)room, "%s cannot be started: %s", words[0], strerror(errno));
+    snprintf(message, (size_t)capacity, "%s cannot be started: %s", words[0], strerror(errno));
     return 0;
   }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return 1;
-  read_log(folder, message, room);
+  read_log(folder, message, capacity);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    snprintf(message, (size_t)room, "there is no compiler %s; install it, or name one in AMONTONS_FC", words[0]);
+    snprintf(message, (size_t)capacity, "there is no compiler %s; install it, or name one in AMONTONS_FC", words[0]);
   return 0;
 }
 
 /* Compiles a Fortran file into folder/routines.so, the modules into the folder too. 1: done. What compilers of Abaqus's users
  * accept: lines of 132 columns in fixed form, old language, and constants of single precision beside arguments of double
  * precision (sign(1.0, x)), by default reals of double precision if the file does not compile without. */
-static int compile(const char *source, const char *folder, char *message, int room)
+static int compile(const char *source, const char *folder, char *message, int capacity)
 {
   enum { MAX_WORDS = 64, N_PRECISION = 2 };
   static const char *const precision[N_PRECISION] = {"-fdefault-real-8", "-fdefault-double-8"};
@@ -420,7 +420,7 @@ static int compile(const char *source, const char *folder, char *message, int ro
   if (!has_sequence_numbers(source)) words[n++] = "-ffixed-line-length-132";
   if (has_directives(source)) words[n++] = "-cpp";
   char *flags = add_flags(words, &n, MAX_WORDS - N_PRECISION - 1);
-  int is_done = run_compiler(words, folder, "log", message, room);
+  int is_done = run_compiler(words, folder, "log", message, capacity);
   for (int i = 0; i < N_PRECISION; i++) words[n++] = precision[i];
   char ignored[16];
   if (!is_done) is_done = run_compiler(words, folder, "second", ignored, sizeof ignored);
@@ -452,7 +452,7 @@ static void find_routines(routines *self)
   }
 }
 
-static int load(routines *self, const char *path, char *message, int room)
+static int load(routines *self, const char *path, char *message, int capacity)
 {
   char full[4200];
   snprintf(full, sizeof full, "%s%s", strchr(path, '/') ? "" : "./", path);
@@ -460,7 +460,7 @@ static int load(routines *self, const char *path, char *message, int room)
   self->library = dlopen(full, RTLD_NOW | RTLD_LOCAL);
   if (!self->library) {
     const char *reason = dlerror();
-    snprintf(message, (size_t)room, "%s", reason ? reason : "unknown reason");
+    snprintf(message, (size_t)capacity, "%s", reason ? reason : "unknown reason");
     return NOT_LOADED;
   }
   find_routines(self);
@@ -474,7 +474,7 @@ static int load(routines *self, const char *path, char *message, int room)
 
 /* Opens a shared library, or a Fortran file that is compiled first. Returns OPENED or an error status, with the message of the
  * compiler or the loader. */
-int amontons_user_open(const char *path, char *message, int room, void **handle)
+int amontons_user_open(const char *path, char *message, int capacity, void **handle)
 {
   static const char *const fortran[] = {".f", ".for", ".f90", ".f95", ".f03", ".f08", ".ftn", ".fpp", NULL};
   char folder[1024] = "", compiled[1200];
@@ -491,13 +491,13 @@ int amontons_user_open(const char *path, char *message, int room, void **handle)
   if (ends_with(path, fortran)) {
     const char *where = getenv("TMPDIR");
     snprintf(folder, sizeof folder, "%s/amontons-XXXXXX", where && *where ? where : "/tmp");
-    snprintf(message, (size_t)room, "there is no room for temporary files in %s", where && *where ? where : "/tmp");
+    snprintf(message, (size_t)capacity, "there is no space for temporary files in %s", where && *where ? where : "/tmp");
     if (!mkdtemp(folder)) folder[0] = 0;
-    status = folder[0] && write_include(folder) && compile(path, folder, message, room) ? OPENED : NOT_COMPILED;
+    status = folder[0] && write_include(folder) && compile(path, folder, message, capacity) ? OPENED : NOT_COMPILED;
     snprintf(compiled, sizeof compiled, "%s/routines.so", folder);
     path = compiled;
   }
-  if (status == OPENED) status = load(self, path, message, room);
+  if (status == OPENED) status = load(self, path, message, capacity);
   if (folder[0]) remove_folder(folder);
   if (status == OPENED) {
     catch_signals();
@@ -536,13 +536,13 @@ void amontons_user_job(void *handle, const char *folder, const char *job)
 }
 
 /* Reports since the last query: the smallest PNEWDT, the messages, whether XIT was called or a routine has crashed. */
-void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *text, int room)
+void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *text, int capacity)
 {
   routines *self = handle;
   pthread_mutex_lock(&self->lock);
   *smallest = self->smallest;
   *is_stopped = self->is_stopped;
-  int n = self->n_text < room - 1 ? self->n_text : room - 1;
+  int n = self->n_text < capacity - 1 ? self->n_text : capacity - 1;
   memcpy(text, self->text, (size_t)n);
   text[n] = 0;
   self->smallest = 1;

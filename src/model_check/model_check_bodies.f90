@@ -7,7 +7,7 @@ module amontons_model_check_bodies
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
   use amontons_topology, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
-  use amontons_containers, only: find_root, unite_trees
+  use amontons_mesh, only: find_connected_nodes
   implicit none
   private
   public :: body_type, bodies_type, find_bodies, body_name
@@ -39,30 +39,14 @@ module amontons_model_check_bodies
 
 contains
 
-  !> Finds the bodies, their boxes, volumes and masses. Method: union-find over the nodes. Cost: linear.
+  !> Finds the bodies, their boxes, volumes and masses. Cost: linear.
   subroutine find_bodies(model, step, bodies)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< whose elements count: index into model%steps
     type(bodies_type), intent(out) :: bodies
-    integer, allocatable :: parent(:)
     integer :: e, i, k
     associate (mesh => model%mesh)
-      allocate (parent(mesh%n_nodes), source=0)
-      do e = 1, mesh%n_elements
-        if (is_out(model, step, e)) cycle
-        do k = mesh%first(e), mesh%first(e + 1) - 1
-          if (parent(mesh%nodes(k)) == 0) parent(mesh%nodes(k)) = mesh%nodes(k)
-          call unite_trees(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
-        end do
-      end do
-      allocate (bodies%of_node(mesh%n_nodes), bodies%of_element(mesh%n_elements), source=0)
-      do e = 1, mesh%n_elements
-        if (is_out(model, step, e)) cycle
-        call number_body(bodies, find_root(parent, mesh%nodes(mesh%first(e))))
-      end do
-      do i = 1, mesh%n_nodes
-        if (parent(i) > 0) bodies%of_node(i) = bodies%of_node(find_root(parent, i))
-      end do
+      call find_connected_nodes(mesh, bodies%of_node, bodies%n, [(is_out(model, step, e), e=1, mesh%n_elements)])
       do i = 1, size(model%equations)
         do k = 1, size(model%equations(i)%node)
           call number_body(bodies, model%equations(i)%node(k))

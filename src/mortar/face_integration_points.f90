@@ -78,7 +78,7 @@ contains
     do f = 1, slave%n
       call build_face_geometry(slave, f, x, depth(f), geometry)
       call find_near_facets(search, geometry%origin, list, n_list)
-      call sort_facets(master, list(:n_list))
+      call sort_by_element_face(master, list(:n_list))
       n_cuts = 0
       do k = 1, n_list
         call build_face_geometry(master, list(k), x, depth(f), master_geometry)
@@ -221,7 +221,7 @@ contains
 
 
   !> Facets in the order of elements and faces.
-  pure subroutine sort_facets(facets, list)
+  pure subroutine sort_by_element_face(facets, list)
     type(facets_type), intent(in) :: facets
     integer, intent(inout) :: list(:)
     integer :: i, k, f
@@ -234,7 +234,7 @@ contains
       end do
       list(k + 1) = f
     end do
-  end subroutine sort_facets
+  end subroutine sort_by_element_face
 
 
   !> Appends the intersections of a slave face with the pieces of one master face.

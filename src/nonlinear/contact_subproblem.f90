@@ -214,14 +214,14 @@ contains
     type(step_type), intent(in) :: step
     type(configuration_type), intent(in) :: start          !< u
     real(DP), intent(in) :: largest_merit                !< merit of the iterations [force]
-    real(DP) :: settled, negligible_force          ! [-], [force]
-    settled = merge(system%forcing_term, step%controls%subproblem%tolerance, system%is_skin)
+    real(DP) :: tolerance, negligible_force          ! [-], [force]
+    tolerance = merge(system%forcing_term, step%controls%subproblem%tolerance, system%is_skin)
     negligible_force = step%controls%subproblem%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin .and. system%is_constant) then   ! no further Newton iteration is needed
-      settled = step%controls%subproblem%linear_bulk_tolerance
+      tolerance = step%controls%subproblem%linear_bulk_tolerance
       negligible_force = skin_merit_tolerance(system, step)
     end if
-    has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(settled * start%merit, &
+    has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(tolerance * start%merit, &
       step%controls%subproblem%rounding * largest_merit, &
       negligible_force, system%force_rounding * sqrt(real(size(start%u), DP)))
   end function has_subproblem_converged

@@ -4,7 +4,7 @@
 !! Rules and names of the controls: CONTROLS, PARAMETERS=TIME INCREMENTATION (doc/manual).
 module amontons_increment_control
   use amontons_kinds, only: DP
-  use amontons_steps, only: step_type, next_time_point, TOL_TIME
+  use amontons_steps, only: step_type, next_time_point, TOL_STOP_TIME
   use amontons_convergence, only: VERDICT_DIVERGES
   implicit none
   private
@@ -59,7 +59,7 @@ contains
     real(DP) :: time_left
     time_left = next_time_point(step, stepper%step_time) - stepper%step_time
     dt = stepper%dt
-    if (dt >= time_left - TOL_TIME * step%period) dt = time_left
+    if (dt >= time_left - TOL_STOP_TIME * step%period) dt = time_left
   end function propose_increment
 
 
@@ -72,7 +72,7 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_STEP_DONE or OUTCOME_CONTINUE
     stepper%total_time = stepper%total_time + dt
     stepper%step_time = stepper%step_time + dt
-    if (abs(step%period - stepper%step_time) <= TOL_TIME * step%period) stepper%step_time = step%period
+    if (abs(step%period - stepper%step_time) <= TOL_STOP_TIME * step%period) stepper%step_time = step%period
     if (.not. step%is_direct) call adapt_increment(stepper, step, effort)
     stepper%attempt = 1
     outcome = OUTCOME_STEP_DONE
@@ -124,7 +124,7 @@ contains
     stepper%has_failed = .true.
     stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
     if (stepper%dt < step%dt_min) then
-      if (dt <= step%dt_min * (1.0_DP + TOL_TIME)) return
+      if (dt <= step%dt_min * (1.0_DP + TOL_STOP_TIME)) return
       stepper%dt = step%dt_min
     end if
     stepper%n_fast_increments = 0

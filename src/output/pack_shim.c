@@ -81,16 +81,16 @@ static size_t store(const unsigned char *plane, size_t n, unsigned char *to)
 }
 
 /* A plane deflated, up to a byte boundary, so that another piece can follow. Returns the length, 0 on failure. */
-static size_t squeeze(unsigned char *plane, size_t n, unsigned char *to, size_t room)
+static size_t squeeze(unsigned char *plane, size_t n, unsigned char *to, size_t capacity)
 {
   z_stream z = {0};
   if (deflateInit2(&z, LEVEL, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL, Z_RLE) != Z_OK) return 0;
   z.next_in = plane;
   z.avail_in = (uInt)n;
   z.next_out = to;
-  z.avail_out = (uInt)room;
+  z.avail_out = (uInt)capacity;
   int status = deflate(&z, Z_FULL_FLUSH);
-  size_t length = status == Z_OK && z.avail_in == 0 && z.avail_out > 0 ? room - z.avail_out : 0;
+  size_t length = status == Z_OK && z.avail_in == 0 && z.avail_out > 0 ? capacity - z.avail_out : 0;
   deflateEnd(&z);
   return length;
 }
@@ -207,16 +207,16 @@ static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
 }
 
 /* Compresses the planes one by one into one zlib stream (RFC 1950): threads share them, and the result does not depend on the threads.
- * Each plane has `room` bytes in `packed`. Returns the length of the stream, 0 on failure. */
-static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t room)
+ * Each plane has `capacity` bytes in `packed`. Returns the length of the stream, 0 on failure. */
+static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t capacity)
 {
   size_t length[BYTES];
   uLong sum[BYTES];
 #pragma omp parallel for schedule(dynamic) if(n > WORTH_THREADS)
   for (int j = 0; j < BYTES; j++) {
-    unsigned char *plane = planes + (size_t)j * n, *to = packed + HEAD + (size_t)j * room;
+    unsigned char *plane = planes + (size_t)j * n, *to = packed + HEAD + (size_t)j * capacity;
     double bits = entropy(plane, n);
-    length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, room);
+    length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, capacity);
     if (length[j] == 0) length[j] = store(plane, n, to);
     sum[j] = adler_sum(plane, n);
   }
@@ -225,7 +225,7 @@ static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_
   packed[0] = 0x78; /* deflate with a window of 32 kB */
   packed[1] = 0x01;
   for (int j = 0; j < BYTES; j++) {
-    memmove(packed + total, packed + HEAD + (size_t)j * room, length[j]);
+    memmove(packed + total, packed + HEAD + (size_t)j * capacity, length[j]);
     total += length[j];
     if (j > 0) check = adler32_combine(check, sum[j], (z_off_t)n);
   }
@@ -243,14 +243,14 @@ int amontons_write_chunk(hid_t data_set, const hsize_t *offset, const uint64_t *
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
   return 1;
 #endif
-  const size_t room = n + n / 512 + 4096; /* stored blocks have 5 bytes for 65535; slack for the small ones */
-  if (n == 0 || room > 0x7fffffff / BYTES) return 1;
-  unsigned char *planes = malloc(BYTES * n), *packed = malloc(BYTES * room + 2 * HEAD + 8);
+  const size_t capacity = n + n / 512 + 4096; /* stored blocks have 5 bytes for 65535; slack for the small ones */
+  if (n == 0 || capacity > 0x7fffffff / BYTES) return 1;
+  unsigned char *planes = malloc(BYTES * n), *packed = malloc(BYTES * capacity + 2 * HEAD + 8);
   size_t length = 0;
   int status = 1;
   if (planes && packed) {
     shuffle(values, n, planes);
-    length = pack(planes, n, packed, room);
+    length = pack(planes, n, packed, capacity);
   }
   if (length) status = H5Dwrite_chunk(data_set, H5P_DEFAULT, 0, offset, length, packed) < 0 ? -1 : 0;
   free(planes);

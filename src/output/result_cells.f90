@@ -4,8 +4,7 @@
 !! The arrays are static: the tables of /VTKHDF/Steps give all frames the same cells, so that one copy serves them all.
 module amontons_result_cells
   use amontons_errors, only: error_type
-  use amontons_containers, only: find_root, unite_trees
-  use amontons_mesh, only: mesh_type
+  use amontons_mesh, only: mesh_type, find_connected_nodes
   use amontons_hdf5_file, only: create_group, hdf5_file_type, write_data, STORAGE_U8
   implicit none
   private
@@ -63,27 +62,10 @@ contains
   function number_bodies(mesh) result(body)
     type(mesh_type), intent(in) :: mesh
     integer, allocatable :: body(:)               !< (n_elements)
-    integer, allocatable :: parent(:), number(:)
-    integer :: e, k, n, root
-    allocate (body(mesh%n_elements), parent(mesh%n_nodes))
-    allocate (number(mesh%n_nodes), source=0)
-    do k = 1, mesh%n_nodes
-      parent(k) = k
-    end do
-    do e = 1, mesh%n_elements
-      do k = mesh%first(e) + 1, mesh%first(e + 1) - 1
-        call unite_trees(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
-      end do
-    end do
-    n = 0
-    do e = 1, mesh%n_elements
-      root = find_root(parent, mesh%nodes(mesh%first(e)))
-      if (number(root) == 0) then
-        n = n + 1
-        number(root) = n
-      end if
-      body(e) = number(root)
-    end do
+    integer, allocatable :: of_node(:)
+    integer :: n
+    call find_connected_nodes(mesh, of_node, n)
+    body = of_node(mesh%nodes(mesh%first(:mesh%n_elements)))
   end function number_bodies
 
 end module amontons_result_cells

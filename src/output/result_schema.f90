@@ -105,7 +105,7 @@ module amontons_result_schema
     result_column_type('n_factorisations', 1, '[-]', 'Factorisations.', .true.), &
     result_column_type('n_krylov', 1, '[-]', 'Krylov iterations.', .true.), &
     result_column_type('n_cycles', 1, '[-]', 'Active-set cycles that were treated.', .true.), &
-    result_column_type('n_unforeseen', 1, '[-]', &
+    result_column_type('n_unpredicted', 1, '[-]', &
       'Slave nodes whose status changed after the first iteration.', .true.), &
     result_column_type('frame', 1, '[-]', 'Frame that holds the fields of this row; -1: not written.', .true.), &
     result_column_type('total_time', 1, '[time]', 'Time since the start of the job, at the end of the increment.'), &
@@ -125,7 +125,7 @@ module amontons_result_schema
     result_column_type('friction_work', 1, '[energy]', 'Dissipated by friction since the start of the job.'), &
     result_column_type('strain_energy', 1, '[energy]', 'Stored in the elements.'), &
     result_column_type('contact_energy', 1, '[energy]', 'Stored by compliant laws of contact.'), &
-    result_column_type('carried_work', 1, '[energy]', &
+    result_column_type('proximal_work', 1, '[energy]', &
       'Work of unbalanced forces in proximal and snap-through steps since the start of the job.'), &
     result_column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.'), &
     result_column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.')]

@@ -14,7 +14,7 @@
 !! | `pair_history`       | sums over each pair: a row per pair of the initial state and each converged increment      |
 !! | `history`            | one row per attempt at an increment, failed ones included; `frame` of the fields          |
 !! | `iterations`         | one row per Newton iteration                                                               |
-!! | `told`               | lines on attempts that failed: worst nodes with their contact, and a remedy                |
+!! | `failures`           | lines on attempts that failed: worst nodes with their contact, and a remedy                |
 !! | `integration_points` | stress, strain and energy density of each frame                                            |
 !! | `contact`            | contact state of each slave node in each frame                                             |
 !!
@@ -51,7 +51,7 @@ module amontons_results
   public :: export_result_pages, apply_result_pages, discard_results, is_writing, point_fields, pair_rows
 
   character(*), parameter :: REASON_TABLE = '/AMONTONS/history/reason'
-  character(*), parameter :: FAILURE_TEXT_GROUP = '/AMONTONS/told'
+  character(*), parameter :: FAILURE_TEXT_GROUP = '/AMONTONS/failures'
   integer, parameter :: REASON_LENGTH = 240        !< characters of the cause of a failed attempt
   type(hdf5_layout_type), parameter :: REASON_FORM = hdf5_layout_type(storage=STORAGE_TEXT, width=REASON_LENGTH)
   type(hdf5_layout_type), parameter :: LINE_FORM = hdf5_layout_type(storage=STORAGE_TEXT, width=REPORT_LINE_LENGTH)

@@ -240,7 +240,7 @@ contains
     integer :: status, i
     status = 0
     if (record%n_cycles_treated > 0) &
-      write (output%cvg, '(a,i0)', iostat=status) '  ** cycles of slave nodes that were acted on: ', record%n_cycles_treated
+      write (output%cvg, '(a,i0)', iostat=status) '  ** active-set cycles treated: ', record%n_cycles_treated
     if (output%status == 0) output%status = status
     if (.not. record%is_converged .and. allocated(record%reason)) &
       write (output%cvg, '(2a)', iostat=status) '  ** ', record%reason
@@ -252,10 +252,10 @@ contains
       end do
     end if
     if (.not. record%is_converged .or. record%n_proximal == 0) return
-    words = '  ** carried in '
-    if (record%n_snap_through > 0) words = '  ** carried to another balance in '
+    words = '  ** proximal steps in '
+    if (record%n_snap_through > 0) words = '  ** snap-through to another equilibrium in '
     write (output%cvg, '(a,i0,a,es11.4,a)', iostat=status) words, record%n_proximal, ' iterations, work ', &
-      record%proximal_work_increment, ', nothing of it left at the end'
+      record%proximal_work_increment, ', none of the regularization left at the end'
     if (output%status == 0) output%status = status
   end subroutine print_attempt_notes
 

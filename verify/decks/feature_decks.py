@@ -238,7 +238,7 @@ def contact_deck(kind: str, pair: str, law: str, loads: list[str], nlgeom: str =
 
 
 def output_cases() -> Iterator[tuple[str, str]]:
-    """Requests of FILE and PRINT cards: local directions, sets of nodes, every field, its course over increments."""
+    """Requests of FILE and PRINT cards: local directions, sets of nodes, every field, its values over the increments."""
     axes = "*ORIENTATION, NAME=OR, SYSTEM=CYLINDRICAL\n0., 0., -1., 0., 0., 1.\n*TRANSFORM, NSET=AN, TYPE=C\n0., 0., -1., 0., 0., 1.\n"
     for kind in KINDS:
         a = Part("A", kind, (1, 0.3, 0), (2, 1.3, 1), (2, 2, 2))
@@ -261,7 +261,7 @@ def output_cases() -> Iterator[tuple[str, str]]:
         yield name, model + step("*TEMPERATURE\nNALL, 50.\n" + push(-0.003) + out, option, "*STATIC, DIRECT\n.5, 1.\n")
 
 
-def course_cases() -> Iterator[tuple[str, str]]:
+def amplitude_cases() -> Iterator[tuple[str, str]]:
     """Supports of the model that are not zero, amplitudes over two steps: what acts at each increment."""
     body = Part("A", "C3D8", (0, 0, 0), (1, 1, 1), (1, 1, 1))
     model = bodies(body) + STEEL + "*AMPLITUDE, NAME=AM\n0., 0., .4, 1., 1., .5\n*AMPLITUDE, NAME=AT, TIME=TOTAL TIME\n0., 0., .4, 1., 2., .5\n"
@@ -270,21 +270,21 @@ def course_cases() -> Iterator[tuple[str, str]]:
     pull, press, warm = "*BOUNDARY{}\nA_Z1N, 3, 3, -.1\n", "*CLOAD{}\nA_Z1N, 3, -100.\n", "*TEMPERATURE{}\nNALL, 100.\n"
     for word, amplitude in (("ramp", ""), ("amplitude", ", AMPLITUDE=AM"), ("total", ", AMPLITUDE=AT")):
         for option in ("", ", AMPLITUDE=STEP"):
-            name = f"course-model-{word}{'-step' if option else ''}"
+            name = f"amplitude-model-{word}{'-step' if option else ''}"
             yield name, model + pull.format(amplitude) + step(out, NONLINEAR + option, static) + step("", NONLINEAR + option, static)
-        yield f"course-support-{word}", model + step(pull.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
-        yield f"course-force-{word}", model + step(press.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
+        yield f"amplitude-support-{word}", model + step(pull.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
+        yield f"amplitude-force-{word}", model + step(press.format(amplitude) + out, NONLINEAR, static) + step("", NONLINEAR, static)
         if word != "amplitude":  # in CalculiX it runs once more in a second step, at all nodes but one
-            yield f"course-warm-{word}", model + step(warm.format(amplitude) + "*NODE PRINT, NSET=NALL\nNT\n", NONLINEAR, static) + step("", NONLINEAR, static)
+            yield f"amplitude-warm-{word}", model + step(warm.format(amplitude) + "*NODE PRINT, NSET=NALL\nNT\n", NONLINEAR, static) + step("", NONLINEAR, static)
     heavy = model.replace("7.8E-9\n", "7.8E-9, 0.\n5.8E-9, 100.\n")
     for name, load in (("gravity", "GRAV, 9.81E6, 0., 0., -1."), ("turned", "CENTRIF, 1.E6, 0., 0., 0., 0., 0., 1.")):
-        yield f"course-density-{name}", heavy + step(f"*DLOAD\nEALL, {load}\n*TEMPERATURE\nNALL, 80.\n" + out, NONLINEAR, static)
-    yield "course-model-again", model + pull.format("") + step("*BOUNDARY\nA_Z1N, 3, 3, -.2\n" + out, NONLINEAR, static)
-    yield "course-perturbation", model + step(press.format("") + PRINTS, ", PERTURBATION")
-    yield "course-displaced", model + "*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nA_Z1N, 3, -.1\n" + step(press.format("") + PRINTS, NONLINEAR)
+        yield f"amplitude-density-{name}", heavy + step(f"*DLOAD\nEALL, {load}\n*TEMPERATURE\nNALL, 80.\n" + out, NONLINEAR, static)
+    yield "amplitude-model-again", model + pull.format("") + step("*BOUNDARY\nA_Z1N, 3, 3, -.2\n" + out, NONLINEAR, static)
+    yield "amplitude-perturbation", model + step(press.format("") + PRINTS, ", PERTURBATION")
+    yield "amplitude-displaced", model + "*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nA_Z1N, 3, -.1\n" + step(press.format("") + PRINTS, NONLINEAR)
 
 
-FAMILIES = [output_cases, course_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
+FAMILIES = [output_cases, amplitude_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
 
 
 def cases() -> dict[str, str]:

@@ -293,7 +293,7 @@ WORDY = {"containers", "restart_file", "facets", "posix", "reduced_system", "tex
 #: routines are open, the turn, and what the compiler makes: lengths of strings (slen), types of variables without values (def_init), its
 #: own beginnings and ends.
 STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|inside|stop_signal|"
-                    r"n_status_asked|is_watching_end|way_out|place_of_call|caught|handlers_before|handlers_lock|n_open_libraries|"
+                    r"n_status_requested|is_watching_end|way_out|place_of_call|caught|handlers_before|handlers_lock|n_open_libraries|"
                     r"is_exit_watched|signal_stack|has_signal_stack")  # fmt: skip
 
 

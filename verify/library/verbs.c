@@ -28,9 +28,9 @@ static uint64_t mixed(const void *values, int64_t n)
 
 static void *room_for(int64_t n)
 {
-  void *room = calloc(n > 0 ? (size_t)n : 1, 8);
-  if (!room) exit(9);
-  return room;
+  void *memory = calloc(n > 0 ? (size_t)n : 1, 8);
+  if (!memory) exit(9);
+  return memory;
 }
 
 static void judge(int status, amontons_job *job)

@@ -22,7 +22,7 @@ from verify.readers.dat_frd_files import Block, compare, compare_block, read_dat
 CASES = feature_decks.cases() | joint_decks.cases() | behaviour_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2
 RESIDUE = 1e-6
-SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|course-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
+SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|amplitude-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
                     r"flow-C3D8I|creep$|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
                     r"stack-n|lap-(drawn|flush)-n|bore-CAX4|punch-tilted-n|dome-C3D(4|6)-n|out-and-in-s|slope-n")
 

@@ -98,7 +98,7 @@ def main() -> int:
     options = parser.parse_args()
     folder = options.outdir or Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
-    print("shape    mu  slide  facets  asked  made  failed  iterations  per asked")
+    print("shape    mu  slide  facets  requested  made  failed  iterations  per request")
     is_good = True
     for shape in ("curved", "flat"):
         for mu in (0.0, 0.3, 0.6):
@@ -110,8 +110,8 @@ def main() -> int:
                 o = run_case(options.program, folder, name, ironing_deck(shape, mu, slide, options.line_search), requested)
                 is_good &= o.is_done and o.per_requested <= 12.0
                 print(
-                    f"{shape:7s}{mu:4.1f}{slide:7.2f}{slide / FACET:8.1f}{o.requested:7d}{o.made:6d}{o.failed:8d}"
-                    f"{o.iterations:12d}{o.per_requested:11.1f}{'' if o.is_done else '   STOPPED'}",
+                    f"{shape:7s}{mu:4.1f}{slide:7.2f}{slide / FACET:8.1f}{o.requested:11d}{o.made:6d}{o.failed:8d}"
+                    f"{o.iterations:12d}{o.per_requested:13.1f}{'' if o.is_done else '   STOPPED'}",
                     flush=True,
                 )
     return 0 if is_good else 1

@@ -161,9 +161,9 @@ def bolt(run: Run, tmp_path_factory: pytest.TempPathFactory) -> tuple[picture.Jo
 def test_counts_are_those_of_the_terminal(bolt: tuple[picture.Job, str]) -> None:
     """Summed over the pairs."""
     job, printed = bolt
-    told = re.search(r"slave nodes at the end:  open (\d+),  stick (\d+),  slip (\d+)", printed)
-    assert told
-    assert sum(pair.counts[-1] for pair in job.pairs).tolist() == [int(told[k]) for k in (1, 2, 3)]
+    counts = re.search(r"slave nodes at the end:  open (\d+),  stick (\d+),  slip (\d+)", printed)
+    assert counts
+    assert sum(pair.counts[-1] for pair in job.pairs).tolist() == [int(counts[k]) for k in (1, 2, 3)]
     for pair in job.pairs:
         assert np.bincount(pair.status[-1], minlength=3).tolist() == pair.counts[-1].tolist()
 

@@ -40,10 +40,10 @@ def plane(parts: list[tuple[Mesh, tuple[float, float]]], cards: str) -> str:
 
 
 def regularization_work(path: Path) -> Floats:
-    """history/carried_work of the increments that converged."""
+    """history/proximal_work of the increments that converged."""
     with h5py.File(path) as file:
         history = file["AMONTONS/history"]
-        return np.asarray(history["carried_work"])[np.asarray(history["is_converged"]) == 1]
+        return np.asarray(history["proximal_work"])[np.asarray(history["is_converged"]) == 1]
 
 
 @pytest.mark.parametrize("gap", [0.01, 0.9])
@@ -211,7 +211,7 @@ def test_snap_through_of_friction(proof: Proof) -> None:
     stored = 0.5 * (STIFF * PRESS**2 + WEAK * displacement**2)
     case.within("work of the snap-through", regularization_work(job.path)[-1], (1e-3 * stored, stored), why="friction takes a part of what both bars have stored",
                 place="the pole", time="the end")  # fmt: skip
-    case.true("the snap-through is noted in .cvg", "carried to another balance" in job.path.with_suffix(".cvg").read_text(), why="a later reader needs it",
+    case.true("the snap-through is noted in .cvg", "snap-through to another equilibrium" in job.path.with_suffix(".cvg").read_text(), why="a later reader needs it",
               place="the pole", time="the end")  # fmt: skip
     case.done()
 
@@ -229,6 +229,6 @@ def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    message, noted = {0.05: ("moved into contact", "carried in"), 1.0: ("snap-through to another equilibrium", "carried to another balance")}[size]
+    message, noted = {0.05: ("moved into contact", "proximal steps in"), 1.0: ("snap-through to another equilibrium", "snap-through to another equilibrium")}[size]
     assert message in done.stdout, done.stdout
     assert noted in (tmp_path / "job.cvg").read_text()

@@ -15,7 +15,7 @@ from verify.conftest import Run
 from verify.decks.make_decks import Floats, block
 from verify.decks.sheets import between, fix, pair, solid_deck, step
 
-TERMS = ("strain_energy", "contact_energy", "friction_work", "plastic_work", "carried_work")
+TERMS = ("strain_energy", "contact_energy", "friction_work", "plastic_work", "proximal_work")
 
 
 def energies(run: Run, folder: Path, deck: str) -> dict[str, Floats]:

@@ -150,11 +150,11 @@ def test_energies_add_up(run_deck: Run, tmp_path: Path) -> None:
     assert run_deck(deck, "--quiet").returncode == 0
     job = read_job(tmp_path / "job.vtkhdf")
     values = {name: float(job.history[name][-1]) for name in sections.ENERGIES}
-    assert values["carried_work"] > 0.5 * values["external_work"] > 0
+    assert values["proximal_work"] > 0.5 * values["external_work"] > 0
     rest = values.pop("external_work") - sum(values.values())
-    assert abs(rest) < 0.1 * values["carried_work"]
+    assert abs(rest) < 0.1 * values["proximal_work"]
     text = sections.ledger(job)
-    assert "unbalanced steps" in text and number(values["carried_work"]) in text
+    assert "unbalanced steps" in text and number(values["proximal_work"]) in text
 
 
 def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -41,7 +41,7 @@ def wanted(history: dict[str, np.ndarray]) -> tuple[list[tuple[float, ...]], int
             dt, fast, fast_alone, has_failed = float(history["dt"][i]), 0, 0, True
         else:
             n, cycles = int(history["n_iterations"][i - 1]), int(history["n_cycles"][i - 1])
-            is_predicted = history["n_unforeseen"][i - 1] == 0 or n <= FEW
+            is_predicted = history["n_unpredicted"][i - 1] == 0 or n <= FEW
             fast_alone = fast_alone + 1 if n <= FAST else 0
             fast = fast + 1 if n <= FAST and cycles == 0 and (is_predicted or not has_failed) else 0
             held += fast_alone >= 2 and fast < 2

@@ -155,16 +155,17 @@ contains
     free = support_free_projector(axes(:, :, 1), [1.0_DP, 1.0_DP, 1.0_DP])
     line = support_free_projector(axes(:, :, 1), [0.0_DP, 0.0_DP, 1.0_DP])
     Rhat = -1.0_DP
-    has = [(is_friction_in_other_pair(shared, slaves, s, free, [0.3_DP, 0.3_DP], Rhat), s=1, 2)]
+    has = [(is_friction_in_other_pair(shared, slaves, s, free, [0.3_DP, 0.3_DP], Rhat, 1.001_DP), s=1, 2)]
     call suite%that('friction: alike, the first has it', .not. has(1) .and. has(2))
     Rhat(:, 2) = -2.0_DP
-    has = [(is_friction_in_other_pair(shared, slaves, s, free, [0.3_DP, 0.3_DP], Rhat), s=1, 2)]
+    has = [(is_friction_in_other_pair(shared, slaves, s, free, [0.3_DP, 0.3_DP], Rhat, 1.001_DP), s=1, 2)]
     call suite%that('friction: the second presses more', has(1) .and. .not. has(2))
-    call suite%that('friction: but it has none', .not. is_friction_in_other_pair(shared, slaves, 1, free, [0.3_DP, 0.0_DP], Rhat))
+    call suite%that('friction: but it has none', .not. &
+      is_friction_in_other_pair(shared, slaves, 1, free, [0.3_DP, 0.0_DP], Rhat, 1.001_DP))
     call suite%that('friction: no direction beside the normal', is_friction_in_other_pair(shared, slaves, 1, line, &
-      [0.3_DP, 0.0_DP], Rhat))
+      [0.3_DP, 0.0_DP], Rhat, 1.001_DP))
     slaves(2)%status = STATUS_OPEN
-    has = [(is_friction_in_other_pair(shared, slaves, s, free, [0.3_DP, 0.3_DP], Rhat), s=1, 2)]
+    has = [(is_friction_in_other_pair(shared, slaves, s, free, [0.3_DP, 0.3_DP], Rhat, 1.001_DP), s=1, 2)]
     call suite%that('friction: of an open pair none', .not. has(1))
   end subroutine check_friction
 

@@ -36,24 +36,24 @@ contains
   !! actual position of the node.
   subroutine check_shear()
     type(interaction_type) :: law
-    type(local_solution_type) :: met
+    type(local_solution_type) :: solution
     law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=10.0_DP, stick_slope=2.0_DP, friction=1.05_DP)
-    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
-    call suite%that('shear: sticks', .not. (met%is_slipping .or. met%is_open))
-    call suite%near('shear: pressure', met%pressure, 10.0_DP, 1.0e-14_DP)
-    call suite%near('shear: elastic', met%elastic(1), 3.0_DP, 1.0e-14_DP)
-    call suite%near('shear: no slip', norm2(met%slip), 0.0_DP, 0.0_DP)
-    call suite%near('shear: energy', met%energy, 5.0_DP + 25.0_DP, 1.0e-13_DP)
+    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), solution)
+    call suite%that('shear: sticks', .not. (solution%is_slipping .or. solution%is_open))
+    call suite%near('shear: pressure', solution%pressure, 10.0_DP, 1.0e-14_DP)
+    call suite%near('shear: elastic', solution%elastic(1), 3.0_DP, 1.0e-14_DP)
+    call suite%near('shear: no slip', norm2(solution%slip), 0.0_DP, 0.0_DP)
+    call suite%near('shear: energy', solution%energy, 5.0_DP + 25.0_DP, 1.0e-13_DP)
     law%friction = 0.4_DP
-    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
-    call suite%that('shear: slips', met%is_slipping)
-    call suite%near('shear: at the limit', norm2(met%shear), 4.0_DP, 1.0e-14_DP)
-    call suite%near('shear: slip and elastic slip make the whole', norm2(met%elastic + met%slip), 5.0_DP, 1.0e-14_DP)
-    call suite%near('shear: slip', met%slip(2), 2.4_DP, 1.0e-14_DP)
+    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), solution)
+    call suite%that('shear: slips', solution%is_slipping)
+    call suite%near('shear: at the limit', norm2(solution%shear), 4.0_DP, 1.0e-14_DP)
+    call suite%near('shear: slip and elastic slip make the whole', norm2(solution%elastic + solution%slip), 5.0_DP, 1.0e-14_DP)
+    call suite%near('shear: slip', solution%slip(2), 2.4_DP, 1.0e-14_DP)
     law%stick_slope = 0.0_DP
     law%friction = 0.0_DP
-    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), met)
-    call suite%that('shear: frictionless slips', met%is_slipping .and. norm2(met%elastic) <= 0.0_DP)
+    call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), solution)
+    call suite%that('shear: frictionless slips', solution%is_slipping .and. norm2(solution%elastic) <= 0.0_DP)
   end subroutine check_shear
 
 
@@ -61,26 +61,26 @@ contains
   subroutine check_equilibrium()
     real(DP), parameter :: AT(5) = [-0.2_DP, 0.0_DP, 0.01_DP, 0.06_DP, 0.3_DP], SLIPS(3) = [0.0_DP, 0.005_DP, 0.4_DP], &
       STIFFNESS(3) = [1.0e-2_DP, 1.0e2_DP, 1.0e9_DP]
-    type(local_problem_type) :: asked
-    type(local_solution_type) :: met, law_alone
+    type(local_problem_type) :: problem
+    type(local_solution_type) :: solution, law_alone
     integer :: l, i, j, k
     do l = 1, size(laws)
       do i = 1, size(AT)
         do j = 1, size(SLIPS)
-          asked = place(laws(l), AT(i), SLIPS(j) * [0.6_DP, 0.8_DP, 0.0_DP])
-          call solve_local_problem(laws(l), asked, law_alone)
-          asked%imbalance = -force_of(asked, law_alone)
-          asked%free = IDENTITY - outer_product([0.0_DP, 1.0_DP, 0.0_DP], [0.0_DP, 1.0_DP, 0.0_DP])   ! a support takes the rest
+          problem = place(laws(l), AT(i), SLIPS(j) * [0.6_DP, 0.8_DP, 0.0_DP])
+          call solve_local_problem(laws(l), problem, law_alone)
+          problem%imbalance = -force_of(problem, law_alone)
+          problem%free = IDENTITY - outer_product([0.0_DP, 1.0_DP, 0.0_DP], [0.0_DP, 1.0_DP, 0.0_DP])   ! a support takes the rest
           do k = 1, size(STIFFNESS)
-            asked%stiffness = STIFFNESS(k)
-            call solve_local_problem(laws(l), asked, met)
-            call suite%that('equilibrium: open or not', met%is_open .eqv. law_alone%is_open)
+            problem%stiffness = STIFFNESS(k)
+            call solve_local_problem(laws(l), problem, solution)
+            call suite%that('equilibrium: open or not', solution%is_open .eqv. law_alone%is_open)
             if (SLIPS(j) > 0.0_DP .and. abs(norm2(law_alone%shear) - limit_of(laws(l), law_alone)) > 1.0e-9_DP) &
-              call suite%that('equilibrium: sticks or slips', met%is_slipping .eqv. law_alone%is_slipping)
-            call suite%near('equilibrium: force', norm2(force_of(asked, met) - force_of(asked, law_alone)), 0.0_DP, &
-              1.0e-9_DP * (1.0_DP + norm2(force_of(asked, law_alone))))
-            call suite%near('equilibrium: nothing ahead', norm2(met%law_linearization_force), 0.0_DP, &
-              1.0e-6_DP * (1.0_DP + norm2(asked%imbalance)))
+              call suite%that('equilibrium: sticks or slips', solution%is_slipping .eqv. law_alone%is_slipping)
+            call suite%near('equilibrium: force', norm2(force_of(problem, solution) - force_of(problem, law_alone)), 0.0_DP, &
+              1.0e-9_DP * (1.0_DP + norm2(force_of(problem, law_alone))))
+            call suite%near('equilibrium: nothing ahead', norm2(solution%law_linearization_force), 0.0_DP, &
+              1.0e-6_DP * (1.0_DP + norm2(problem%imbalance)))
           end do
         end do
       end do
@@ -91,30 +91,31 @@ contains
   !> Any node: A p(h') = N + c (h - h') with N the required normal force, the required shear up to its limit.
   subroutine check_elsewhere()
     real(DP), parameter :: AT(4) = [-0.02_DP, 0.01_DP, 0.06_DP, 0.3_DP], PULL(4) = [-30.0_DP, -1.0_DP, 0.0_DP, 5.0_DP]
-    type(local_problem_type) :: asked
-    type(local_solution_type) :: met
+    type(local_problem_type) :: problem
+    type(local_solution_type) :: solution
     real(DP) :: h, p, slope, energy
     integer :: l, i, j
     do l = 1, size(laws)
       do i = 1, size(AT)
         do j = 1, size(PULL)
-          asked = place(laws(l), AT(i), [0.02_DP, 0.0_DP, 0.0_DP])
-          asked%stiffness = 40.0_DP
-          asked%free = IDENTITY
-          asked%imbalance = [-3.0_DP, 1.0_DP, PULL(j)]
-          call solve_local_problem(laws(l), asked, met)
-          h = asked%overclosure + (-PULL(j) - asked%area * met%pressure) / asked%stiffness
-          if (met%is_open) then
+          problem = place(laws(l), AT(i), [0.02_DP, 0.0_DP, 0.0_DP])
+          problem%stiffness = 40.0_DP
+          problem%free = IDENTITY
+          problem%imbalance = [-3.0_DP, 1.0_DP, PULL(j)]
+          call solve_local_problem(laws(l), problem, solution)
+          h = problem%overclosure + (-PULL(j) - problem%area * solution%pressure) / problem%stiffness
+          if (solution%is_open) then
             call suite%that('elsewhere: beyond the reach', -h > find_activation_gap(laws(l), &
-              asked%area) .or. laws(l)%tension_limit > 0.0_DP)
-            call suite%near('elsewhere: open', norm2(force_of(asked, met)), 0.0_DP, 0.0_DP)
+              problem%area) .or. laws(l)%tension_limit > 0.0_DP)
+            call suite%near('elsewhere: open', norm2(force_of(problem, solution)), 0.0_DP, 0.0_DP)
             cycle
           end if
           call evaluate_pressure_overclosure(laws(l), h, p, slope, energy)
-          call suite%near('elsewhere: pressure', met%pressure, p, 1.0e-8_DP * (1.0_DP + abs(p)))
-          call suite%that('elsewhere: shear within its limit', norm2(met%shear) <= limit_of(laws(l), met) * (1.0_DP + 1.0e-12_DP))
-          if (.not. met%is_slipping) call suite%near('elsewhere: elastic', norm2(120.0_DP * asked%area * met%elastic + met%shear), &
-            0.0_DP, 1.0e-12_DP)
+          call suite%near('elsewhere: pressure', solution%pressure, p, 1.0e-8_DP * (1.0_DP + abs(p)))
+          call suite%that('elsewhere: shear within its limit', norm2(solution%shear) <= limit_of(laws(l), solution) &
+            * (1.0_DP + 1.0e-12_DP))
+          if (.not. solution%is_slipping) call suite%near('elsewhere: elastic', norm2(120.0_DP * problem%area * solution%elastic &
+            + solution%shear), 0.0_DP, 1.0e-12_DP)
         end do
       end do
     end do
@@ -129,8 +130,8 @@ contains
       1.0e3_DP, 1.0e6_DP, 1.0e9_DP]
     integer, parameter :: N_ITERATIONS(4) = [2, 4, 4, 4]
     type(interaction_type) :: law
-    type(local_problem_type) :: asked
-    type(local_solution_type) :: met
+    type(local_problem_type) :: problem
+    type(local_solution_type) :: solution
     real(DP) :: x(3), x0(3), J(3, 3), left(3), N
     integer :: i, n_done
     x0 = [0.0_DP, 0.0_DP, -DEPTH] + WAY
@@ -139,55 +140,55 @@ contains
         friction=0.4_DP)
       x = [0.2_DP, 0.7_DP, -1.5_DP * DEPTH]
       do n_done = 0, 20
-        asked = place(law, -x(3), [x(1), x(2), 0.0_DP])
-        asked%area = AREA
-        asked%stiffness = 2.0_DP * C                 ! not that of the springs: only its order of magnitude matters
-        asked%free = IDENTITY
-        asked%imbalance = C * (x0 - x)
-        call solve_local_problem(law, asked, met)
-        left = asked%imbalance + force_of(asked, met)
+        problem = place(law, -x(3), [x(1), x(2), 0.0_DP])
+        problem%area = AREA
+        problem%stiffness = 2.0_DP * C                 ! not that of the springs: only its order of magnitude matters
+        problem%free = IDENTITY
+        problem%imbalance = C * (x0 - x)
+        call solve_local_problem(law, problem, solution)
+        left = problem%imbalance + force_of(problem, solution)
         if (norm2(left) <= 1.0e-11_DP) exit
-        J = C * IDENTITY + met%slope * AREA * outer_product(asked%normal, asked%normal) - outer_product(met%d_force_d_gap, &
-          asked%normal) &
-          - matmul(met%d_force_d_slip, IDENTITY - outer_product(asked%normal, asked%normal))
-        x = x + solved(J, left + met%law_linearization_force)
+        J = C * IDENTITY + solution%slope * AREA * outer_product(problem%normal, problem%normal) &
+          - outer_product(solution%d_force_d_gap, problem%normal) &
+          - matmul(solution%d_force_d_slip, IDENTITY - outer_product(problem%normal, problem%normal))
+        x = x + solved(J, left + solution%law_linearization_force)
       end do
       N = C * DEPTH / (1.0_DP + 1.0_DP / STIFF(i))
-      call suite%near('iterations: pressure', met%pressure * AREA, N, 1.0e-9_DP)
+      call suite%near('iterations: pressure', solution%pressure * AREA, N, 1.0e-9_DP)
       call suite%near('iterations: way', norm2(x(:2)), norm2(WAY) - 0.4_DP * N / C, 1.0e-9_DP)
-      call suite%that('iterations: slips', met%is_slipping)
+      call suite%that('iterations: slips', solution%is_slipping)
       call suite%near('iterations: count', real(n_done, DP), real(N_ITERATIONS(i), DP), 0.0_DP)
     end do
   end subroutine check_iterations
 
 
   !> A node with an overclosure and a slip, on a plane along x and y; without stiffness.
-  pure type(local_problem_type) function place(law, overclosure, slip) result(asked)
+  pure type(local_problem_type) function place(law, overclosure, slip) result(problem)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: overclosure, slip(3)
-    asked%area = merge(0.7_DP, 1.0_DP, law%behavior /= BEHAVIOR_LINEAR)
-    asked%overclosure = overclosure
-    asked%normal = [0.0_DP, 0.0_DP, 1.0_DP]
-    asked%slip = slip
+    problem%area = merge(0.7_DP, 1.0_DP, law%behavior /= BEHAVIOR_LINEAR)
+    problem%overclosure = overclosure
+    problem%normal = [0.0_DP, 0.0_DP, 1.0_DP]
+    problem%slip = slip
   end function place
 
 
   !> The whole force at a node.
-  pure function force_of(asked, met) result(force)
-    type(local_problem_type), intent(in) :: asked
-    type(local_solution_type), intent(in) :: met
+  pure function force_of(problem, solution) result(force)
+    type(local_problem_type), intent(in) :: problem
+    type(local_solution_type), intent(in) :: solution
     real(DP) :: force(3)
-    force = asked%area * met%pressure * asked%normal + met%shear
+    force = problem%area * solution%pressure * problem%normal + solution%shear
   end function force_of
 
 
   !> The limit of the shear at a pressure.
-  pure real(DP) function limit_of(law, met)
+  pure real(DP) function limit_of(law, solution)
     type(interaction_type), intent(in) :: law
-    type(local_solution_type), intent(in) :: met
+    type(local_solution_type), intent(in) :: solution
     real(DP) :: area
     area = merge(0.7_DP, 1.0_DP, law%behavior /= BEHAVIOR_LINEAR)
-    limit_of = min(law%friction * max(met%pressure, 0.0_DP), law%shear_limit) * area
+    limit_of = min(law%friction * max(solution%pressure, 0.0_DP), law%shear_limit) * area
     if (law%behavior == BEHAVIOR_TIED) limit_of = law%shear_limit * area
   end function limit_of
 

@@ -46,11 +46,11 @@ contains
     nodes(5)%friction = NODE_OVERRIDE_FRICTIONLESS
     nodes(5)%side = NODE_OVERRIDE_GIVES_WAY
     call suite%that('status: frozen, or stick once', all(is_status_imposed(nodes) .eqv. [.false., .true., .false., .true., .true.]))
-    call suite%near('edge: half a facet where it is extended', norm2(edge_extension(nodes) - [0.0_DP, 0.5_DP, 0.0_DP, 0.0_DP, &
-      0.5_DP]), 0.0_DP, 0.0_DP)
+    call suite%near('edge: half a facet where it is extended', norm2(edge_extension(nodes, 0.5_DP) - &
+      [0.0_DP, 0.5_DP, 0.0_DP, 0.0_DP, 0.5_DP]), 0.0_DP, 0.0_DP)
     call suite%that('side: gives way', all(gives_way(nodes) .eqv. [.false., .false., .false., .false., .true.]))
     call suite%that('all four at a time', is_friction_suppressed(nodes(5)) .and. is_status_imposed(nodes(5)) .and. &
-      gives_way(nodes(5)) .and. edge_extension(nodes(5)) > 0.0_DP)
+      gives_way(nodes(5)) .and. edge_extension(nodes(5), 0.5_DP) > 0.0_DP)
     call suite%that('the others keep their friction', .not. any(is_friction_suppressed(nodes(:4))))
   end subroutine check_fields
 

@@ -46,10 +46,10 @@ program test_c_interface
     integer(c_int) function c_abi() bind(C, name='amontons_abi')
       import :: c_int
     end function c_abi
-    subroutine c_version(text, room) bind(C, name='amontons_version')
+    subroutine c_version(text, capacity) bind(C, name='amontons_version')
       import :: c_int64_t, c_ptr
       type(c_ptr), value :: text
-      integer(c_int64_t), value :: room
+      integer(c_int64_t), value :: capacity
     end subroutine c_version
     integer(c_int) function c_open(options, handle) bind(C, name='amontons_open')
       import :: c_int, c_ptr
@@ -112,10 +112,10 @@ program test_c_interface
       type(c_ptr), value :: handle, quantity, set, values
       integer(c_int64_t), value :: n
     end function c_set
-    integer(c_int) function c_names(handle, kind, text, room, needed) bind(C, name='amontons_names')
+    integer(c_int) function c_names(handle, kind, text, capacity, needed) bind(C, name='amontons_names')
       import :: c_int, c_int64_t, c_ptr
       type(c_ptr), value :: handle, kind, text, needed
-      integer(c_int64_t), value :: room
+      integer(c_int64_t), value :: capacity
     end function c_names
     integer(c_int) function c_matrix(handle, name, rows, columns, entries) bind(C, name='amontons_matrix')
       import :: c_int, c_ptr
@@ -203,7 +203,7 @@ contains
   end function value_of
 
 
-  !> The version is cut off at the room for it.
+  !> The version is cut off at the capacity.
   subroutine check_version()
     character(kind=c_char), target :: text(40)
     call suite%that('the binary interface', c_abi() == 3)
@@ -275,7 +275,7 @@ contains
     call suite%that('its message', has_message(handle, 'too small'))
     call suite%that('nothing to set', c_set(handle, c_text('U3'), c_text('TOP'), c_loc(values), 0_c_int64_t) == EXIT_USAGE)
     call suite%that('its message', has_message(handle, 'No values of U3'))
-    call suite%that('the room of names', c_names(handle, c_text('ELEMENT SETS'), c_null_ptr, 0_c_int64_t, c_loc(needed)) &
+    call suite%that('the capacity of names', c_names(handle, c_text('ELEMENT SETS'), c_null_ptr, 0_c_int64_t, c_loc(needed)) &
       == EXIT_SUCCESS)
     call suite%that('it holds CUBE', needed >= 5 .and. needed <= 200)
     text = 'x'
@@ -287,7 +287,7 @@ contains
       found = found .or. all(text(i:i + 3) == ['C', 'U', 'B', 'E'])
     end do
     call suite%that('CUBE is one', found)
-    call suite%that('names in too little room', c_names(handle, c_text('ELEMENT SETS'), c_loc(text), needed - 1, c_null_ptr) &
+    call suite%that('names in too little space', c_names(handle, c_text('ELEMENT SETS'), c_loc(text), needed - 1, c_null_ptr) &
       == EXIT_USAGE)
     call suite%that('its message', has_message(handle, 'too small'))
     call suite%that('names of nonsense', c_names(handle, c_text('NONSENSE'), c_null_ptr, 0_c_int64_t, c_null_ptr) == EXIT_USAGE)

@@ -714,7 +714,7 @@ contains
       // STEP_END // STEP_START // '*CLOAD,OP=NEW;3,1,12.;' // STEP_END // STEP_PART // '*STEP,AMPLITUDE=STEP;' // &
       '*STATIC;*CLOAD,OP=NEW;5,1,8.;5,1,1.;' // STEP_END, model)
     call suite%near('1 grows', force(model%steps(1), 1, 1, .false.), 0.0_DP, 0.0_DP)
-    call suite%that('two loads on one, of two courses', size(model%steps(1)%concentrated) == 4)
+    call suite%that('two loads on one, of two amplitudes', size(model%steps(1)%concentrated) == 4)
     call suite%near('replaced: start', force(model%steps(2), 1, 1, .false.), 10.0_DP, 0.0_DP)
     call suite%near('replaced: end', force(model%steps(2), 1, 1, .true.), 6.0_DP, 0.0_DP)
     call suite%near('kept: start', force(model%steps(2), 2, 1, .false.), 24.0_DP, 1.0e-13_DP)

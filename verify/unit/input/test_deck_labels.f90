@@ -81,7 +81,7 @@ contains
   !> GENERATE: first, last, step; rows that are invalid are left out.
   subroutine check_ranges()
     type(label_scope_type) :: scope
-    call read('*NSET, NSET=A, GENERATE;2,9,3;*NSET, NSET=B, GENERATE;4;1,x;1,3,0;5,1;*NSET, NSET=C, GENERATE;7,8;', scope)
+    call read('*NSET, NSET=A, GENERATE;2,9,3;*NSET, NSET=B, GENERATE;4;1,x;1,3,0;5,1;x,3;;*NSET, NSET=C, GENERATE;7,8;', scope)
     call suite%that('2, 5, 8', scope%node_sets(1)%n == 3 .and. all(scope%node_sets(1)%items(:3) == [2, 5, 8]))
     call suite%that('no valid range', scope%node_sets(2)%n == 0)
     call suite%that('step 1 by default', all(scope%node_sets(3)%items(:2) == [7, 8]))

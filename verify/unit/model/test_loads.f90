@@ -24,7 +24,7 @@ contains
     call suite%near('after', amplitude_value(a, 9.0_DP), 4.0_DP, 0.0_DP)
     call suite%near('at a time', amplitude_value(a, 2.0_DP), 10.0_DP, 0.0_DP)
     call suite%near('between', amplitude_value(a, 2.5_DP), 8.5_DP, 1.0e-14_DP)
-    a%course = AMPLITUDE_SMOOTH_STEP
+    a%shape = AMPLITUDE_SMOOTH_STEP
     call suite%near('smooth: the middle', amplitude_value(a, 3.0_DP), 7.0_DP, 1.0e-14_DP)
     call suite%near('smooth: flat at a time', amplitude_value(a, 2 + STEP) - 10, 0.0_DP, 1.0e-10_DP)
     call suite%near('smooth: a quarter', amplitude_value(a, 1.25_DP), 10 * 0.103515625_DP, 1.0e-14_DP)
@@ -34,17 +34,17 @@ contains
   !> Fourier series, product of sines, decay: before they begin and after.
   subroutine check_formulas()
     type(amplitude_type) :: a
-    a%course = AMPLITUDE_PERIODIC
+    a%shape = AMPLITUDE_PERIODIC
     a%formula_constants = [2.0_DP, 1.0_DP, 0.5_DP, 3.0_DP, 4.0_DP, 5.0_DP, 6.0_DP]
     call suite%near('periodic: before', amplitude_value(a, 0.9_DP), 0.5_DP, 0.0_DP)
     call suite%near('periodic: at its start', amplitude_value(a, 1.0_DP), 8.5_DP, 1.0e-14_DP)
     call suite%near('periodic', amplitude_value(a, 1.3_DP), 0.5_DP + 3 * cos(0.6_DP) + 4 * sin(0.6_DP) + 5 * cos(1.2_DP) &
       + 6 * sin(1.2_DP), 1.0e-14_DP)
-    a%course = AMPLITUDE_MODULATED
+    a%shape = AMPLITUDE_MODULATED
     a%formula_constants = [1.0_DP, 2.0_DP, 0.5_DP, 3.0_DP, 7.0_DP]
     call suite%near('modulated: before', amplitude_value(a, 0.2_DP), 1.0_DP, 0.0_DP)
     call suite%near('modulated', amplitude_value(a, 0.7_DP), 1 + 2 * sin(0.6_DP) * sin(1.4_DP), 1.0e-14_DP)
-    a%course = AMPLITUDE_DECAY
+    a%shape = AMPLITUDE_DECAY
     a%formula_constants = [1.0_DP, 2.0_DP, 0.5_DP, 4.0_DP]
     call suite%near('decay: before', amplitude_value(a, 0.4_DP), 1.0_DP, 0.0_DP)
     call suite%near('decay', amplitude_value(a, 2.5_DP), 1 + 2 * exp(-0.5_DP), 1.0e-14_DP)

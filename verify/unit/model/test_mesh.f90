@@ -2,13 +2,15 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_mesh
   use amontons_kinds, only: DP
-  use amontons_mesh, only: mesh_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent
+  use amontons_mesh, only: mesh_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent, &
+    find_connected_nodes
   use amontons_topology, only: KIND_C3D4, KIND_CPS3, KIND_T3D2, KIND_SPRING1, KIND_MASS, MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   call check_finalize()
   call check_append()
+  call check_bodies()
   call suite%finish()
 
 contains
@@ -67,5 +69,26 @@ contains
     call suite%that('nothing resists as before', all(mesh%is_unstiffened(:, 12) .eqv. mesh%is_unstiffened(:, 7)))
     call suite%that('all arrays', size(mesh%is_auxiliary) == 13 .and. size(mesh%has_elements) == 13)
   end subroutine check_append
+
+
+  !> Bodies: a chain of lines in any order; without its link; without an element; nodes without elements belong to none.
+  subroutine check_bodies()
+    type(mesh_type) :: mesh
+    integer, allocatable :: body(:)
+    integer :: n
+    mesh%n_nodes = 10
+    mesh%n_elements = 5
+    mesh%first = [1, 3, 5, 7, 9, 10]
+    mesh%nodes = [8, 9, 1, 2, 3, 4, 2, 4, 5]          ! lines 8-9, 1-2, 3-4; 2-4 joins the last two; a point at 5
+    call find_connected_nodes(mesh, body, n)
+    call suite%that('bodies in the order of elements', n == 3 .and. all(body == [2, 2, 2, 2, 3, 0, 0, 1, 1, 0]))
+    call find_connected_nodes(mesh, body, n, [.false., .false., .false., .true., .false.])
+    call suite%that('without the link', n == 4 .and. all(body == [2, 2, 3, 3, 4, 0, 0, 1, 1, 0]))
+    call find_connected_nodes(mesh, body, n, [.true., .false., .false., .false., .true.])
+    call suite%that('absent elements', n == 1 .and. all(body == [1, 1, 1, 1, 0, 0, 0, 0, 0, 0]))
+    mesh%nodes(9) = 9
+    call find_connected_nodes(mesh, body, n)
+    call suite%that('a point belongs to the body at its node', n == 2 .and. all(body == [2, 2, 2, 2, 0, 0, 0, 1, 1, 0]))
+  end subroutine check_bodies
 
 end program test_mesh

@@ -1,4 +1,4 @@
-!> Tests of the failure report: the code of a failure for each outcome and course of an attempt, its lines, and edge events.
+!> Tests of the failure report: the code of a failure for each outcome and history of an attempt, its lines, and edge events.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_failure_report
   use amontons_kinds, only: DP
@@ -32,7 +32,7 @@ program test_failure_report
   state%new%slaves%facet = 1
   state%old%slaves = state%new%slaves
   call check_outcomes(suite)
-  call check_courses(suite)
+  call check_histories(suite)
   call check_lines(suite)
   call check_edges(suite)
   call suite%finish()
@@ -84,7 +84,7 @@ contains
 
 
   !> Attempts without trouble that do not converge: slow, growing, left master, cycles with and without opening, deep, limit point.
-  subroutine check_courses(suite)
+  subroutine check_histories(suite)
     type(suite_type), intent(inout) :: suite
     call suite%that('slow', code_after([STATUS_STICK], [1], [0.0_DP], VERDICT_TOO_SLOW) == FAILURE_SLOW)
     call suite%that('growing', code_after([STATUS_STICK], [1], [0.0_DP], VERDICT_DIVERGES) == FAILURE_GROWING)
@@ -95,7 +95,7 @@ contains
     call suite%that('left its master', code_after([STATUS_OPEN], [0], [0.0_DP], VERDICT_TOO_SLOW) == FAILURE_LEFT_MASTER)
     call suite%that('limit point', code_after([STATUS_STICK], [1], [0.0_DP], VERDICT_TOO_SLOW, 2) == FAILURE_LIMIT_POINT)
     call suite%that('one ascent is none', code_after([STATUS_STICK], [1], [0.0_DP], VERDICT_TOO_SLOW, 1) == FAILURE_SLOW)
-  end subroutine check_courses
+  end subroutine check_histories
 
 
   !> The code after six iterations in which slave 5 has these statuses, facets and gaps by turns; the last ones last.

@@ -14,7 +14,7 @@ program test_increment_control
   type(suite_type) :: suite
   call check_ten_tenths()
   call check_growth_and_cuts()
-  call check_course()
+  call check_step()
   call check_verdicts()
   call suite%finish()
 
@@ -81,7 +81,7 @@ contains
 
 
   !> Besides the iterations, active-set cycles count, and after a failed attempt also mispredicted contact.
-  subroutine check_course()
+  subroutine check_step()
     type(stepper_type) :: stepper
     type(step_type) :: step
     integer :: outcome
@@ -105,7 +105,7 @@ contains
     call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
     call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
     call suite%near('a new step knows of no failure', stepper%dt, 0.015_DP, 1.0e-15_DP)
-  end subroutine check_course
+  end subroutine check_step
 
 
   subroutine check_verdicts()

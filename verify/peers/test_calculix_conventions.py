@@ -1,4 +1,4 @@
-"""What the calculix dialect takes from CalculiX beside the formulas: how it prints and counts. Each has a closed form.
+"""Conventions of CalculiX that the calculix dialect takes over: output and counting rules. Each has a closed form.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
