@@ -40,7 +40,10 @@ $(error BUILD is "$(BUILD)"; it can be release, portable, debug, sanitize or rac
 endif
 VENV := .venv
 Q := $(if $(V),,@)
+comma := ,
+ABI := $(shell sed -n 's/^.define AMONTONS_ABI \([0-9]*\).*/\1/p' src/driver/amontons.h)#  the number behind libamontons.so
 PY := $(VENV)/bin/python
+DIST ?= dist
 PYTHON_OF_TOOLS ?= $(abspath $(PY))
 
 # --- compilers ----------------------------------------------------------------------------------------------------
@@ -101,7 +104,7 @@ $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach module,$(MODULES),$(eval $(call module_rule,$(module))))
 
-.PHONY: picture report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place wheel pack-wheel hooks clean help depends
+.PHONY: picture report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place uninstall deb pack-deb wheel pack-wheel hooks clean help depends
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1)
 	@$(MAKE) build
@@ -119,7 +122,8 @@ $(LIB)/libamontons.a: $(OBJECTS)
 
 $(LIB)/libamontons.so: $(OBJECTS)
 	@echo "linking   $@" && mkdir -p $(@D)
-	$(Q)$(FC) $(FFLAGS) -shared -o $@ $^ $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) -shared $(if $(filter Darwin,$(shell uname -s)),,-Wl$(comma)-soname$(comma)libamontons.so.$(ABI)) -o $@ $^ $(LDLIBS)
+	$(Q)ln -sf $(@F) $@.$(ABI)
 
 $(B)/%.o: %.f90
 	@echo "compiling $<" && mkdir -p $(@D)
@@ -269,22 +273,33 @@ hooks: ## Let git run `make lint` before each commit
 	@chmod +x "$$(git rev-parse --git-path hooks/pre-commit)"
 
 # --- the rest -----------------------------------------------------------------------------------------------------
-install: all ## Install program, library, header, modules, man page and completions below PREFIX (default /usr/local)
+install: all ## Install program, library, Python package, examples, man page and completions below PREFIX (default /usr/local)
 	@$(MAKE) place
 
 VERSION = $(shell sed -n "s/.*VERSION = '\(.*\)'.*/\1/p" src/base/version.f90)
 SHARE = $(DESTDIR)$(PREFIX)/share
 fill = sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' $(1) > $(2)
 
-# What is built already goes to its places.
+# What is built already goes to its places. Python packages go where PYTHON_SITE says, for the Python that runs amontons-report.
+PYTHON_SITE ?= $(PREFIX)/lib/python3/dist-packages
+EXAMPLES := $(wildcard input/*.inp input/*.mesh)
+PACKAGE := $(wildcard python/amontons/*.py python/amontons/py.typed)
+REPORT := $(wildcard python/amontons/report/*.py python/amontons/report/*.css python/amontons/report/*.js)
 place:
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/lib/cmake/amontons
 	install -d $(DESTDIR)$(PREFIX)/include/amontons $(SHARE)/man/man1 $(SHARE)/bash-completion/completions $(SHARE)/zsh/site-functions \
-	  $(SHARE)/fish/vendor_completions.d
-	install $(BIN)/amontons $(DESTDIR)$(PREFIX)/bin
-	install -m 644 $(LIB)/libamontons.a $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib
+	  $(SHARE)/fish/vendor_completions.d $(SHARE)/amontons/examples $(DESTDIR)$(PYTHON_SITE)/amontons/report
+	install $(BIN)/amontons share/amontons-ccx $(DESTDIR)$(PREFIX)/bin
+	$(call fill,share/amontons-report.in,$(DESTDIR)$(PREFIX)/bin/amontons-report)
+	chmod 755 $(DESTDIR)$(PREFIX)/bin/amontons-report
+	install -m 644 $(LIB)/libamontons.a $(DESTDIR)$(PREFIX)/lib
+	install -m 644 $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib/libamontons.so.$(ABI)
+	ln -sf libamontons.so.$(ABI) $(DESTDIR)$(PREFIX)/lib/libamontons.so
 	install -m 644 src/driver/amontons.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
+	install -m 644 $(PACKAGE) $(DESTDIR)$(PYTHON_SITE)/amontons
+	install -m 644 $(REPORT) $(DESTDIR)$(PYTHON_SITE)/amontons/report
+	install -m 644 $(EXAMPLES) $(SHARE)/amontons/examples
 	$(call fill,share/amontons.pc.in,$(DESTDIR)$(PREFIX)/lib/pkgconfig/amontons.pc)
 	$(call fill,share/amontonsConfig.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfig.cmake)
 	$(call fill,share/amontonsConfigVersion.cmake.in,$(DESTDIR)$(PREFIX)/lib/cmake/amontons/amontonsConfigVersion.cmake)
@@ -293,12 +308,38 @@ place:
 	install -m 644 share/_amontons $(SHARE)/zsh/site-functions/_amontons
 	install -m 644 share/amontons.fish $(SHARE)/fish/vendor_completions.d/amontons.fish
 
+uninstall: ## Remove what `make install` put below PREFIX
+	rm -f $(addprefix $(DESTDIR)$(PREFIX)/,bin/amontons bin/amontons-ccx bin/amontons-report lib/libamontons.a lib/libamontons.so \
+	  lib/libamontons.so.$(ABI) lib/pkgconfig/amontons.pc include/amontons.h)
+	rm -f $(SHARE)/man/man1/amontons.1 $(SHARE)/bash-completion/completions/amontons $(SHARE)/zsh/site-functions/_amontons \
+	  $(SHARE)/fish/vendor_completions.d/amontons.fish
+	rm -rf $(DESTDIR)$(PREFIX)/include/amontons $(DESTDIR)$(PREFIX)/lib/cmake/amontons $(SHARE)/amontons $(DESTDIR)$(PYTHON_SITE)/amontons
+
+# The package of what BUILD=portable built; Debian's own tools find the libraries that it needs.
+deb: ready ## Build a Debian package into dist
+	@$(MAKE) BUILD=portable build
+	@$(MAKE) BUILD=portable pack-deb
+
+DEB := build/deb
+pack-deb:
+	@rm -rf $(DEB) && mkdir -p $(DEB)/tree/DEBIAN $(DEB)/debian $(DIST)
+	@$(MAKE) place B=$(B) BIN=$(BIN) LIB=$(LIB) DESTDIR=$(abspath $(DEB))/tree PREFIX=/usr PYTHON_SITE=/usr/lib/python3/dist-packages >/dev/null
+	@strip --strip-debug $(DEB)/tree/usr/bin/amontons $(DEB)/tree/usr/lib/libamontons.so.$(ABI) $(DEB)/tree/usr/lib/libamontons.a
+	@install -d $(DEB)/tree/usr/share/doc/amontons && install -m 644 LICENSE $(DEB)/tree/usr/share/doc/amontons/copyright
+	@printf 'Source: amontons\n\nPackage: amontons\nArchitecture: any\n' > $(DEB)/debian/control
+	@needs=$$(cd $(DEB) && dpkg-shlibdeps -O tree/usr/bin/amontons tree/usr/lib/libamontons.so.$(ABI) 2>/dev/null | sed 's/^shlibs:Depends=//'); \
+	  test -n "$$needs" && sed "s|@VERSION@|$(VERSION)|; s|@ARCH@|$$(dpkg --print-architecture)|; s|@NEEDS@|$$needs|" share/control.in \
+	  > $(DEB)/tree/DEBIAN/control
+	@printf '#!/bin/sh\nldconfig\n' | tee $(DEB)/tree/DEBIAN/postinst > $(DEB)/tree/DEBIAN/postrm
+	@chmod 755 $(DEB)/tree/DEBIAN/postinst $(DEB)/tree/DEBIAN/postrm
+	$(Q)dpkg-deb --root-owner-group --build $(DEB)/tree $(DIST)
+	@rm -rf $(DEB)
+
 wheel: ready $(VENV)/installed ## Build the Python package with library, program and all they need into dist (Linux, any x86-64 since 2009)
 	@$(MAKE) BUILD=portable build
 	@$(MAKE) BUILD=portable pack-wheel
 
 # What is built already becomes a wheel; auditwheel adds OpenBLAS, SuiteSparse, HDF5 and what these need.
-DIST ?= dist
 pack-wheel:
 	@rm -rf $(B)/wheel && mkdir -p $(B)/wheel $(DIST)
 	$(Q)AMONTONS_LIB=$(LIB) AMONTONS_BIN=$(BIN) $(PYTHON_OF_TOOLS) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation \

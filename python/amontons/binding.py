@@ -66,14 +66,15 @@ SIGNATURES: dict[str, tuple[object, list[object]]] = {
 
 
 def find_library() -> str:
-    """The path of libamontons: AMONTONS_LIBRARY, beside this file, in the tree it was installed from, or the system's.
+    """The path of libamontons: AMONTONS_LIBRARY, beside this file, in the tree around it, in the
+    lib of `make install`, or the system's.
 
     Raises:
         OSError: it is nowhere.
     """
     named = os.environ.get("AMONTONS_LIBRARY")
     here = Path(__file__).resolve().parent
-    places = [Path(named)] if named else [here / NAME, here.parent.parent / "lib" / NAME]
+    places = [Path(named)] if named else [here / NAME, here.parent.parent / "lib" / NAME, here.parent.parent.parent / NAME]
     for place in places:
         if place.exists():
             return str(place)

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import NoReturn
 
 HERE = Path(__file__).resolve().parent
-PLACES = (HERE / "bin" / "amontons", HERE.parent.parent / "bin" / "amontons")  #: of the package, of the tree around it
+#: Of the package, of the tree around it, of `make install`.
+PLACES = (HERE / "bin" / "amontons", HERE.parent.parent / "bin" / "amontons", HERE.parent.parent.parent.parent / "bin" / "amontons")
 
 
 def program() -> Path:
@@ -26,11 +27,16 @@ def program() -> Path:
     raise FileNotFoundError("This package has no program amontons: it was installed without the tree of sources around it.")
 
 
-def main() -> NoReturn:
-    """Runs the program with the words of the command line; does not come back."""
+def main_ccx() -> NoReturn:
+    """In place of ccx: the same in the calculix dialect."""
+    main("--dialect", "calculix")
+
+
+def main(*options: str) -> NoReturn:
+    """Runs the program with options and the words of the command line; does not come back."""
     try:
         path = str(program())
     except FileNotFoundError as error:
         print(f"*ERROR: {error}", file=sys.stderr)
         sys.exit(7)
-    os.execv(path, [path, *sys.argv[1:]])
+    os.execv(path, [path, *options, *sys.argv[1:]])

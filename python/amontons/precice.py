@@ -197,9 +197,11 @@ class Adapter:
         for interface in self.interfaces:
             for name, kind in interface.reads.items():
                 values = np.asarray(self.participant.read_data(interface.mesh, name, interface.ids, dt), float)
-                if kind in ("Force", "Displacement") and values.ndim == 2 and values.shape[1] == 2:
-                    values = np.column_stack([values, np.zeros(len(values))])
-                self.job.set(quantities[kind], interface.patch, values.ravel())
+                if values.ndim == 2 and values.shape[1] == 2:   # a plane mesh says nothing of the third direction
+                    for k in (0, 1):
+                        self.job.set(f"{quantities[kind]}{k + 1}", interface.patch, values[:, k])
+                else:
+                    self.job.set(quantities[kind], interface.patch, values.ravel())
 
     def _write(self) -> None:
         """Sends the results of the job to the other participants."""
@@ -238,6 +240,12 @@ def main(words: list[str] | None = None) -> int:
     except AmontonsError as error:
         print(f"*ERROR: {error}")
         return error.status
+    except ModuleNotFoundError as error:
+        print(f"*ERROR: {error}; the adapter needs preCICE's Python bindings: pip install pyprecice.")
+        return UsageError.status
+    except RuntimeError as error:   # what preCICE's bindings raise
+        print(f"*ERROR: preCICE: {error}")
+        return UsageError.status
     return 0
 
 

@@ -13,7 +13,8 @@ program amontons
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
   implicit none
 
-  character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (amontons --help tells the options)'
+  character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (a deck of Abaqus or CalculiX; ' // &
+    'amontons --help tells the options)'
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4
 

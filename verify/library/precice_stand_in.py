@@ -1,4 +1,4 @@
-"""Stands in for preCICE where it cannot be had: the calls of its Python bindings (version 3) that the adapter makes.
+"""Stands in for preCICE where it is not installed: the calls of its Python bindings (version 3) that the adapter makes.
 
 Two participants in two threads, coupled at the same points, in parallel: both solve a window, exchange, and repeat it with
 relaxed data until the written data converge; then the window is done. No mapping, no acceleration but constant relaxation. A

@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -162,3 +163,33 @@ end
 """
     found = [line.split("\t")[0] for line in do(["fish", "-N", "-c", script], tmp_path).splitlines()]
     assert found == ["--resume", "--dialect=calculix", "plain", "plate.inp"]
+
+
+def test_python_package_and_examples(prefix: Path, tmp_path: Path) -> None:
+    """The installed package finds the installed library by itself, the installed commands run an installed example."""
+    numbered = [path.name for path in (prefix / "lib").glob("libamontons.so.*")]
+    assert numbered == ["libamontons.so.3"]
+    assert "libamontons.so.3" in do(["readelf", "-d", prefix / "lib" / "libamontons.so"], tmp_path)
+    for name in ("three_cubes.inp", "three_cubes.mesh"):
+        shutil.copy(prefix / "share" / "amontons" / "examples" / name, tmp_path)
+    script = "import amontons; print(amontons.binding.find_library()); job = amontons.Job('three_cubes.inp'); job.run(); print(job)"
+    clean = {"PYTHONPATH": str(prefix / "lib" / "python3" / "dist-packages"), "AMONTONS_LIBRARY": ""}
+    where, job = do([sys.executable, "-c", script], tmp_path, **clean).splitlines()
+    assert where == str(prefix / "lib" / "libamontons.so")
+    assert "20 increments" in job
+    do([prefix / "bin" / "amontons-ccx", "-i", "three_cubes"], tmp_path)
+    do([prefix / "bin" / "amontons-report", "three_cubes.vtkhdf"], tmp_path, PATH=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+    assert (tmp_path / "three_cubes.html").stat().st_size > 10_000
+
+
+def test_uninstall(root: Path, program: Path, library: Path, tmp_path: Path) -> None:
+    """No file is left of what was installed, and what others put there stays."""
+    build = (root / os.environ.get("AMONTONS_UNITS", "build/unit")).parent
+    clean = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
+    (tmp_path / "share").mkdir()
+    (tmp_path / "share" / "other.txt").write_text("of another program")
+    for target in ("place", "uninstall"):
+        subprocess.run(["make", target, f"PREFIX={tmp_path}", f"B={build}", f"BIN={program.parent}", f"LIB={library.parent}"], cwd=root,
+                       env=clean, capture_output=True, check=True)  # fmt: skip
+        assert (tmp_path / "bin" / "amontons").exists() == (target == "place")
+    assert [path.name for path in tmp_path.rglob("*") if not path.is_dir()] == ["other.txt"]

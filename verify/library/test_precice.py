@@ -1,7 +1,6 @@
 """The preCICE adapter with two participants, against a stand-in with the calls of preCICE's Python bindings.
 
-PyPI has the bindings (pyprecice), as source that is built against the library; the library is in neither PyPI nor Debian 12.
-precice_stand_in.py says what it does.
+precice_stand_in.py says what it does. test_precice_library.py runs preCICE itself, where it is installed.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -214,7 +213,7 @@ def test_wrong_configurations_are_reported(interface: dict, sentence: str) -> No
                 precice=precice_stand_in)  # fmt: skip
 
 
-def test_configuration_files(tmp_path: Path) -> None:
+def test_configuration_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """JSON; the participant must be there; without preCICE a message says so."""
     path = tmp_path / "config.json"
     path.write_text(json.dumps({"precice-config-file": "x.xml", "participants": {"S": {"interfaces": []}}}))
@@ -222,9 +221,9 @@ def test_configuration_files(tmp_path: Path) -> None:
     with amontons.Job(text=LOWER) as job:
         with pytest.raises(amontons.UsageError, match="no participant T"):
             Adapter(job, configuration, "T")
-        if "precice" not in sys.modules:
-            with pytest.raises(ModuleNotFoundError):
-                Adapter(job, configuration, "S")
+        monkeypatch.setitem(sys.modules, "precice", None)
+        with pytest.raises(ModuleNotFoundError):
+            Adapter(job, configuration, "S")
 
 
 def test_called_as_the_calculix_adapter_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
