@@ -15,6 +15,7 @@ uses_version =
 # linear_algebra
 uses_blas = kinds
 uses_dense = kinds blas
+uses_anderson = kinds dense
 uses_sparse = kinds errors
 uses_factorization = kinds errors sparse
 uses_krylov = kinds errors sparse
@@ -151,6 +152,7 @@ uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner
 uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
 uses_model_check_bodies = kinds text errors topology mesh model element
@@ -162,14 +164,16 @@ uses_model_check = kinds text containers errors loads topology steps model eleme
 # nonlinear
 uses_active_set_history = kinds state
 uses_active_set_cycling = kinds controls surfaces surface_projection node_overrides state contact_pairs active_set_history
+uses_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows slip_scenarios node_overrides state contact_pairs equilibrium gradient_preconditioner
+uses_convergence = kinds controls
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
 uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
+uses_contact_rounds = kinds errors iteration_records anderson controls surfaces steps model node_overrides state contact_pairs equilibrium newton_step gradient_preconditioner conjugate_gradients convergence line_search
 uses_contact_subproblem = kinds errors controls steps model state equilibrium newton_step active_set_history active_set_cycling line_search
-uses_convergence = kinds controls
 uses_failure_words = text failure
 uses_proximal_step = kinds errors controls mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
-uses_globalization = kinds errors controls steps model state equilibrium newton_step contact_subproblem convergence proximal_step
-uses_newton = kinds errors iteration_records controls mesh steps model state equilibrium newton_step active_set_history active_set_cycling tunnelling_check line_search convergence globalization
+uses_globalization = kinds errors controls steps model state equilibrium newton_step convergence contact_subproblem proximal_step
+uses_newton = kinds errors iteration_records controls mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence tunnelling_check line_search contact_rounds globalization
 uses_failure_report = kinds failure iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
 uses_increment_control = kinds steps convergence
 
@@ -191,7 +195,7 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes equilibrium model_check active_set_history convergence failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

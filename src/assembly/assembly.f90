@@ -23,7 +23,8 @@ module amontons_assembly
   use amontons_user_state, only: load_umat_points, store_umat_points
   implicit none
   private
-  public :: assembly_type, create_assembly, assemble_forces, assemble_tangent, add_node_block, add_row_block, element_material
+  public :: assembly_type, create_assembly, ensure_matrix, assemble_forces, assemble_tangent, assemble_nodal_stiffness, &
+    add_node_block, add_row_block, element_material
 
   integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< for fewer elements a batch is not worth its empty lanes
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
@@ -46,12 +47,13 @@ module amontons_assembly
 contains
 
   !> Builds graph, pattern and element order. Cost: linear in the size of the mesh, plus METIS.
-  subroutine create_assembly(assembly, mesh, error, coupled_first, coupled_nodes)
+  subroutine create_assembly(assembly, mesh, error, coupled_first, coupled_nodes, is_matrix_free)
     type(assembly_type), intent(out) :: assembly
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in), optional :: coupled_first(:)   !< (n + 1) start of each group of nodes coupled as by an element
     integer, intent(in), optional :: coupled_nodes(:)
+    logical, intent(in), optional :: is_matrix_free     !< K is not needed yet: `ensure_matrix` makes its pattern
     type(mesh_type) :: coupled                        ! with these groups in place of elements, for the graph
     assembly%rule = create_batch_rule()
     call order_elements(assembly, mesh, error)
@@ -65,9 +67,21 @@ contains
     else
       call build_graph(assembly, mesh)
     end if
+    if (present(is_matrix_free)) then
+      if (is_matrix_free) return
+    end if
+    call ensure_matrix(assembly, mesh)
+  end subroutine create_assembly
+
+
+  !> Makes the pattern of K if there is none yet.
+  subroutine ensure_matrix(assembly, mesh)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    if (allocated(assembly%stiffness%value)) return
     call build_pattern(assembly, mesh%n_nodes)
     call locate_pairs(assembly, mesh)
-  end subroutine create_assembly
+  end subroutine ensure_matrix
 
 
   !> Assigns parts by METIS, then colours to the elements between parts.
@@ -652,6 +666,7 @@ contains
     integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
     integer :: g, i, failed
     failed = huge(failed)
+    call ensure_matrix(assembly, model%mesh)
     assembly%stiffness%value = 0.0_DP
     call reset_element_skew(assembly%skew, assembly%stiffness, any(model%materials%is_user))
     !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
@@ -672,6 +687,85 @@ contains
   end subroutine assemble_tangent
 
 
+  !> The diagonal blocks of K alone, one for each node, without the matrix.
+  subroutine assemble_nodal_stiffness(assembly, model, is_nlgeom, state, blocks, failed_element)
+    type(assembly_type), intent(in) :: assembly
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state          !< as of assemble_tangent
+    real(DP), intent(out) :: blocks(:, :, :)       !< (3, 3, n_nodes) [force/length]
+    integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    integer :: g, i, failed
+    failed = huge(failed)
+    blocks = 0.0_DP
+    !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
+    !$omp do schedule(dynamic)
+    do g = 1, assembly%n_parts
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
+        call add_nodal_blocks(model, assembly%element_order(i), is_nlgeom, state, blocks, failed)
+      end do
+    end do
+    do g = assembly%n_parts + 1, assembly%n_groups
+      !$omp do schedule(static)
+      do i = assembly%group_first(g), assembly%group_first(g + 1) - 1
+        call add_nodal_blocks(model, assembly%element_order(i), is_nlgeom, state, blocks, failed)
+      end do
+    end do
+    !$omp end parallel
+    failed_element = merge(0, failed, failed == huge(failed))
+  end subroutine assemble_nodal_stiffness
+
+
+  !> Adds the diagonal blocks of one element to those of its nodes.
+  subroutine add_nodal_blocks(model, e, is_nlgeom, state, blocks, failed)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state
+    real(DP), intent(inout) :: blocks(:, :, :)     !< (3, 3, n_nodes) [force/length]
+    integer, intent(inout) :: failed
+    type(integration_points_type) :: points
+    real(DP) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
+    integer :: n, a, nodes(MAX_ELEMENT_NODES)
+    logical :: is_sound
+    if (is_out(model, state%new%step, e)) return
+    call evaluate_one_tangent(model, e, is_nlgeom, state, X, u, stiffness, points, is_sound)
+    if (.not. is_sound) then
+      failed = min(failed, e)
+      return
+    end if
+    call element_nodes(model%mesh, e, n, nodes)
+    do a = 1, n
+      associate (block => stiffness(3 * a - 2:3 * a, 3 * a - 2:3 * a))
+        blocks(:, :, nodes(a)) = blocks(:, :, nodes(a)) + 0.5_DP * (block + transpose(block))
+      end associate
+    end do
+  end subroutine add_nodal_blocks
+
+
+  !> The stiffness of one element at the trial state.
+  subroutine evaluate_one_tangent(model, e, is_nlgeom, state, X, u, stiffness, points, is_sound)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state
+    real(DP), intent(out) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)   !< of its nodes [length]
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 * nodes [force/length]
+    type(integration_points_type), intent(out) :: points
+    logical, intent(out) :: is_sound               !< neither inverted nor not finite
+    integer :: n, status
+    n = model%mesh%first(e + 1) - model%mesh%first(e)
+    call load_points(model, state, e, points)
+    if (model%materials(element_material(model, state%new%step, e))%is_user) call load_umat_points(model, state, e, is_nlgeom, &
+      points)
+    call set_element_configuration(model%mesh, e, state%new, X, u)
+    call evaluate_element_tangent(model%mesh%kind(e), model%materials(element_material(model, state%new%step, e)), &
+      X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
+    is_sound = status == ELEMENT_OK
+  end subroutine evaluate_one_tangent
+
+
   !> Adds the stiffness of one element to the matrix, block by block.
   subroutine add_element_tangent(assembly, model, e, is_nlgeom, state, failed)
     type(assembly_type), intent(inout) :: assembly
@@ -683,19 +777,15 @@ contains
     type(integration_points_type) :: points
     real(DP) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES), skew(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
-    integer :: n, status
+    integer :: n
+    logical :: is_sound
     if (is_out(model, state%new%step, e)) return
-    n = model%mesh%first(e + 1) - model%mesh%first(e)
-    call load_points(model, state, e, points)
-    if (model%materials(element_material(model, state%new%step, e))%is_user) call load_umat_points(model, state, e, is_nlgeom, &
-      points)
-    call set_element_configuration(model%mesh, e, state%new, X, u)
-    call evaluate_element_tangent(model%mesh%kind(e), model%materials(element_material(model, state%new%step, e)), &
-      X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
-    if (status /= ELEMENT_OK) then
+    call evaluate_one_tangent(model, e, is_nlgeom, state, X, u, stiffness, points, is_sound)
+    if (.not. is_sound) then
       failed = min(failed, e)
       return
     end if
+    n = model%mesh%first(e + 1) - model%mesh%first(e)
     associate (offset => assembly%pair_offset(assembly%pair_first(e):assembly%pair_first(e + 1) - 1))
       if (.not. allocated(points%skew)) then
         call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)

@@ -6,7 +6,7 @@
 module amontons_contact_evaluation
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
   use amontons_node_overrides, only: note_pull_off, is_friction_suppressed, is_status_imposed, gives_way, NODE_OVERRIDE_STICK_ONCE
   use amontons_slave_nodes, only: detach_slave, is_rough, set_force
   use amontons_user_contact, only: call_user_interaction, call_user_friction
@@ -154,8 +154,6 @@ contains
         contact%free_mask(:, s)))
       contact%free(:, :, s) = free
       contact%friction(s) = law%friction
-      if (is_friction_in_other_pair(contact%shared_slaves, fields%slaves, s, free, contact%laws%friction, contact%Rhat, &
-        contact%controls%min_force_ratio)) contact%friction(s) = 0.0_DP
       Rhat = matmul(free, contact%Rhat(:, s))
       free_normal = matmul(free, slave%normal)
       free_share = norm2(free_normal)
@@ -166,9 +164,7 @@ contains
       free_normal = free_normal / free_share
       d = 0.0_DP
       if (slave%origin_facet > 0) d = contact_slip_vector(contact, model, fields%u, slave)
-      if (is_prescribed_tangentially(free, d - dot_product(slave%normal, d) * slave%normal, &
-        contact%edge(slave%pair))) contact%friction(s) = 0.0_DP
-      if (is_rough(law) .and. is_friction_suppressed(slave%overrides)) contact%friction(s) = 0.0_DP
+      if (has_no_friction(contact, fields%slaves, s, free, d)) contact%friction(s) = 0.0_DP
       mu = contact%friction(s) / free_share
       shear_limit_force = law%shear_limit * slave%area
       contact%has_sliding_support(s) = has_sliding_support(free, d, contact%edge(slave%pair))
@@ -194,12 +190,13 @@ contains
     !> Trial traction and status. Hysteresis prevents open/close oscillation of a node at zero gap; a closed node without force
     !! stays closed, since otherwise rounding would decide.
     subroutine evaluate_status()
-      real(DP) :: gap
+      real(DP) :: gap, limit(2)
+      limit = deciding_limit(contact, s, status_before, mu, shear_limit_force)
       associate (slave => fields%slaves(s))
         gap = slave%gap
         gap = gap + merge(TOL_CLOSING, -TOL_OPENING, status_before == STATUS_OPEN) * contact%edge(slave%pair)
-        call evaluate_trial_traction(Rhat, gap, d, free_normal, mu, slave%stiffness, status_before /= STATUS_OPEN, &
-          shear_limit_force, trial)
+        call evaluate_trial_traction(Rhat, gap, d, free_normal, limit(1), slave%stiffness, status_before /= STATUS_OPEN, &
+          limit(2), trial)
         slave%status = merge(status_before, trial%status, is_frozen)
         if (slave%overrides%status == NODE_OVERRIDE_STICK_ONCE .and. trial%status /= STATUS_STICK) &
           contact%n_imposed = contact%n_imposed + 1
@@ -210,16 +207,19 @@ contains
     subroutine set_forces(N)
       real(DP), intent(in) :: N                    !< normal force required by the imbalance [force]
       integer :: status
+      logical :: is_user
       associate (slave => fields%slaves(s))
         status = slave%status
-        if (contact%laws(slave%pair)%is_user_friction .and. status /= STATUS_OPEN) then
+        is_user = contact%laws(slave%pair)%is_user_friction .and. .not. is_friction_held(contact, status)
+        if (is_user .and. status /= STATUS_OPEN) then
           call apply_fric_hard(contact, model, status_before, Rhat / slave%area, d, s, fields)
           if (is_frozen) slave%status = status
         end if
-        if (contact%laws(slave%pair)%is_user_friction .and. slave%status == STATUS_SLIP) then
+        if (is_user .and. slave%status == STATUS_SLIP) then
           slave%force = N / free_share * slave%normal
         else
-          call set_force(slave, Rhat, N / free_share, friction_limit(mu, N, shear_limit_force) * trial%direction)
+          call set_force(slave, Rhat, N / free_share, slip_friction(contact, slave, s, &
+            friction_limit(mu, N, shear_limit_force) * trial%direction))
         end if
         if (slave%status == STATUS_STICK .and. has_other_constraints(contact, s)) slave%shear = -Rhat - N * free_normal
         contact%slip_data(s) = slip_state_type(slave%status, N, Rhat + N * free_normal, limit_of(contact, slave, s, &
@@ -229,6 +229,45 @@ contains
     end subroutine set_forces
 
   end subroutine evaluate_hard_node
+
+
+  !> Whether the friction of a node is held constant: it slips while contact is held.
+  pure logical function is_friction_held(contact, status)
+    type(contact_type), intent(in) :: contact
+    integer, intent(in) :: status
+    is_friction_held = allocated(contact%held_friction) .and. status == STATUS_SLIP
+  end function is_friction_held
+
+
+  !> The friction of a slipping node: that of its normal force or, where it is held under a constant limit L with f of size L at the
+  !! start of the round, f - c g, shortened to L. The latter is the gradient of a convex function of the slip g, so that conjugate
+  !! gradients can turn it.
+  pure function slip_friction(contact, slave, s, coulomb) result(friction)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< its index
+    real(DP), intent(in) :: coulomb(3)             !< friction of the normal force [force]
+    real(DP) :: friction(3), limit
+    friction = coulomb
+    if (.not. is_friction_held(contact, slave%status)) return
+    limit = norm2(contact%held_friction(:, s))
+    friction = contact%held_friction(:, s) - slave%stiffness * slave%slip_increment
+    if (norm2(friction) > limit) friction = limit / norm2(friction) * friction
+  end function slip_friction
+
+
+  !> Coefficient and cap of the friction limit that decides the status of a node: its own, or the limit under which it slipped while
+  !! contact was held.
+  pure function deciding_limit(contact, s, status_before, mu, limit_cap) result(limit)
+    type(contact_type), intent(in) :: contact
+    integer, intent(in) :: s, status_before
+    real(DP), intent(in) :: mu                     !< [-]
+    real(DP), intent(in) :: limit_cap              !< [force]
+    real(DP) :: limit(2)
+    limit = [mu, limit_cap]
+    if (.not. allocated(contact%held_limit) .or. status_before /= STATUS_SLIP .or. mu <= 0.0_DP) return
+    limit = [NO_FRICTION_LIMIT, contact%held_limit(s)]
+  end function deciding_limit
 
 
   !> A slave node without a facet, or whose normal is fixed by supports, is open.
@@ -256,6 +295,10 @@ contains
     real(DP), intent(in) :: N                      !< normal force that the imbalance requires [force]
     logical :: is_unlimited
     associate (law => contact%laws(slave%pair))
+      if (is_friction_held(contact, slave%status)) then
+        limit = contact%held_limit(s)
+        return
+      end if
       if (law%is_user_friction) then
         limit = merge(NO_FRICTION_LIMIT, norm2(slave%shear), contact%user_responses(s)%is_stuck)
         return
@@ -270,6 +313,22 @@ contains
       if (is_unlimited .and. law%shear_limit >= NO_SHEAR_LIMIT) limit = NO_FRICTION_LIMIT
     end associate
   end function limit_of
+
+
+  !> Whether a node has no friction whatever its law: it acts in another pair of the node, supports alone move the node along its
+  !! master, or the friction of a ROUGH law is suppressed.
+  pure logical function has_no_friction(contact, slaves, s, free, d)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves)
+    integer, intent(in) :: s                       !< index of the slave
+    real(DP), intent(in) :: free(3, 3)             !< its free directions
+    real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) [length]
+    associate (slave => slaves(s))
+      has_no_friction = is_friction_in_other_pair(contact%shared_slaves, slaves, s, free, contact%laws%friction, contact%Rhat, &
+        contact%controls%min_force_ratio) .or. is_prescribed_tangentially(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair)) .or. &
+        (is_rough(contact%laws(slave%pair)) .and. is_friction_suppressed(slave%overrides))
+    end associate
+  end function has_no_friction
 
 
   !> Whether supports alone move a slave along its master: none of its tangential directions is free. The supports carry the
@@ -356,8 +415,12 @@ contains
       end if
       slave%is_in_law_range = .not. contact%local_equilibrium(s)%is_open .and. slave%gap <= find_activation_gap(law, slave%area)
       call apply_local_equilibrium(contact%local_equilibrium(s), slave)
-      if (law%is_user_friction .and. slave%status /= STATUS_OPEN) call apply_fric_compliant(contact, model, status_before, &
-        -contact%local_equilibrium(s)%pressure * slave%normal - slave%shear / slave%area, local_problem%slip, s, fields)
+      if (allocated(contact%held_friction) .and. status_before /= STATUS_OPEN .and. slave%status /= STATUS_OPEN) then
+        call set_held_shear(contact, law, local_problem%slip, s, slave)
+      else if (law%is_user_friction .and. slave%status /= STATUS_OPEN) then
+        call apply_fric_compliant(contact, model, status_before, &
+          -contact%local_equilibrium(s)%pressure * slave%normal - slave%shear / slave%area, local_problem%slip, s, fields)
+      end if
       N = -dot_product(slave%normal, imbalance)
       if (slave%status == STATUS_OPEN) then
         contact%slip_data(s) = slip_state_type(slip=slave%slip_increment, slip_zero=SLIP_ZERO * contact%edge(slave%pair))
@@ -368,6 +431,22 @@ contains
       call count_changes(contact, status_before, s, slave, 0.0_DP)
     end associate
   end subroutine evaluate_compliant_node
+
+
+  !> The shear of a compliant law under the friction limit at the start of the round; that of FRIC is constant.
+  pure subroutine set_held_shear(contact, law, slip, s, slave)
+    type(contact_type), intent(in) :: contact
+    type(interaction_type), intent(in) :: law
+    real(DP), intent(in) :: slip(3)                !< as if it were elastic [length]
+    integer, intent(in) :: s                       !< index of the slave
+    type(slave_state_type), intent(inout) :: slave
+    if (law%is_user_friction) then
+      slave%shear = contact%held_friction(:, s)
+      return
+    end if
+    slave%shear = -law%stick_slope * slave%area * slip
+    if (norm2(slave%shear) > contact%held_limit(s)) slave%shear = contact%held_limit(s) / norm2(slave%shear) * slave%shear
+  end subroutine set_held_shear
 
 
   !> Sets up the local problem of a slave node under a compliant law, without its slip.

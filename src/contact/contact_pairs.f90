@@ -84,6 +84,10 @@ module amontons_contact_pairs
     logical, allocatable :: is_uncoupled(:)            !< (n_slaves) compliant law, and no other slave gives its node a force
     real(DP), allocatable :: memory(:)            !< committed STATEV
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
+    real(DP), allocatable :: held_limit(:)        !< (n_slaves) friction limits while contact is held, which decide the statuses
+                                                  !! after that; not allocated: those of the normal forces [force]
+    real(DP), allocatable :: held_friction(:, :)  !< (3, n_slaves) friction on the slipping nodes where contact began to be held;
+                                                  !! not allocated: it is not held [force]
     integer :: n_newly_opened = 0                       !< changes in the last evaluation
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, including opened and closed

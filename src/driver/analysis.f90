@@ -15,7 +15,8 @@ module amontons_analysis
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, SOLVER_GRADIENTS
+  use amontons_contact_rounds, only: comparable_iterations
   use amontons_iteration_records, only: increment_record_type, PHASE_OUTPUT, PHASE_OTHER
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
@@ -325,7 +326,7 @@ contains
   subroutine accept_attempt(analysis, step)
     type(analysis_type), intent(inout) :: analysis
     type(step_type), intent(in) :: step
-    integer :: outcome
+    integer :: outcome, n_iterations
     real(DP) :: damping_work
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
@@ -336,7 +337,9 @@ contains
       call sum_works(analysis%model, analysis%state, record, damping_work)
       call complete_record(analysis, record)
       call commit_state(analysis%state)
-      call accept_increment(analysis%stepper, step, record%dt, attempt_effort_type(record%n_iterations, record%n_status_changes, &
+      n_iterations = record%n_iterations
+      if (step%solver == SOLVER_GRADIENTS) n_iterations = comparable_iterations(step, n_iterations)
+      call accept_increment(analysis%stepper, step, record%dt, attempt_effort_type(n_iterations, record%n_status_changes, &
         record%n_cycles_treated), outcome)
       analysis%is_step_start = outcome == OUTCOME_STEP_DONE
     end associate

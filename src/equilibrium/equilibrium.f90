@@ -11,8 +11,8 @@ module amontons_equilibrium
   use amontons_posix, only: peak_megabytes
   use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements
   use amontons_surfaces, only: is_compliant
-  use amontons_controls, only: controls_type
-  use amontons_steps, only: step_type, SOLVER_AUTO
+  use amontons_controls, only: controls_type, PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL
+  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_GRADIENTS
   use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
     DAMPING_NOW, STATUS_OPEN, STATUS_STICK
@@ -26,7 +26,7 @@ module amontons_equilibrium
   use amontons_nonlinear_mpc, only: extract_support_reactions, list_hessian_nodes, find_rotation_lengths
   use amontons_boundary_conditions, only: build_base_constraints
   use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force
-  use amontons_assembly, only: assembly_type, create_assembly, assemble_forces
+  use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, assemble_forces
   use amontons_external_loads, only: assemble_external_loads
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row
@@ -40,9 +40,10 @@ module amontons_equilibrium
   implicit none
   private
   public :: equilibrium_type, create_equilibrium, begin_step, plan_solver, begin_increment, evaluate_equilibrium, &
-    directional_residual, residuals_above_rounding
+    directional_residual, residuals_above_rounding, residual_above_rounding
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
+  public :: mean_diagonal_stiffness, is_matrix_free_step
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, start_clock, stop_clock
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
@@ -94,6 +95,10 @@ module amontons_equilibrium
                                                        !! their size [-]
     real(DP), allocatable :: rotation_length(:)              !< (n_nodes) factor from an angle to a length; empty: no angles
                                                              !! [length]
+    logical :: is_matrix_free = .false.            !< K is not assembled in this step, only its nodal blocks
+    real(DP), allocatable :: nodal_stiffness(:, :, :)   !< (3, 3, n_nodes) diagonal blocks of K, in a matrix-free step
+                                                        !! [force/length]
+    integer :: n_evaluations = 0                   !< evaluations of the residual by conjugate gradients
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
@@ -165,7 +170,8 @@ contains
       nodes = [nodes, list_hessian_nodes(model%nonlinear_mpcs(i))]
       first(i + 1) = size(nodes) + 1
     end do
-    call create_assembly(system%assembly, model%mesh, error, first, nodes)
+    call create_assembly(system%assembly, model%mesh, error, first, nodes, &
+      is_matrix_free=size(model%steps) > 0 .and. all([(is_matrix_free_step(model%steps(i)), i=1, size(model%steps))]))
     if (allocated(error)) return
     system%has_no_element = find_unconnected_unknowns(model%mesh, absent_elements(model, 1))
     system%rotation_length = find_rotation_lengths(model)
@@ -202,6 +208,8 @@ contains
       .and. .not. allocated(model%mesh%spring) &
       .and. .not. is_damped(step)
     system%is_assembled = .false.
+    system%is_matrix_free = is_matrix_free_step(step)
+    if (.not. system%is_matrix_free) call ensure_matrix(system%assembly, model%mesh)
     system%skin%memory%is_abandoned = .false.
     if (allocated(step%is_inactive)) system%has_no_element = find_unconnected_unknowns(model%mesh, step%is_inactive)
     system%controls = step%controls
@@ -224,12 +232,21 @@ contains
   end subroutine begin_step
 
 
+  !> Whether a step needs no matrix.
+  pure logical function is_matrix_free_step(step)
+    type(step_type), intent(in) :: step
+    is_matrix_free_step = step%solver == SOLVER_GRADIENTS .and. &
+      any(step%controls%gradients%preconditioner == [PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL])
+  end function is_matrix_free_step
+
+
   !> Chooses the linear solver of a step of a large model, before the first evaluation.
   subroutine plan_solver(system, model, error)
     type(equilibrium_type), intent(inout) :: system     !< the step has begun
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     logical :: is_surely_factor
+    if (system%reduced_system%requested_solver == SOLVER_GRADIENTS) return
     is_surely_factor = is_factor_small(system%controls%linear_solver, system%base%n_free, system%reduced_system%is_factor_reused)
     if (is_surely_factor .and. system%reduced_system%requested_solver == SOLVER_AUTO) return
     call plan_reduced_solver(system%reduced_system, system%assembly%stiffness, system%base, model%mesh, error)
@@ -412,15 +429,39 @@ contains
     real(DP), allocatable :: of_node(:)            ! (n_nodes) [force]
     integer :: i
     last_digit = ROUNDING_FACTOR * epsilon(1.0_DP) * maxval(max_components(system, u, 1))
-    associate (K => system%assembly%stiffness, residual => abs(field))
+    associate (residual => abs(field))
       allocate (of_node(size(u, 2)))
       do i = 1, size(u, 2)
-        of_node(i) = maxval(residual(:, i) - last_digit * abs(K%value(K%first(3 * i - 2:3 * i))))
+        of_node(i) = maxval(residual(:, i) - last_digit * abs(diagonal_stiffness(system, i)))
       end do
     end associate
     if (size(system%rotation_length) > 0) of_node = of_node / system%rotation_length
     largest = max(0.0_DP, maxval(of_node))
   end function residual_above_rounding
+
+
+  !> The diagonal entries of K of a node: of the matrix, or of its nodal blocks.
+  pure function diagonal_stiffness(system, node) result(k)
+    type(equilibrium_type), intent(in) :: system
+    integer, intent(in) :: node
+    real(DP) :: k(3)                               ! [force/length]
+    integer :: i
+    if (system%is_matrix_free) then
+      k = [(system%nodal_stiffness(i, i, node), i=1, 3)]
+    else
+      associate (matrix => system%assembly%stiffness)
+        k = matrix%value(matrix%first(3 * node - 2:3 * node))
+      end associate
+    end if
+  end function diagonal_stiffness
+
+
+  !> Their mean.
+  pure real(DP) function mean_diagonal_stiffness(system, node) result(k)
+    type(equilibrium_type), intent(in) :: system
+    integer, intent(in) :: node
+    k = sum(diagonal_stiffness(system, node)) / 3.0_DP
+  end function mean_diagonal_stiffness
 
 
   !> Saves the configuration of the last evaluation.

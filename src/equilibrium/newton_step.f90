@@ -11,7 +11,8 @@ module amontons_newton_step
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
-  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN, &
+    SOLVER_GRADIENTS
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
@@ -30,18 +31,19 @@ module amontons_newton_step
   use amontons_nonlinear_mpc, only: add_mpc_stiffness
   use amontons_stabilization, only: add_damping_force, add_damping_stiffness
   use amontons_unsymmetric_tangent, only: assemble_skew, subtract_skew_product, combine_with_skew
-  use amontons_assembly, only: assemble_tangent
+  use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
   use amontons_external_loads, only: assemble_external_loads
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, &
     factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
+    mean_diagonal_stiffness, &
     start_clock, stop_clock, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
   public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, skin_merit_tolerance, solve_roughly, &
-    apply_unconstrained_tangent, assemble_tangent_matrix
+    apply_unconstrained_tangent, assemble_tangent_matrix, factorise_reduced_matrix
 
   real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< backward error at rounding level [-]
 
@@ -186,10 +188,10 @@ contains
       system%reduced_system%is_current = .false.
       call assemble_bulk(system, model, step, state, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
-      system%is_assembled = system%is_constant .or. step%direction == TANGENT_LAGGED
+      system%is_assembled = system%is_constant .or. step%direction == TANGENT_LAGGED .or. step%solver == SOLVER_GRADIENTS
       system%is_bulk_factor_current = system%is_constant .and. (system%schur_interface%is_ready .or. system%skin%is_ready)
     end if
-    call set_slave_stiffness(system, state%new)
+    call set_slave_stiffness(system, step, state%new)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call build_constraints(system, model, step, state%old, state%new, 1.0_DP, error)
     call stop_clock(system, clock, PHASE_CONTACT)
@@ -205,6 +207,12 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_OK or OUTCOME_ELEMENT
     type(error_type), allocatable, intent(out) :: error
     integer :: failed
+    if (system%is_matrix_free) then
+      if (.not. allocated(system%nodal_stiffness)) allocate (system%nodal_stiffness(3, 3, model%mesh%n_nodes))
+      call assemble_nodal_stiffness(system%assembly, model, step%is_nlgeom, state, system%nodal_stiffness, failed)
+      outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
+      return
+    end if
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
     outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
     if (failed /= 0) return
@@ -218,15 +226,17 @@ contains
   end subroutine assemble_bulk
 
 
-  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K.
-  subroutine set_slave_stiffness(system, fields)
+  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K. Conjugate gradients evaluate compliant laws at
+  !! the gap itself: c = 0.
+  subroutine set_slave_stiffness(system, step, fields)
     type(equilibrium_type), intent(in) :: system
+    type(step_type), intent(in) :: step
     type(fields_type), intent(inout) :: fields
-    integer :: s, i
+    integer :: s
     do s = 1, size(fields%slaves)
-      i = 3 * (fields%slaves(s)%node - 1)
-      associate (K => system%assembly%stiffness)
-        fields%slaves(s)%stiffness = (K%value(K%first(i + 1)) + K%value(K%first(i + 2)) + K%value(K%first(i + 3))) / 3.0_DP
+      associate (slave => fields%slaves(s))
+        slave%stiffness = mean_diagonal_stiffness(system, slave%node)
+        if (step%solver == SOLVER_GRADIENTS .and. is_compliant(system%contact%laws(slave%pair))) slave%stiffness = 0.0_DP
       end associate
     end do
   end subroutine set_slave_stiffness

@@ -550,6 +550,15 @@ contains
       '(compliant laws: DENSE up to 6000 unknowns of the interface).', &
       allowed='AUTO|DENSE|SKIN', default='AUTO')
 
+    call table%card('SOLVER CONTROLS', SCOPE_STEP, 'The solver STATIC, SOLVER=CONJUGATE GRADIENTS, in this step and all later ' // &
+      'ones; no other solver uses it.', data='residual of a round over that at its start until contact settles, most ' // &
+      'iterations of an increment, most rounds; a blank field keeps its value')
+    call table%option('PRECONDITIONER', VALUE_WORD, 'NODAL (specific to Amontons, as the others): the stiffness of each node; ' // &
+      'DIAGONAL: its diagonal; neither assembles a matrix. TWO LEVEL: incomplete factor and rigid motions of parts; FACTOR: ' // &
+      'the factor of the tangent at the start of the increment.', allowed='NODAL|DIAGONAL|TWO LEVEL|FACTOR', default='NODAL')
+    call table%option('RESET', VALUE_NONE, 'Back to the defaults.')
+    call table%option('ANALYSIS', VALUE_TEXT, 'The defaults serve contact.', status=ENTRY_IGNORED)
+
     call table%card('RESTART', SCOPE_BOTH, 'Keeps states in the restart file job.res, from which another job can continue. ' // &
       '(To continue the same deck after a crash, use amontons --resume job without this card.)')
     call table%option('WRITE', VALUE_NONE, 'States are kept from this step on, with the deck, in job.res.')
@@ -576,7 +585,8 @@ contains
     call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', &
       allowed='YES|NO|NO STOP')
     call table%option('SOLVER', VALUE_TEXT, 'ITERATIVE CHOLESKY, ITERATIVE SCALING: by iteration, without a factor; ' // &
-      'any other: as the program finds best.', default='as the program finds best')
+      'CONJUGATE GRADIENTS (specific to Amontons): nonlinear, without a matrix, see SOLVER CONTROLS; any other: as ' // &
+      'the program finds best.', default='as the program finds best')
     call table%option('TIME RESET', VALUE_NONE, 'The total time at the end of the step is that at its start.')
     call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
       'that at the end of the step before')
@@ -724,7 +734,7 @@ contains
     call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
     call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT STABILIZATION|SECTION ' // &
-      'CONTROLS|SOLUTION TECHNIQUE|SOLVER CONTROLS|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
+      'CONTROLS|SOLUTION TECHNIQUE|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
       'these settings.')
   end subroutine describe_ignored
 

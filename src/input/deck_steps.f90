@@ -16,9 +16,11 @@ module amontons_deck_steps
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, is_card, nodes_of_field, elements_of_field
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_controls, only: controls_type, calculix_controls
+  use amontons_controls, only: controls_type, calculix_controls, gradient_controls_type, PRECONDITIONER_NODAL, &
+    PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
   use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
     LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
+    SOLVER_GRADIENTS, &
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
@@ -246,6 +248,8 @@ contains
         call read_controls(reader, c, progress%step%controls)
       case ('LINESEARCH')
         call read_line_search(reader, c, progress%step)
+      case ('SOLVERCONTROLS')
+        call read_gradient_controls(reader, c, progress%step%controls%gradients)
       case ('BOUNDARY')
         call read_boundary(reader, model, c, progress%n, progress%active_loads)
       case ('CLOAD')
@@ -287,6 +291,7 @@ contains
     call open_card(reader, c, parameters, row)
     step%is_direct = has_parameter(parameters, 'DIRECT') .and. parameter_word(parameters, 'DIRECT', 'YES') /= 'NO'
     step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
+    if (index(parameter_word(parameters, 'SOLVER', ''), 'CONJUGATEGRADIENT') == 1) step%solver = SOLVER_GRADIENTS
     is_ok = .true.
     has_row = next_row(reader%cards, row)
     if (.not. has_row) row%n = 0
@@ -403,11 +408,16 @@ contains
     type(controls_type), intent(inout) :: controls
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
+    type(gradient_controls_type) :: gradients
     character(:), allocatable :: what
     logical :: is_row
     call open_card(reader, c, parameters, row)
     what = parameter_word(parameters, 'PARAMETERS', '')
-    if (has_parameter(parameters, 'RESET')) controls = default_controls(reader%dialect)
+    if (has_parameter(parameters, 'RESET')) then
+      gradients = controls%gradients               ! of another card
+      controls = default_controls(reader%dialect)
+      controls%gradients = gradients
+    end if
     if (what == '' .and. .not. (has_parameter(parameters, 'RESET') .or. has_parameter(parameters, 'ANALYSIS'))) call &
       report_error(reader, row%line, '*CONTROLS needs PARAMETERS=TIME INCREMENTATION/FIELD/LINE SEARCH/GAP/CONTACT or ' // &
       'RESET.')
@@ -572,6 +582,40 @@ contains
       step%interface = INTERFACE_AUTO
     end select
   end subroutine read_line_search
+
+
+  !> SOLVER CONTROLS, PRECONDITIONER=...: of conjugate gradients.
+  subroutine read_gradient_controls(reader, c, gradients)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(gradient_controls_type), intent(inout) :: gradients
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    if (has_parameter(parameters, 'RESET')) gradients = gradient_controls_type()
+    select case (parameter_word(parameters, 'PRECONDITIONER', ''))
+    case ('NODAL')
+      gradients%preconditioner = PRECONDITIONER_NODAL
+    case ('DIAGONAL')
+      gradients%preconditioner = PRECONDITIONER_DIAGONAL
+    case ('TWOLEVEL')
+      gradients%preconditioner = PRECONDITIONER_TWO_LEVEL
+    case ('FACTOR')
+      gradients%preconditioner = PRECONDITIONER_FACTOR
+    end select
+    if (.not. next_row(reader%cards, row)) return
+    is_ok = .true.
+    call read_real(reader, row, 1, 'residual of a round', gradients%reduction, is_ok, default=(gradients%reduction))
+    call read_integer(reader, row, 2, 'most iterations', gradients%max_iterations, is_ok, default=(gradients%max_iterations))
+    call read_integer(reader, row, 3, 'most rounds', gradients%max_rounds, is_ok, default=(gradients%max_rounds))
+    if (.not. is_ok) return
+    if (gradients%reduction <= 0.0_DP .or. gradients%reduction >= 1.0_DP) call report_error(reader, row%line, &
+      'The residual of a round is a fraction of that at its start: between 0 and 1, without them.')
+    if (gradients%max_iterations < 1 .or. gradients%max_rounds < 1) call report_error(reader, row%line, &
+      'Iterations and rounds are counts: 1 or more.')
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
+  end subroutine read_gradient_controls
 
 
   !> Whether a card is MODEL CHANGE, TYPE=ELEMENT.

@@ -14,8 +14,14 @@ module amontons_controls
   private
   public :: controls_type, newton_controls_type, globalization_controls_type, subproblem_controls_type, &
     line_search_controls_type, cycling_controls_type, increment_controls_type, krylov_controls_type, interface_controls_type, &
-    skin_controls_type, linear_solver_controls_type, contact_controls_type
+    skin_controls_type, linear_solver_controls_type, contact_controls_type, gradient_controls_type
+  public :: PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
   public :: calculix_controls
+
+  integer, parameter :: PRECONDITIONER_NODAL = 0   !< of conjugate gradients: the 3 x 3 blocks of the nodes
+  integer, parameter :: PRECONDITIONER_DIAGONAL = 1   !< the diagonal
+  integer, parameter :: PRECONDITIONER_TWO_LEVEL = 2   !< incomplete factor and rigid motions of parts, of the assembled tangent
+  integer, parameter :: PRECONDITIONER_FACTOR = 3   !< Cholesky factor of the assembled tangent
 
   !> Newton's method within an increment: predictor, scale of forces, limits of displacements, early end.
   type :: newton_controls_type
@@ -180,6 +186,31 @@ module amontons_controls
     integer :: max_unsupported_attempts = 4   !< attempts, each shorter, with a free body before the job ends | proximal_step
   end type increment_controls_type
 
+  !> Conjugate gradients and the rounds of contact around them. The card SOLVER CONTROLS sets the first four.
+  type :: gradient_controls_type
+    integer :: preconditioner = PRECONDITIONER_NODAL   !< PRECONDITIONER_...
+    real(DP) :: reduction = 0.1_DP         !< residual at the end of a round over that at its start [-] | contact_rounds
+    integer :: max_iterations = 20000      !< most iterations of an attempt | set
+    integer :: max_rounds = 80             !< most rounds of an attempt | contact_rounds
+    real(DP) :: first_reduction = 1.0e-3_DP   !< residual of a first round over the largest force [-] | contact_rounds
+    real(DP) :: origin_reduction = 1.0e-5_DP   !< the same where it sets origins of slip [-] | contact_rounds
+    real(DP) :: settled_reduction = 1.0e-2_DP   !< residual of a round over that at its start if no status changes [-] | set
+    real(DP) :: least_share = 0.5_DP       !< least residual of a round over r_l [-] | set: below it the correction is not tested
+    integer :: max_portions = 64           !< portions in which a round moves the supports | set
+    integer :: max_cuts = 12               !< halves of a portion, or quarters of a trial step, that invert elements | set
+    real(DP) :: portion_reduction = 0.1_DP   !< residual after a portion over the largest force [-] | set
+    real(DP) :: max_excess = 1.5_DP        !< largest accelerated friction over its limit [-] | set
+    integer :: max_flips = 5               !< changes between stick and slip in an attempt; then the status is frozen |
+                                           !! contact_rounds
+    integer :: max_interpolated = 16       !< iterations in succession whose residual is interpolated | conjugate_gradients
+    real(DP) :: interpolation_tolerance = 1.0e-2_DP   !< error of an interpolated residual at which fewer are interpolated [-] |
+                                           !! conjugate_gradients
+    real(DP) :: max_penetration = 0.5_DP   !< of an open node in a step, over the edge of the master [-] | conjugate_gradients
+    real(DP) :: touching = 1.0e-3_DP       !< the same of a body that nothing resists, so that the node closes [-] | set
+    real(DP) :: max_length = 10.0_DP       !< largest length of a slave node over that of the trial step [-] | set
+    integer :: max_idle = 1000             !< iterations in which the norm of the residual does not halve | set
+  end type gradient_controls_type
+
   !> Controls of a step. The fields before the parts are CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.
   type :: controls_type
     ! TIME INCREMENTATION, line 1
@@ -217,6 +248,7 @@ module amontons_controls
     type(interface_controls_type) :: interface
     type(skin_controls_type) :: skin
     type(linear_solver_controls_type) :: linear_solver
+    type(gradient_controls_type) :: gradients   ! SOLVER CONTROLS
   end type controls_type
 
 contains

@@ -8,7 +8,7 @@ module amontons_newton
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
   use amontons_controls, only: controls_type, newton_controls_type
-  use amontons_steps, only: step_type, LINE_SEARCH_AUTO
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, SOLVER_GRADIENTS
   use amontons_iteration_records, only: iteration_record_type
   use amontons_state, only: state_type, STATUS_OPEN
   use amontons_tunnelling_check, only: largest_sliding, find_tunnelled_slave
@@ -17,7 +17,9 @@ module amontons_newton
   use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, VERDICT_CONTINUE, VERDICT_DIVERGES, &
     VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: line_search_report_type, perform_line_search
-  use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_SNAP_THROUGH
+  use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_PROXIMAL, &
+    STEP_KIND_SNAP_THROUGH
+  use amontons_contact_rounds, only: contact_rounds_type, perform_round, round_controls
   use amontons_equilibrium, only: equilibrium_type, begin_increment, evaluate_equilibrium, residuals_above_rounding, &
     max_components, &
     OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
@@ -39,6 +41,7 @@ module amontons_newton
     integer :: n_cycles_treated = 0                        !< active-set cycles that were treated
     integer :: n_shifted = 0                       !< factorizations before this attempt that needed a shift
     type(active_set_history_type) :: active_set_history
+    type(contact_rounds_type) :: rounds            !< of conjugate gradients
     real(DP) :: largest_attempt_force = 0                   !< largest force of the attempt [force]
     real(DP) :: force_scale = 0                    !< largest bulk force at starts of increments and force at ends [force]
   end type newton_type
@@ -95,18 +98,23 @@ contains
     integer, intent(out) :: verdict                !< VERDICT_...; newton%outcome has the cause of a failure
     type(error_type), allocatable, intent(out) :: error
     type(trial_step_type) :: trial_step
-    integer :: n_krylov, n_rounds
+    integer :: n_krylov, n_rounds, n_evaluations
     verdict = VERDICT_DIVERGES
     if (newton%outcome /= OUTCOME_OK) return
-    system%forcing_term = forcing_term(step%controls%newton, newton%measures)
     n_krylov = system%n_krylov
     n_rounds = system%n_subproblem_iterations
-    call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
+    n_evaluations = system%n_evaluations
+    if (step%solver == SOLVER_GRADIENTS) then
+      call apply_round(newton, system, model, step, state, error)
+    else
+      system%forcing_term = forcing_term(step%controls%newton, newton%measures)
+      call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
+      if (allocated(error) .or. newton%outcome /= OUTCOME_OK) return
+      call apply_trial_step(newton, system, model, step, trial_step, state)
+    end if
     if (allocated(error) .or. newton%outcome /= OUTCOME_OK) return
-    call apply_trial_step(newton, system, model, step, trial_step, state)
-    if (newton%outcome /= OUTCOME_OK) return
     newton%record%n_krylov = system%n_krylov - n_krylov
-    newton%record%n_subproblem_iterations = system%n_subproblem_iterations - n_rounds
+    newton%record%n_subproblem_iterations = system%n_subproblem_iterations - n_rounds + system%n_evaluations - n_evaluations
     call assess_iterate(newton, system, model, step, state, verdict)
   end subroutine iterate
 
@@ -148,6 +156,34 @@ contains
   end subroutine apply_trial_step
 
 
+  !> One round of conjugate gradients in place of a Newton step.
+  subroutine apply_round(newton, system, model, step, state, error)
+    type(newton_type), intent(inout) :: newton
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
+    type(error_type), allocatable, intent(out) :: error
+    type(line_search_report_type) :: report
+    real(DP), allocatable :: u(:, :), residual(:, :)
+    u = state%new%u
+    residual = system%residual
+    newton%rounds%least_force = step%controls%newton%min_force_scale_ratio * newton%force_scale
+    call perform_round(newton%rounds, system, model, step, newton%measures, state, report, newton%outcome, error)
+    if (allocated(error) .or. newton%outcome /= OUTCOME_OK) return
+    newton%globalization%step_kind = merge(STEP_KIND_PROXIMAL, STEP_KIND_NEWTON, newton%rounds%is_interrupted)
+    if (newton%rounds%is_interrupted) then
+      newton%globalization%n_proximal = newton%globalization%n_proximal + 1
+      state%new%proximal_work = state%new%proximal_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
+    end if
+    call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
+    call check_displacements(newton, system, model, step%controls%newton, state)
+    if (newton%outcome /= OUTCOME_OK) return
+    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
+    call record_step(newton, system, state, report)
+  end subroutine apply_round
+
+
   !> Verdict on the iterate: residual and correction, active-set cycles, and tunnelling check.
   subroutine assess_iterate(newton, system, model, step, state, verdict)
     type(newton_type), intent(inout) :: newton
@@ -156,22 +192,35 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: verdict                !< VERDICT_...
+    type(controls_type) :: controls
     logical :: is_contact_active                          ! contact, not plasticity, delays convergence
+    controls = controls_of(step)
     is_contact_active = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
       newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! yielding takes iterations
-    verdict = assess_convergence(step%controls, newton%measures)
+    verdict = assess_convergence(controls, newton%measures)
     if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
-      .and. newton%measures%iteration < step%controls%i_c) &
+      .and. newton%measures%iteration < controls%i_c) &
       verdict = VERDICT_CONTINUE                      ! the residual grows during snap-through
-    if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. is_contact_active .and. newton%globalization%step_kind &
-      == STEP_KIND_NEWTON) &
-      call assess_early(step%controls%newton, newton%measures, verdict)
+    if (verdict == VERDICT_CONTINUE .and. newton%rounds%n_iterations >= controls%gradients%max_iterations) &
+      verdict = VERDICT_TOO_SLOW
+    if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. step%solver /= SOLVER_GRADIENTS .and. &
+      is_contact_active .and. newton%globalization%step_kind == STEP_KIND_NEWTON) &
+      call assess_early(controls%newton, newton%measures, verdict)
     if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! imposed stick beyond friction: iterate again
-      verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < step%controls%i_c)
-    if (step%line_search == LINE_SEARCH_AUTO) call treat_cycles(newton, system, model, step, state, verdict)
-    if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, step%controls%newton, state, verdict)
+      verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < controls%i_c)
+    if (step%line_search == LINE_SEARCH_AUTO .or. step%solver == SOLVER_GRADIENTS) &
+      call treat_cycles(newton, system, model, step, state, verdict)
+    if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, controls%newton, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine assess_iterate
+
+
+  !> The controls of Newton iterations, or of rounds.
+  pure type(controls_type) function controls_of(step) result(controls)
+    type(step_type), intent(in) :: step
+    controls = step%controls
+    if (step%solver == SOLVER_GRADIENTS) controls = round_controls(step)
+  end function controls_of
 
 
   !> Treats active-set cycles. After convergence it releases the frozen nodes and evaluates the verdict again.
@@ -182,8 +231,10 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(inout) :: verdict
+    type(controls_type) :: controls
     logical :: is_found, is_changed
     if (size(state%new%slaves) == 0) return
+    controls = controls_of(step)
     if (verdict == VERDICT_CONVERGED) then
       call release_frozen_nodes(system%contact, model%mesh%coordinates + state%new%u, step%controls%cycling, state%new%slaves, &
         is_changed)
@@ -191,7 +242,7 @@ contains
       call break_cycle(system%contact, newton%active_set_history, step%controls%cycling, state%new%slaves, is_found, &
         is_changed)
       if (is_changed) newton%n_cycles_treated = newton%n_cycles_treated + 1
-      if (is_changed .and. newton%measures%iteration < step%controls%i_c) verdict = VERDICT_CONTINUE
+      if (is_changed .and. newton%measures%iteration < controls%i_c) verdict = VERDICT_CONTINUE
       if (is_found .and. .not. is_changed .and. newton%can_be_cut_back .and. verdict == VERDICT_CONTINUE) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return

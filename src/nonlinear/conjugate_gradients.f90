@@ -1,0 +1,394 @@
+!> Nonlinear preconditioned conjugate gradients with the one-step line search: equilibrium while contact is held.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/conjugate_gradients.md. Statuses, constraint rows and the friction of slipping nodes are constant, so that
+!! r = C'R is the gradient of an energy. It needs residuals only, no tangent:
+!!
+!!     d = inv(M) r + beta d,    beta = max(0, z'(r - r_old) / z_old'r_old)                  (Polak, Ribiere)
+!!     alpha = - d'R(u) / d'(R(u + d) - R(u))                                               (one-step formula of the slides)
+!!
+!! Source of the step lengths: J. Mitchell, A simple one step line search for use in quasi-static solid mechanics contact
+!! calculations, 7th US National Congress on Computational Mechanics, 2003.
+module amontons_conjugate_gradients
+  use amontons_kinds, only: DP
+  use amontons_mesh, only: mesh_extent
+  use amontons_model, only: model_type
+  use amontons_controls, only: gradient_controls_type
+  use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL
+  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
+  use amontons_node_overrides, only: gives_way
+  use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
+  use amontons_contact_pairs, only: current_row
+  use amontons_sparse, only: multiply, multiply_transpose
+  use amontons_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenarios, &
+    find_bounded_step_length
+  use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, residual_above_rounding, OUTCOME_OK, OUTCOME_ELEMENT, &
+    OUTCOME_NOT_FINITE
+  use amontons_gradient_preconditioner, only: gradient_preconditioner_type, apply_gradient_preconditioner
+  implicit none
+  private
+  public :: gradient_report_type, solve_held_equilibrium, evaluate_held
+
+  real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP   !< rounding level of a residual, over the force at the start [-]
+  real(DP), parameter :: TOL_CURVATURE = 1.0e-10_DP   !< curvature along d over that of the preconditioner, below which a body is
+                                                   !! free along d [-]
+
+  !> The result of a solution with contact held.
+  type :: gradient_report_type
+    integer :: n_iterations = 0
+    integer :: outcome = OUTCOME_OK
+    integer :: n_scenario(4) = 0                   !< slave nodes in scenario I to IV, in the first iteration
+    integer :: n_capped = 0                        !< lengths that were cut at zero slip, in all iterations
+    real(DP) :: step_length = 1                    !< mean length over the iterations; of the slave nodes where they have their own
+    logical :: is_interrupted = .false.            !< a body moves freely, or penetrates deeply: contact has to be evaluated anew
+  end type gradient_report_type
+
+  !> The iteration: vectors over the free unknowns, and the point that they belong to.
+  type :: iteration_type
+    real(DP), allocatable :: r(:), z(:), d(:), r_old(:)   !< (n_free) gradient, preconditioned gradient, direction
+    real(DP) :: descent = 0                        !< z'r of the last iteration [energy]
+    real(DP) :: least_descent = huge(1.0_DP)       !< the least so far, when it last fell to a quarter [energy]
+    integer :: n_idle = 0                          !< iterations since
+    real(DP) :: metric = 0                         !< d'M d [energy]
+    real(DP) :: scale = 1                          !< trial length along d: the last length [-]
+    logical, allocatable :: is_bulk(:)             !< (n_free) not of a slipping slave node; not allocated: one length for all
+    integer :: n_interpolated = 0                  !< residuals interpolated since the last evaluation
+    integer :: n_trusted = 0                       !< so many may be interpolated in succession
+    type(slave_state_type), allocatable :: slaves(:)   !< (n_slaves) at the start of the round: statuses
+  end type iteration_type
+
+contains
+
+  !> Iterates until the largest residual is at most `reduction` times the largest force, or `least_force` if that is larger.
+  subroutine solve_held_equilibrium(system, model, step, preconditioner, reduction, least_force, most, state, report)
+    type(equilibrium_type), intent(inout) :: system    !< evaluated at u, contact held; constraints are those of the round
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(gradient_preconditioner_type), intent(in) :: preconditioner
+    real(DP), intent(in) :: reduction              !< [-]
+    real(DP), intent(in) :: least_force            !< [force]
+    integer, intent(in) :: most                    !< iterations
+    type(state_type), intent(inout) :: state       !< out: evaluated at the solution
+    type(gradient_report_type), intent(inout) :: report
+    type(iteration_type) :: iteration
+    real(DP) :: sum_lengths, length
+    integer :: n
+    real(DP) :: least                              ! [force]
+    call begin_iteration(system, step, state, iteration)
+    least = max(least_force, TOL_FORCE_ROUNDING / reduction * system%largest_force)
+    sum_lengths = 0.0_DP
+    n = 0
+    do
+      if (is_solved(system, iteration%r, state%new%u, reduction, least)) then
+        if (iteration%n_interpolated == 0) exit
+        call evaluate_held(system, model, step, iteration%slaves, state%new%u, state, report%outcome)
+        if (report%outcome /= OUTCOME_OK) return
+        iteration%n_interpolated = 0
+        call reduce_residual(system, iteration%r)
+        if (is_solved(system, iteration%r, state%new%u, reduction, least)) exit
+        iteration%descent = 0.0_DP
+      end if
+      if (n >= most .or. report%is_interrupted .or. iteration%n_idle > step%controls%gradients%max_idle) exit
+      call find_direction(system, preconditioner, iteration)
+      if (.not. dot_product(iteration%d, iteration%r) > 0.0_DP) exit   ! nothing is left but rounding, or not finite
+      call move_along(system, model, step, iteration, state, report, n == 0, length)
+      if (report%outcome /= OUTCOME_OK) return
+      n = n + 1
+      sum_lengths = sum_lengths + length
+    end do
+    if (iteration%n_interpolated > 0) call evaluate_held(system, model, step, iteration%slaves, state%new%u, state, report%outcome)
+    report%n_iterations = report%n_iterations + n
+    if (n > 0) report%step_length = sum_lengths / real(n, DP)
+    system%n_krylov = system%n_krylov + n
+  end subroutine solve_held_equilibrium
+
+
+  !> Whether r above rounding level is small enough. (R has the forces of closed nodes as well, whose rows change with the round.)
+  pure logical function is_solved(system, r, u, reduction, least_force)
+    type(equilibrium_type), intent(in) :: system
+    real(DP), intent(in) :: r(:)                   !< (n_free) [force]
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(in) :: reduction              !< [-]
+    real(DP), intent(in) :: least_force            !< [force]
+    real(DP) :: flat(size(u))
+    flat = unpack(r, system%constraints%free_of > 0, 0.0_DP)
+    is_solved = residual_above_rounding(system, reshape(flat, shape(u)), u) <= max(reduction * max(system%largest_force, &
+      least_force), system%force_rounding)
+  end function is_solved
+
+
+  !> The vectors of the first iteration, and the unknowns of the bulk where slave nodes have their own lengths.
+  subroutine begin_iteration(system, step, state, iteration)
+    type(equilibrium_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state
+    type(iteration_type), intent(out) :: iteration
+    integer :: n, s, k, f
+    n = system%constraints%n_free
+    allocate (iteration%r(n), iteration%z(n), iteration%d(n), iteration%r_old(n), source=0.0_DP)
+    call reduce_residual(system, iteration%r)
+    iteration%slaves = state%new%slaves
+    if (.not. any(step%line_search == [LINE_SEARCH_NONE, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL])) return
+    if (.not. any(state%new%slaves%status == STATUS_SLIP)) return
+    allocate (iteration%is_bulk(n), source=.true.)
+    do s = 1, size(state%new%slaves)
+      if (state%new%slaves(s)%status /= STATUS_SLIP) cycle
+      do k = 3 * state%new%slaves(s)%node - 2, 3 * state%new%slaves(s)%node
+        f = system%constraints%free_of(k)
+        if (f > 0) iteration%is_bulk(f) = .false.
+      end do
+    end do
+    if (.not. any(iteration%is_bulk)) deallocate (iteration%is_bulk)
+  end subroutine begin_iteration
+
+
+  !> r = C'R.
+  subroutine reduce_residual(system, r)
+    type(equilibrium_type), intent(in) :: system
+    real(DP), intent(out) :: r(:)                  !< (n_free) [force]
+    call multiply_transpose(system%constraints%transformation, reshape(system%residual, [size(system%residual)]), r)
+  end subroutine reduce_residual
+
+
+  !> The next direction by Polak and Ribiere; along the preconditioned gradient where it does not descend.
+  subroutine find_direction(system, preconditioner, iteration)
+    type(equilibrium_type), intent(inout) :: system
+    type(gradient_preconditioner_type), intent(in) :: preconditioner
+    type(iteration_type), intent(inout) :: iteration
+    real(DP) :: descent, beta
+    call apply_gradient_preconditioner(preconditioner, system, iteration%r, iteration%z)
+    descent = dot_product(iteration%z, iteration%r)
+    beta = 0.0_DP
+    if (iteration%descent > 0.0_DP) beta = max(0.0_DP, (descent - dot_product(iteration%z, iteration%r_old)) / iteration%descent)
+    if (descent + beta * dot_product(iteration%d, iteration%r) <= 0.0_DP) beta = 0.0_DP
+    iteration%metric = descent + 2.0_DP * beta * dot_product(iteration%d, iteration%r) + beta**2 * iteration%metric
+    iteration%d = iteration%z + beta * iteration%d
+    iteration%descent = descent
+    iteration%n_idle = merge(iteration%n_idle + 1, 0, descent > 0.25_DP * iteration%least_descent)
+    if (iteration%n_idle == 0) iteration%least_descent = descent
+    iteration%r_old = iteration%r
+  end subroutine find_direction
+
+
+  !> Tries a step along d, finds the lengths, and moves there.
+  subroutine move_along(system, model, step, iteration, state, report, is_first, length)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(iteration_type), intent(inout) :: iteration
+    type(state_type), intent(inout) :: state
+    type(gradient_report_type), intent(inout) :: report
+    logical, intent(in) :: is_first                !< of the round: its scenarios are reported
+    real(DP), intent(out) :: length                !< [-]
+    type(slip_state_type), allocatable :: slip_data(:)
+    type(slip_result_type) :: verdicts(size(iteration%slaves))
+    real(DP), allocatable :: u(:, :), du(:, :), residual(:, :), flat(:), tried(:)
+    real(DP) :: alpha
+    u = state%new%u
+    residual = system%residual
+    slip_data = system%contact%slip_data
+    allocate (flat(size(u)), tried(size(iteration%r)))
+    call multiply(system%constraints%transformation, iteration%d, flat)
+    du = reshape(flat, shape(u))
+    call try_length(system, model, step, iteration, u, du, state, report%outcome)
+    if (report%outcome /= OUTCOME_OK) return
+    call reduce_residual(system, tried)
+    call find_bulk_length(system, model, step%controls%gradients, iteration, tried, state%new%slaves, du, alpha, &
+      report%is_interrupted)
+    length = alpha * iteration%scale
+    if (is_first .or. allocated(iteration%is_bulk)) call classify(system, step, slip_data, verdicts)
+    if (is_first) report%n_scenario = [count(verdicts%scenario == 1), count(verdicts%scenario == 2), &
+      count(verdicts%scenario == 3), count(verdicts%scenario == 4)]
+    report%n_capped = report%n_capped + count(verdicts%becomes_stick)
+    if (allocated(iteration%is_bulk)) then
+      call move_with_slave_lengths()
+    else
+      call advance(system, model, step, iteration, u + length * du, residual, alpha, state, report%outcome)
+    end if
+    call reduce_residual(system, iteration%r)
+    if (alpha > 0.0_DP .and. .not. report%is_interrupted) iteration%scale = alpha * iteration%scale
+
+  contains
+
+    !> The bulk moves by its length, each slipping slave node along its master by its own.
+    subroutine move_with_slave_lengths()
+      real(DP) :: lengths(size(verdicts))
+      integer :: s
+      call find_slave_lengths(step, verdicts, alpha, lengths)
+      u = u + length * du
+      do s = 1, size(verdicts)
+        if (iteration%slaves(s)%status /= STATUS_SLIP) cycle
+        associate (node => iteration%slaves(s)%node)
+          u(:, node) = u(:, node) + (lengths(s) - alpha) * (system%contact%slip_data(s)%slip - slip_data(s)%slip)
+        end associate
+      end do
+      if (any(verdicts%status == STATUS_SLIP)) &
+        length = iteration%scale * sum(lengths, mask=verdicts%status == STATUS_SLIP) / &
+          real(count(verdicts%status == STATUS_SLIP), DP)
+      call evaluate_held(system, model, step, iteration%slaves, u, state, report%outcome)
+    end subroutine move_with_slave_lengths
+
+  end subroutine move_along
+
+
+  !> Lengths of the slipping slave nodes by *LINE SEARCH, TYPE, over the trial step. A node in balance moves with the bulk.
+  pure subroutine find_slave_lengths(step, verdicts, alpha, lengths)
+    type(step_type), intent(in) :: step
+    type(slip_result_type), intent(in) :: verdicts(:)   !< (n_slaves)
+    real(DP), intent(in) :: alpha                  !< of the bulk [-]
+    real(DP), intent(out) :: lengths(:)            !< (n_slaves) [-]
+    lengths = alpha
+    select case (step%line_search)
+    case (LINE_SEARCH_NONE)
+      lengths = 1.0_DP
+    case (LINE_SEARCH_GLOBAL)
+      lengths = find_bounded_step_length(sum(verdicts%numerator), sum(verdicts%denominator), &
+        slip_controls_type(alpha_max=step%controls%gradients%max_length))
+    case (LINE_SEARCH_NODAL)
+      where (verdicts%status == STATUS_SLIP) lengths = verdicts%alpha
+    end select
+  end subroutine find_slave_lengths
+
+
+  !> Status and scenario of every slave node between the iterate and the end of the trial step.
+  pure subroutine classify(system, step, slip_data, verdicts)
+    type(equilibrium_type), intent(in) :: system   !< evaluated at the end of the trial step
+    type(step_type), intent(in) :: step
+    type(slip_state_type), intent(in) :: slip_data(:)   !< (n_slaves) at the iterate
+    type(slip_result_type), intent(out) :: verdicts(:)   !< (n_slaves)
+    real(DP) :: d(3, size(slip_data))              ! [length]
+    integer :: s
+    do s = 1, size(slip_data)
+      d(:, s) = system%contact%slip_data(s)%slip - slip_data(s)%slip
+    end do
+    call classify_slip_scenarios(slip_data, system%contact%slip_data, d, slip_controls_type(step%controls%r_n, &
+      step%controls%r_n * system%largest_force, 0.0_DP, step%controls%gradients%max_length), verdicts)
+  end subroutine classify
+
+
+  !> Evaluates the residual at the end of the trial step; shorter ones where elements invert.
+  subroutine try_length(system, model, step, iteration, u, du, state, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(iteration_type), intent(inout) :: iteration
+    real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and direction [length]
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: outcome
+    integer :: cut
+    do cut = 0, step%controls%gradients%max_cuts
+      call evaluate_held(system, model, step, iteration%slaves, u + iteration%scale * du, state, outcome)
+      if (outcome /= OUTCOME_ELEMENT .and. outcome /= OUTCOME_NOT_FINITE) exit
+      iteration%scale = 0.25_DP * iteration%scale
+    end do
+  end subroutine try_length
+
+
+  !> The one-step length over the trial step. The step ends where an open node would penetrate too deeply; that of a body that
+  !! nothing resists (the residual along d does not change) where it touches. Then contact has to be evaluated anew.
+  subroutine find_bulk_length(system, model, controls, iteration, tried, slaves, du, alpha, is_interrupted)
+    type(equilibrium_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(gradient_controls_type), intent(in) :: controls
+    type(iteration_type), intent(in) :: iteration
+    real(DP), intent(in) :: tried(:)               !< (n_free) r at the end of the trial step [force]
+    type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves) there
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction [length]
+    real(DP), intent(out) :: alpha                 !< [-]
+    logical, intent(inout) :: is_interrupted
+    real(DP) :: numerator, denominator, least, longest
+    logical :: is_found
+    least = -TOL_CURVATURE * iteration%metric * iteration%scale
+    is_found = .false.
+    if (allocated(iteration%is_bulk)) then
+      numerator = sum(iteration%d * iteration%r, mask=iteration%is_bulk)
+      denominator = sum(iteration%d * (tried - iteration%r), mask=iteration%is_bulk)
+      is_found = denominator < least .and. numerator > 0.0_DP
+    end if
+    if (.not. is_found) then
+      numerator = dot_product(iteration%d, iteration%r)
+      denominator = dot_product(iteration%d, tried - iteration%r)
+      is_found = denominator < least
+    end if
+    longest = mesh_extent(model%mesh) / max(maxval(norm2(du, dim=1)), tiny(1.0_DP))
+    call limit_penetration(system, slaves, iteration%scale, du, merge(controls%max_penetration, controls%touching, is_found), &
+      longest)
+    longest = longest / iteration%scale
+    alpha = longest
+    if (is_found) alpha = -numerator / denominator
+    is_interrupted = .not. is_found .or. alpha > longest
+    alpha = min(alpha, longest)
+  end subroutine find_bulk_length
+
+
+  !> Shortens a step so that no open slave node gets deeper than a fraction of the master's edge. Nodes that are deeper already do
+  !! not count.
+  subroutine limit_penetration(system, slaves, tried, du, depth, longest)
+    type(equilibrium_type), intent(in) :: system
+    type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves) at the end of the trial step
+    real(DP), intent(in) :: tried                  !< length of the trial step along du [-]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction [length]
+    real(DP), intent(in) :: depth                  !< over the edge [-]
+    real(DP), intent(inout) :: longest             !< along du [-]
+    type(contact_row_type) :: row
+    real(DP) :: approach, room
+    integer :: s
+    do s = 1, size(slaves)
+      if (slaves(s)%facet == 0 .or. slaves(s)%status /= STATUS_OPEN .or. gives_way(slaves(s)%overrides)) cycle
+      call current_row(system%contact, slaves(s), row)
+      approach = -dot_product(slaves(s)%normal, evaluate_relative_position(row, du))
+      room = slaves(s)%gap + tried * approach + depth * system%contact%edge(slaves(s)%pair)
+      if (approach > 0.0_DP .and. room > 0.0_DP) longest = min(longest, room / approach)
+    end do
+  end subroutine limit_penetration
+
+
+  !> Moves by alpha times the trial step. The residual there is interpolated between those of iterate and trial step where that was
+  !! exact enough before, else evaluated.
+  subroutine advance(system, model, step, iteration, u, residual, alpha, state, outcome)
+    type(equilibrium_type), intent(inout) :: system    !< evaluated at the end of the trial step
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(iteration_type), intent(inout) :: iteration
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) the new iterate [length]
+    real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) at the old one [force]
+    real(DP), intent(in) :: alpha                  !< [-]
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: outcome
+    real(DP), allocatable :: interpolated(:, :)
+    real(DP) :: error
+    outcome = OUTCOME_OK
+    interpolated = residual + alpha * (system%residual - residual)
+    if (iteration%n_interpolated < iteration%n_trusted) then
+      iteration%n_interpolated = iteration%n_interpolated + 1
+      state%new%u = u
+      system%residual = interpolated
+      return
+    end if
+    call evaluate_held(system, model, step, iteration%slaves, u, state, outcome)
+    error = norm2(system%residual - interpolated)
+    if (error <= step%controls%gradients%interpolation_tolerance * norm2(system%residual)) then
+      iteration%n_trusted = min(step%controls%gradients%max_interpolated, 2 * iteration%n_trusted + 1)
+    else
+      iteration%n_trusted = 0
+    end if
+    iteration%n_interpolated = 0
+  end subroutine advance
+
+
+  !> Evaluates the residual with the statuses of the start of the round and the friction that `contact` holds.
+  subroutine evaluate_held(system, model, step, slaves, u, state, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves)
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: outcome
+    state%new%u = u
+    state%new%slaves = slaves
+    call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)
+    system%n_evaluations = system%n_evaluations + 1
+  end subroutine evaluate_held
+
+end module amontons_conjugate_gradients

@@ -1,0 +1,121 @@
+"""STATIC, SOLVER=CONJUGATE GRADIENTS: the same results as Newton's method, with every preconditioner, cut-backs, restart, refusals.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from verify.conftest import ROOT, Run
+from verify.readers.sta_cvg_files import read_sta
+
+PRECONDITIONERS = ("NODAL", "DIAGONAL", "TWO LEVEL", "FACTOR")
+
+
+def with_gradients(deck: str, preconditioner: str, numbers: str = "", length: str = "") -> str:
+    """A deck with conjugate gradients in all its steps, and a line search."""
+    cards = f"*SOLVER CONTROLS, PRECONDITIONER={preconditioner}\n{numbers}" + (f"*LINE SEARCH, TYPE={length}\n" if length else "")
+    return re.sub(r"^\*STATIC", cards + "*STATIC, SOLVER=CONJUGATE GRADIENTS", deck, flags=re.M)
+
+
+def sample(name: str) -> str:
+    """A deck of input/ with its mesh."""
+    deck = (ROOT / "input" / f"{name}.inp").read_text()
+    return re.sub(r"^\*INCLUDE, INPUT=(\S+)\n", lambda found: (ROOT / "input" / found[1]).read_text(), deck, flags=re.M)
+
+
+def result(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements and statuses of the slave nodes at the end."""
+    with h5py.File(folder / "job.vtkhdf") as file:
+        start = file["VTKHDF/Steps/PointDataOffsets/U"][-1]
+        n = file["VTKHDF/NumberOfPoints"][0]
+        return np.asarray(file["VTKHDF/PointData/U"][start : start + n]), np.asarray(file["VTKHDF/PointData/CSTATUS"][start : start + n])
+
+
+def finish(run: Run, folder: Path, deck: str) -> tuple[np.ndarray, np.ndarray]:
+    """Runs a deck to its end."""
+    folder.mkdir()
+    (folder / "job.inp").write_text(deck)
+    done = run(["--quiet", "--no-checkpoint", "job"], cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return result(folder)
+
+
+def compare(run: Run, folder: Path, deck: str, other: str) -> None:
+    """Displacements agree to 1e-5 of the largest, which is required of this solver, and all statuses."""
+    (u, status), (v, status_too) = finish(run, folder / "newton", deck), finish(run, folder / "gradients", other)
+    assert np.abs(u - v).max() <= 1e-5 * np.abs(u).max()
+    assert (status == status_too).all()
+
+
+@pytest.mark.parametrize("preconditioner", PRECONDITIONERS)
+def test_three_cubes(run: Run, tmp_path: Path, preconditioner: str) -> None:
+    """Pressed and dragged with friction under NLGEOM: no failed attempt, no factor without a matrix."""
+    deck = sample("three_cubes")
+    compare(run, tmp_path, deck, with_gradients(deck, preconditioner))
+    attempts = read_sta(tmp_path / "gradients" / "job.sta")
+    assert len(attempts) == 20
+    assert not any(a.is_failed for a in attempts)
+    with h5py.File(tmp_path / "gradients" / "job.vtkhdf") as file:
+        n = np.asarray(file["AMONTONS/history/n_factorisations"])
+    assert (n > 0).any() == (preconditioner == "FACTOR")
+
+
+@pytest.mark.parametrize("length", ["NONE", "ALL", "GLOBAL", "NODAL"])
+def test_lengths(run: Run, tmp_path: Path, length: str) -> None:
+    """Lengths of the slave nodes change the way, not the result."""
+    deck = sample("three_cubes")
+    compare(run, tmp_path, deck, with_gradients(deck, "NODAL", length=length))
+
+
+def test_hertz(run: Run, tmp_path: Path) -> None:
+    """A ball octant on a plane, without friction."""
+    deck = sample("hertz_octant")
+    compare(run, tmp_path, deck, with_gradients(deck, "NODAL"))
+
+
+def test_compliant_law(run: Run, tmp_path: Path) -> None:
+    """A linear pressure-overclosure law with friction and its stick slope."""
+    deck = sample("three_cubes").replace("*FRICTION\n", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e6\n*FRICTION\n")
+    compare(run, tmp_path, deck, with_gradients(deck, "NODAL"))
+
+
+def test_cut_back(run: Run, tmp_path: Path) -> None:
+    """Too few iterations fail the attempt; the increments are cut back until they suffice, or the job ends with exit code 5."""
+    deck = with_gradients(sample("three_cubes"), "NODAL", "0.1, 25\n").replace("0.1, 1., , 0.1", "0.5, 1., , 0.5")
+    (tmp_path / "job.inp").write_text(deck)
+    done = run(["--quiet", "--no-checkpoint", "job"], cwd=tmp_path)
+    attempts = read_sta(tmp_path / "job.sta")
+    assert any(a.is_failed for a in attempts)
+    assert done.returncode in (0, 5)
+    assert (done.returncode == 0) == (not attempts[-1].is_failed)
+
+
+def test_same_bits(run: Run, tmp_path: Path) -> None:
+    """Run again, all bits are the same."""
+    deck = with_gradients(sample("three_cubes"), "NODAL")
+    (u, _), (v, _) = finish(run, tmp_path / "first", deck), finish(run, tmp_path / "second", deck)
+    assert (u == v).all()
+
+
+@pytest.mark.parametrize(
+    ("card", "words"),
+    [
+        ("*SOLVER CONTROLS, PRECONDITIONER=AMG\n", "NODAL"),
+        ("*SOLVER CONTROLS\n1.5\n", "between 0 and 1"),
+        ("*SOLVER CONTROLS\n0.1, 0\n", "1 or more"),
+    ],
+)
+def test_refused(run: Run, tmp_path: Path, card: str, words: str) -> None:
+    """What the card does not allow is refused with its line."""
+    (tmp_path / "job.inp").write_text(sample("three_cubes").replace("*STATIC", card + "*STATIC", 1))
+    done = run(["--check", "job"], cwd=tmp_path)
+    assert done.returncode != 0
+    assert words in done.stdout + done.stderr
+    assert "job.inp:" in done.stdout + done.stderr
