@@ -325,7 +325,8 @@ contains
     real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) [length]
     associate (slave => slaves(s))
       has_no_friction = is_friction_in_other_pair(contact%shared_slaves, slaves, s, free, contact%laws%friction, contact%Rhat, &
-        contact%controls%min_force_ratio) .or. is_prescribed_tangentially(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair)) .or. &
+        contact%controls%min_force_ratio) .or. &
+        is_prescribed_tangentially(free, d - dot_product(slave%normal, d) * slave%normal, contact%edge(slave%pair)) .or. &
         (is_rough(contact%laws(slave%pair)) .and. is_friction_suppressed(slave%overrides))
     end associate
   end function has_no_friction
