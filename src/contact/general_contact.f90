@@ -19,7 +19,7 @@ module amontons_general_contact
   use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
-  use amontons_exterior_surface, only: exterior_type, build_exterior
+  use amontons_exterior_surface, only: exterior_type, build_exterior, measure_faces
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -27,9 +27,10 @@ module amontons_general_contact
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
   implicit none
   private
-  public :: general_pairs_type, find_general_pairs
+  public :: general_pairs_type, find_general_pairs, find_unpaired_contact
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
+  real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
   real(DP), parameter :: LOAD_TRAVEL_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
   real(DP), parameter :: DISTINCT_STIFFNESS_RATIO = 1.5_DP !< bodies with a smaller ratio of their moduli are alike [-]
   real(DP), parameter :: DISTINCT_MESH_RATIO = 1.1_DP      !< the same for the mean edges [-]
@@ -99,7 +100,7 @@ contains
     end if
     call collect_face_data(model, exterior, data)
     travel = find_travel(model)
-    call find_near_faces(model%general_contact, exterior, data, travel, near)
+    call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, travel, near)
     call find_faces_near_profiles(model, exterior, data, travel, near)
     if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
     text = 'General contact: ' // plural(size(found%pairs), 'pair') // ' of ' // to_text(exterior%n_bodies) // &
@@ -276,7 +277,8 @@ contains
   pure real(DP) function find_travel(model) result(travel)
     type(model_type), intent(in) :: model
     integer :: i
-    travel = 0.0_DP
+    travel = max(0.0_DP, model%general_contact%reach)
+    if (model%general_contact%reach >= 0.0_DP) return
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
         if (.not. step%is_nlgeom) cycle
@@ -285,6 +287,90 @@ contains
       end associate
     end do
   end function find_travel
+
+
+  !> Whether bodies that travelled farther than the search looked touch each other without a pair, or may do so in an increment
+  !! like the last one: message says which faces. Displacements that differ by less than the travel cost nothing.
+  subroutine find_unpaired_contact(model, u, du, message)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
+    character(:), allocatable, intent(out) :: message   !< '': none
+    type(exterior_type) :: exterior
+    type(face_data_type) :: data
+    type(near_faces_type) :: near
+    logical, allocatable :: is_covered(:)
+    real(DP) :: span, approach
+    integer :: i, no_twins(2, 0)
+    message = ''
+    if (.not. allocated(model%general_contact)) return
+    span = displacement_span(model, u)
+    if (span <= find_travel(model)) return
+    if (allocated(model%twins)) then
+      call build_exterior(model%mesh, absent_elements(model, 1), model%twins, exterior)
+    else
+      call build_exterior(model%mesh, absent_elements(model, 1), no_twins, exterior)
+    end if
+    call collect_face_data(model, exterior, data)
+    call measure_faces(model%mesh, model%mesh%coordinates + u, exterior)
+    approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(exterior%edge_length))
+    call find_near_faces(model%general_contact, exterior, data, TOUCHING_RADIUS, approach, near)
+    if (near%face%n == 0) return
+    call find_covered_faces(model, exterior, data, near, is_covered)
+    i = findloc(is_covered, .false., dim=1)
+    if (i == 0) return
+    associate (mesh => model%mesh, f => near%face%items(i), m => data%member(near%partner%items(i)))
+      message = 'General contact: element ' // to_text(mesh%element_label(exterior%element(f))) // ' of ' // &
+        body_name(model, exterior, exterior%body(f)) // ' reached ' // body_name(model, exterior, exterior%body(m)) // &
+        ', from which it was too far away at the start, and there is no pair of them. Give *CONTACT a REACH of more than ' // &
+        to_text(span) // ', or name the pair with *CONTACT PAIR.'
+    end associate
+  end subroutine find_unpaired_contact
+
+
+  !> A bound of the displacement of nodes relative to each other [length].
+  pure real(DP) function displacement_span(model, u) result(span)
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    integer :: i
+    span = norm2([(maxval(u(i, :), mask=model%mesh%has_elements) - minval(u(i, :), mask=model%mesh%has_elements), i=1, 3)])
+  end function displacement_span
+
+
+  !> Marks the near faces that some pair holds on one side, and on its other side a face of their partner group.
+  subroutine find_covered_faces(model, exterior, data, near, is_covered)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    type(near_faces_type), intent(in) :: near
+    logical, allocatable, intent(out) :: is_covered(:)   !< (near faces)
+    integer :: number(6, model%mesh%n_elements), p, side, i, f
+    logical :: is_on(exterior%n, 2), is_group(data%n_groups, 2)
+    allocate (is_covered(near%face%n), source=.false.)
+    number = 0
+    do f = 1, exterior%n
+      number(exterior%face(f), exterior%element(f)) = f
+    end do
+    do p = 1, size(model%pairs)
+      is_on = .false.
+      is_group = .false.
+      do side = 1, 2
+        associate (surface => model%surfaces(merge(model%pairs(p)%slave, model%pairs(p)%master, side == 1)))
+          do i = 1, size(surface%element)
+            f = number(surface%face(i), surface%element(i))
+            if (f == 0) cycle
+            is_on(f, side) = .true.
+            is_group(data%group(f), side) = .true.
+          end do
+        end associate
+      end do
+      do i = 1, near%face%n
+        associate (f_i => near%face%items(i), g => near%partner%items(i))
+          is_covered(i) = is_covered(i) .or. (is_on(f_i, 1) .and. is_group(g, 2)) .or. (is_on(f_i, 2) .and. is_group(g, 1))
+        end associate
+      end do
+    end do
+  end subroutine find_covered_faces
 
 
   !> The largest prescribed displacement of a step; a velocity counts as the extent of the mesh [length].
@@ -319,10 +405,11 @@ contains
 
 
   !> Finds the near faces of all groups.
-  subroutine find_near_faces(rules, exterior, data, travel, near)
+  subroutine find_near_faces(rules, exterior, data, radius, travel, near)
     type(general_contact_type), intent(in) :: rules
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
+    real(DP), intent(in) :: radius                 !< of the search without travel, over the edge [-]
     real(DP), intent(in) :: travel                 !< [length]
     type(near_faces_type), intent(inout) :: near
     type(facets_type) :: facets
@@ -348,7 +435,7 @@ contains
         j = active(list(k))
         g = data%group(j)
         if (seen(g) == f .or. exterior%body(j) == exterior%body(f)) cycle
-        if (.not. are_near(exterior, f, j, near_travel)) cycle
+        if (.not. are_near(exterior, f, j, radius, near_travel)) cycle
         if (find_interaction(rules, data, data%group(f), g, 0) == 0 .or. (data%is_rigid(f) .and. data%is_rigid(j))) cycle
         seen(g) = f
         call near%face%add(f)
@@ -411,15 +498,16 @@ contains
 
 
   !> Whether two faces of different bodies are near each other.
-  pure logical function are_near(exterior, f, m, travel)
+  pure logical function are_near(exterior, f, m, radius, travel)
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: f, m                    !< faces
+    real(DP), intent(in) :: radius                 !< over the edge [-]
     real(DP), intent(in) :: travel                 !< [length]
     real(DP) :: between(3), lateral, front, cosine
     are_near = .false.
     cosine = dot_product(exterior%normal(:, f), exterior%normal(:, m))
     if (cosine > -MIN_FACING_COSINE) return
-    if (box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > travel + SEARCH_RADIUS_RATIO &
+    if (box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > travel + radius &
       * max(exterior%edge_length(f), exterior%edge_length(m))) return
     between = exterior%centre(:, m) - exterior%centre(:, f)
     front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))

@@ -21,6 +21,7 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
+  use amontons_general_contact, only: find_unpaired_contact
   use amontons_model_change, only: activate_elements
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
@@ -371,7 +372,21 @@ contains
       record%megabytes(PHASE_OUTPUT) = record%megabytes(PHASE_OUTPUT) + peak_megabytes() - peak
       call logger%show_increment(record, done_fraction(analysis))
     end associate
+    call check_travel(analysis, error)
   end subroutine commit_analysis
+
+
+  !> Ends the job where bodies under NLGEOM have come together that general contact does not know to be near.
+  subroutine check_travel(analysis, error)
+    type(analysis_type), intent(in) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: message
+    if (.not. analysis%model%steps(max(1, analysis%stepper%step))%is_nlgeom) return
+    associate (now => analysis%state%old)
+      call find_unpaired_contact(analysis%model, now%u, now%time_increment * now%v, message)
+    end associate
+    if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
+  end subroutine check_travel
 
 
   !> Stores the state as the last commit.

@@ -9,7 +9,8 @@ module amontons_model_setup
   use amontons_errors, only: error_type
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
-  use amontons_loads, only: equation_type
+  use amontons_loads, only: equation_type, prescribed_type
+  use amontons_balanced_bodies, only: balancing_support_type, find_balancing_supports
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
@@ -36,9 +37,31 @@ contains
     if (found /= '') call journal%say(found)
     call adjust(model, journal, error)
     if (allocated(error)) return
+    call hold_balanced_bodies(model, journal)
     if (size(model%steps) == 0) return
     if (allocated(model%steps(1)%material)) model%mesh%material = model%steps(1)%material
   end subroutine set_up_model
+
+
+  !> Holds free bodies whose loads balance each other.
+  subroutine hold_balanced_bodies(model, journal)
+    type(model_type), intent(inout) :: model
+    type(logger_type), intent(inout) :: journal
+    type(balancing_support_type), allocatable :: supports(:)
+    type(prescribed_type) :: held
+    character(:), allocatable :: text
+    integer :: i
+    call find_balancing_supports(model, supports, text)
+    if (text /= '') call journal%say(text)
+    held%is_held = .true.
+    do i = 1, size(supports)
+      held%node = supports(i)%node
+      held%dof = supports(i)%dof
+      associate (step => model%steps(supports(i)%step))
+        step%prescribed = [step%prescribed, held]
+      end associate
+    end do
+  end subroutine hold_balanced_bodies
 
 
   !> Converts tied surfaces and distributing couplings to equations.

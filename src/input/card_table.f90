@@ -238,6 +238,8 @@ contains
     call table%card('CONTACT', SCOPE_MODEL, 'Starts general contact: the faces that may touch are found from the ' // &
       'geometry, and become contact pairs, surface to surface. CONTACT INCLUSIONS and the assignments follow.')
     call table%option('OP', VALUE_TEXT, 'General contact holds for all steps.', status=ENTRY_REJECTED)
+    call table%option('REACH', VALUE_REAL, 'How far bodies travel towards each other in the job (our own parameter); by ' // &
+      'default the largest prescribed displacements of NLGEOM steps, and a twentieth of the extent of the mesh where forces act.')
     call table%card('CONTACT INCLUSIONS', SCOPE_MODEL, 'The faces that may touch each other.', parent='CONTACT', &
       data='surface, surface (none: the first again); a first one that is left out is the whole exterior')
     call table%option('ALL EXTERIOR', VALUE_NONE, 'All free faces of all bodies, and all analytic surfaces.')

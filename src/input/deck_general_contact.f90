@@ -3,7 +3,7 @@
 module amontons_deck_general_contact
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
-  use amontons_card_schema, only: has_parameter, parameter_word
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields, is_card
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, general_contact_type
@@ -34,6 +34,7 @@ contains
       if (is_card(reader, c, 'CONTACT')) then
         line = reader%cards%cards(c)%line
         rules%line = reader%cards%line_number(line)
+        call read_reach(reader, c, rules)
       else if (is_card(reader, c, 'CONTACTINCLUSIONS')) then
         n = n + 1
         call read_inclusions(reader, model, c, rules)
@@ -51,6 +52,22 @@ contains
       'EXTERIOR, or with pairs of surfaces.')
     model%general_contact = rules
   end subroutine read_general_contact
+
+
+  !> The parameter REACH of CONTACT.
+  subroutine read_reach(reader, c, rules)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(general_contact_type), intent(inout) :: rules
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: status
+    call open_card(reader, c, parameters, row)
+    if (.not. has_parameter(parameters, 'REACH')) return
+    call parse_real(parameter_text(parameters, 'REACH'), rules%reach, status)
+    if (status == NUMBER_OK .and. rules%reach >= 0.0_DP) return
+    call report_error(reader, reader%cards%cards(c)%line, 'REACH must be a distance that is not negative.')
+  end subroutine read_reach
 
 
   !> CONTACT INCLUSIONS: the whole exterior, or pairs of surfaces.

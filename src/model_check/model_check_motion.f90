@@ -27,7 +27,7 @@ module amontons_model_check_motion
   use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
   implicit none
   private
-  public :: check_rigid_motions, find_free_motion
+  public :: check_rigid_motions, find_free_motion, free_body_type, find_free_bodies, rigid_motion
 
   ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
   ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
@@ -70,7 +70,43 @@ module amontons_model_check_motion
     type(integer_list_type) :: steps
   end type finding_type
 
+  !> A body that moves alone, and its free motions.
+  type :: free_body_type
+    integer :: body = 0                            !< index into bodies%list
+    integer :: n = 0                               !< number of the motions
+    real(DP) :: motions(6, 6) = 0                  !< the first n: t, r, as in `rigid_motion`
+  end type free_body_type
+
 contains
+
+  !> The bodies that can move alone in a step, without regard to contact. Bodies that equations couple do not count.
+  subroutine find_free_bodies(model, bodies, step, free)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: step                    !< its number
+    type(free_body_type), allocatable, intent(out) :: free(:)
+    type(bases_type) :: bases
+    type(rows_type) :: rows
+    type(finding_type), allocatable :: findings(:)
+    type(free_body_type) :: found
+    integer :: i
+    allocate (free(0))
+    call find_bases(model, bodies, model%steps(step), bases)
+    if (all(bases%n == 0)) return
+    allocate (findings(0))
+    call allocate_rows(bodies, rows)
+    call add_equations(model, bodies, bases, rows)
+    call check_clusters(model, bodies, bases, rows, step, .false., findings)
+    do i = 1, size(findings)
+      if (findings(i)%code /= FINDING_FREE .or. size(findings(i)%bodies) /= 1) cycle
+      found%body = findings(i)%bodies(1)
+      if (bodies%list(found%body)%n_elements == 0) cycle
+      found%n = size(findings(i)%motions, 2)
+      found%motions(:, :found%n) = findings(i)%motions
+      free = [free, found]
+    end do
+  end subroutine find_free_bodies
+
 
   !> Reports unrestrained rigid motions of each step (errors), and those that only open contact restrains at the start (warnings).
   subroutine check_rigid_motions(model, contact, slaves, bodies, report)

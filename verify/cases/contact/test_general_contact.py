@@ -127,3 +127,27 @@ def test_choice_of_the_slave(run: Run, tmp_path: Path) -> None:
     deck = block_on_block("CPE4")
     output = compare(run, tmp_path, with_pairs(deck), with_general_contact(deck, has_roles=False))
     assert re.search(r"slave UPPER#\d+ \(\d+ faces\), master LOWER \(\d+ faces\), interaction ON_LOWER_TOP: the slave is softer\.", output)
+
+
+def stretched(options: str = "") -> str:
+    """A soft column that a force stretches by three quarters of its length onto a block: farther than the search looks."""
+    parts = [flatten(sheet("COLUMN", between(0, 1, 2), between(0, 4, 8))), flatten(sheet("STOP", between(-1, 2, 6), between(-5, -3, 4)))]
+    loads = fix("COLUMN_TOP, 2", "COLUMN_LEFT, 1", "STOP_BOTTOM, 1, 2") + "*CLOAD\nCOLUMN_BOTTOM, 2, -125.\n"
+    rules = f"*CONTACT{options}\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+    return flat_deck([(parts[0], SOFT), (parts[1], STIFF)], "CPE4R", rules + step(loads, 20, is_nlgeom=True))
+
+
+def test_travel(run: Run, tmp_path: Path) -> None:
+    """A body that comes from too far ends the job with a sentence; with REACH it finds its contact."""
+    (tmp_path / "short.inp").write_text(stretched())
+    done = run(["--outdir", tmp_path, tmp_path / "short.inp"], tmp_path)
+    assert done.returncode == 5, done.stdout + done.stderr
+    assert re.search(r"General contact: element \d+ of (COLUMN reached STOP|STOP reached COLUMN)", done.stdout + done.stderr), done.stderr
+    (tmp_path / "long.inp").write_text(stretched(", REACH=8."))
+    done = run(["--outdir", tmp_path, tmp_path / "long.inp"], tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(tmp_path / "long.vtkhdf") as file:
+        n = file["VTKHDF/NumberOfPoints"][0]
+        u = np.asarray(file["VTKHDF/PointData/U"])[-n:]
+        assert np.asarray(file["VTKHDF/PointData/CPRESS"])[-n:].max() > 0
+    assert -3.05 < u[:3, 1].min() < -2.95, "the corners of the foot on the block, which gives way a little"
