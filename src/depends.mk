@@ -175,7 +175,7 @@ uses_failure_words = text failure
 uses_proximal_step = kinds errors controls mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors controls steps model state equilibrium newton_step convergence contact_subproblem proximal_step
 uses_newton = kinds errors iteration_records controls mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence tunnelling_check line_search contact_rounds globalization
-uses_failure_report = kinds failure iteration_records model node_overrides state equilibrium model_check_motion active_set_history convergence failure_words globalization newton
+uses_failure_report = kinds text failure iteration_records model contact_constraint_rows node_overrides state contact_pairs equilibrium model_check_bodies model_check_motion active_set_history convergence failure_words globalization newton
 uses_increment_control = kinds steps convergence
 
 # output

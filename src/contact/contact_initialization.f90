@@ -15,8 +15,8 @@ module amontons_contact_initialization
   use amontons_mortar, only: find_search_margin, n_imbalance_nodes
   use amontons_shared_slave_nodes, only: order_slave_levels, reachable_nodes_type
   use amontons_slave_nodes, only: detach_slave, is_rough
-  use amontons_contact_pairs, only: contact_type, update_mortar_rows, update_projection, set_stick_origin, SEARCH_RADIUS_RATIO, &
-    create_contact
+  use amontons_contact_pairs, only: contact_type, update_mortar_rows, update_projection, set_stick_origin, create_contact, &
+    SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO
   use amontons_errors, only: error_type
   implicit none
   private
@@ -52,7 +52,7 @@ contains
       if (model%pairs(p)%is_mortar) reach = find_search_margin(contact%mortar(p), reach)
       if (.not. allocated(contact%facets(p)%profile)) call build_facet_search(contact%facets(p), merge(x, x_now, &
         contact%has_fixed_geometry(p)), &
-        reach, contact%search(p))
+        reach + SEARCH_SLACK_RATIO * contact%edge(p), contact%search(p))
       if (.not. model%pairs(p)%is_mortar) cycle
       needs_new_rows(p) = .not. contact%has_fixed_geometry(p) .or. is_step_start .or. .not. contact%mortar(p)%is_made
     end do

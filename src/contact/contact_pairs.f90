@@ -27,7 +27,7 @@ module amontons_contact_pairs
   use amontons_facets, only: facets_type, build_facets
   use amontons_analytic_master, only: build_profile_facets
   use amontons_exterior_surface, only: depths_below
-  use amontons_facet_search, only: facet_search_type
+  use amontons_facet_search, only: facet_search_type, renew_facet_search
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     merge_rows, rotate_with_normal, &
     differentiate_rotation
@@ -38,10 +38,11 @@ module amontons_contact_pairs
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
     update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, &
-    SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
+    renew_searches, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, MAX_DEPTH_SHARE
 
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
+  real(DP), parameter :: SEARCH_SLACK_RATIO = 0.5_DP     !< motion of a master, over that edge, after which its grid is rebuilt [-]
   real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP        !< general contact: a node behind a facet by more than this share of the
                                                          !! depth of its element does not see it [-]
 
@@ -448,6 +449,18 @@ contains
     end subroutine merge_slaves
 
   end subroutine update_mortar_rows
+
+
+  !> Rebuilds the grids of the masters that have moved too far since the last build within finite sliding.
+  subroutine renew_searches(contact, x)
+    type(contact_type), intent(inout) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    integer :: p
+    do p = 1, size(contact%facets)
+      if (.not. contact%has_fixed_geometry(p)) call renew_facet_search(contact%facets(p), x, &
+        SEARCH_SLACK_RATIO * contact%edge(p), contact%search(p))
+    end do
+  end subroutine renew_searches
 
 
   !> Searches a facet for a node without one, because an earlier iterate left the master or the node was far away: otherwise it

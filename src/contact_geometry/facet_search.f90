@@ -9,7 +9,7 @@ module amontons_facet_search
   use amontons_facets, only: facets_type
   implicit none
   private
-  public :: facet_search_type, build_facet_search, find_near_facets
+  public :: facet_search_type, build_facet_search, renew_facet_search, find_near_facets
 
   integer, parameter :: MAX_CELLS_PER_FACET = 8        !< the grid has at most this many cells per facet (and a few more)
   real(DP), parameter :: BOX_ENLARGEMENT = 0.12_DP  !< boxes are enlarged by this fraction for extension zone and curvature [-]
@@ -23,6 +23,7 @@ module amontons_facet_search
     integer, allocatable :: first(:)               !< (cells + 1) start of a cell's facets
     integer, allocatable :: facet(:)               !< facets of all cells, ascending in each
     real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corners of the widened boxes [length]
+    real(DP), allocatable :: place(:, :)           !< (3, size(facets%nodes)) nodes of the facets when it was built [length]
   end type facet_search_type
 
 contains
@@ -31,7 +32,7 @@ contains
   subroutine build_facet_search(facets, x, margin, search)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
-    real(DP), intent(in) :: margin                 !< search radius, >= 0 [length]
+    real(DP), value :: margin                      !< search radius, >= 0 [length]
     type(facet_search_type), intent(out) :: search
     real(DP) :: mean_size
     search%margin = margin
@@ -39,7 +40,21 @@ contains
     if (facets%n == 0) return
     call size_grid(max(mean_size, margin), search)
     call collect_cell_facets(search)
+    search%place = x(:, facets%nodes)
   end subroutine build_facet_search
+
+
+  !> Builds the grid again if a facet has moved farther than `slack` since it was built. A grid with the margin reach + slack thus
+  !! misses no facet within the reach, however far the surface travels. Cost otherwise: one comparison for each node.
+  subroutine renew_facet_search(facets, x, slack, search)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: slack                  !< part of the margin that motion may use up [length]
+    type(facet_search_type), intent(inout) :: search
+    if (.not. allocated(search%place)) return
+    if (all(abs(x(:, facets%nodes) - search%place) <= slack)) return
+    call build_facet_search(facets, x, search%margin, search)
+  end subroutine renew_facet_search
 
 
   !> The facets that may be within the margin of a point, ascending; a superset of those within it.

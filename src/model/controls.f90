@@ -56,8 +56,11 @@ module amontons_controls
     real(DP) :: singular_shift_factor = 1.0e3_DP   !< on s where the factorization fails [-] | set: three trials to the largest
     integer :: max_shift_trials = 6        !< trial values of s in one proximal step | set
     real(DP) :: max_length_excess = 2.0_DP   !< factor by which a direction may exceed its limit before s grows [-] | set
-    real(DP) :: max_approach_ratio = 10.0_DP   !< largest step over the distance to first contact [-] | proximal_step
-    real(DP) :: max_step_edges = 2.5_DP    !< largest step in edges of the master: within the search radius of 3 [-] | proximal_step
+    real(DP) :: max_step_edges = 0.5_DP    !< largest step in edges of the master while a slave node approaches it [-] |
+                                           !! proximal_step
+    real(DP) :: max_flight_edges = 2.5_DP   !< the same while none does: within the search radius of 3 [-] | proximal_step
+    real(DP) :: min_travel_edges = 0.25_DP   !< a longer step carries a body on, and no limit counts its iteration [-] |
+                                           !! proximal_step
     real(DP) :: min_approach_gap = 1.0e-3_DP   !< least distance to first contact, over an edge of the master [-] | set
     real(DP) :: min_step_extent = 1.0e-6_DP   !< least limit of a step over the size of the model [-] | set
   end type globalization_controls_type

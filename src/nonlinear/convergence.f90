@@ -5,7 +5,7 @@ module amontons_convergence
   use amontons_controls, only: controls_type, newton_controls_type
   implicit none
   private
-  public :: convergence_measures_type, assess_convergence, assess_early
+  public :: convergence_measures_type, assess_convergence, assess_early, n_counted
   public :: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
 
   integer, parameter :: VERDICT_CONTINUE = 0
@@ -16,6 +16,7 @@ module amontons_convergence
   !> Measures of an iterate for the verdict.
   type :: convergence_measures_type
     integer :: iteration = 0
+    integer :: n_travelling = 0                    !< iterations that carried a body towards a support: limits do not count them
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
     real(DP) :: residual_at_gap = 0                            !< residual with compliant laws at the actual gap, over the
                                                                !! largest force [-]
@@ -36,21 +37,30 @@ contains
     type(controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
     real(DP) :: tolerance, residual_left
-    tolerance = merge(controls%r_p, controls%r_n, measures%iteration > controls%i_p)
+    integer :: n                                   ! iterations that count
+    tolerance = merge(controls%r_p, controls%r_n, n_counted(measures) > controls%i_p)
     residual_left = max(measures%residual(0), measures%residual_at_gap)
+    n = n_counted(measures)
     verdict = VERDICT_CONTINUE
     if (measures%is_displacement_complete .and. residual_left <= tolerance .and. measures%gap <= controls%gap_tolerance .and. &
       (estimate_error(measures, tolerance) <= controls%c_n .or. residual_left <= controls%r_l)) then
       verdict = VERDICT_CONVERGED
-    else if (measures%iteration >= controls%i_c) then
+    else if (n >= controls%i_c) then
       verdict = VERDICT_TOO_SLOW
-    else if (measures%iteration > controls%i_0 .and. measures%residual(0) > measures%residual(1) .and. &
+    else if (n > controls%i_0 .and. measures%residual(0) > measures%residual(1) .and. &
       measures%residual(1) > measures%residual(2)) then
       verdict = VERDICT_DIVERGES
-    else if (measures%iteration > controls%i_r) then
+    else if (n > controls%i_r) then
       if (estimate_iterations(measures, tolerance) > real(controls%i_c, DP)) verdict = VERDICT_TOO_SLOW
     end if
   end function assess_convergence
+
+
+  !> Iterations of the attempt that count for the limits: all but those that carried a body towards a support.
+  pure integer function n_counted(measures) result(n)
+    type(convergence_measures_type), intent(in) :: measures
+    n = measures%iteration - measures%n_travelling
+  end function n_counted
 
 
   !> Estimated error of displacement of an iterate, over the largest increment of displacement [-].
@@ -82,7 +92,7 @@ contains
     type(newton_controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
     integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES above diverged_residual, else VERDICT_TOO_SLOW
-    if (measures%iteration < controls%early_check_iteration .or. &
+    if (n_counted(measures) < controls%early_check_iteration .or. &
       measures%residual(0) < controls%min_lost_residual .or. &
       measures%residual(0) < controls%sufficient_decrease * measures%residual(2)) return
     verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, measures%residual(0) > controls%diverged_residual)
@@ -94,7 +104,7 @@ contains
     type(convergence_measures_type), intent(in) :: measures
     real(DP), intent(in) :: tolerance              !< [-]
     real(DP) :: rate
-    total = real(measures%iteration, DP)
+    total = real(n_counted(measures), DP)
     if (measures%residual(0) <= tolerance) return
     rate = measures%residual(0) / max(measures%residual(2), tiny(1.0_DP))
     if (rate >= 1.0_DP) then

@@ -20,13 +20,18 @@ module amontons_failure_report
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, &
     FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
     FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
-    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_SLOW, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION
+    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_SLOW, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION, &
+    FAMILY_LIMIT_POINT, FAMILY_MATERIAL
   use amontons_failure_words, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, REPORT_LINE_LENGTH
   use amontons_model, only: model_type
   use amontons_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_text, only: to_text
+  use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name
   use amontons_model_check_motion, only: find_free_motion
+  use amontons_contact_constraint_rows, only: contact_row_type
+  use amontons_contact_pairs, only: current_row
   use amontons_active_set_history, only: most_constrained_status, find_cycle, cycling_slaves, is_stick_slip_flip, &
     slaves_off_master, suddenly_deep_slaves, status_trace
   use amontons_convergence, only: VERDICT_DIVERGES
@@ -39,6 +44,7 @@ module amontons_failure_report
   public :: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
 
   integer, parameter :: N_WORST_NODES = 10               !< nodes listed
+  integer, parameter :: N_MODE_NODES = 5                 !< nodes listed of a mode, or of the contact of an element
 
 contains
 
@@ -97,7 +103,8 @@ contains
       all(family_of(failure) /= [FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) failure = diagnose_contact_limit(model, system, state)
     if (failure%code == FAILURE_NONE .and. (system%n_shifted > newton%n_shifted .or. newton%n_ascent_directions > 1 .or. &
       newton%globalization%n_proximal > newton%globalization%n_snap_through)) failure%code = FAILURE_LIMIT_POINT
-    if (is_unsupported .and. family_of(failure) /= FAMILY_LEFT_MASTER) failure = unsupported_body_sentence(model, state, newton)
+    if (is_unsupported .and. (family_of(failure) /= FAMILY_LEFT_MASTER .or. newton%measures%n_travelling > 1)) &
+      failure = unsupported_body_sentence(model, state, newton)
     if (all(family_of(failure) /= [FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) &
       call diagnose_free_motion(model, system, state, newton, failure)
   end function failure_of_iterations
@@ -251,9 +258,103 @@ contains
         imbalance(n) = -1.0_DP
       end do
     end if
+    select case (family_of(failure))
+    case (FAMILY_FREE_BODY)
+      lines = [lines, describe_bodies(model, state)]
+    case (FAMILY_LIMIT_POINT)
+      lines = [lines, describe_mode(model, newton)]
+    case (FAMILY_MATERIAL)
+      lines = [lines, describe_pressure(model, system, state)]
+    end select
     line = 'Remedy: ' // remedy_words(failure)
     lines = [lines, line]
   end function describe_failure
+
+
+  !> The bodies that moved farthest in the attempt, at least half as far as the farthest: distance, and their closed slave nodes.
+  function describe_bodies(model, state) result(lines)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    character(REPORT_LINE_LENGTH), allocatable :: lines(:)
+    character(REPORT_LINE_LENGTH) :: line
+    type(bodies_type) :: bodies
+    real(DP), allocatable :: distance(:)           ! (n_bodies) [length]
+    integer, allocatable :: slave_body(:)
+    integer :: b, i, n
+    call find_bodies(model, state%new%step, bodies)
+    allocate (lines(0), distance(bodies%n))
+    distance = 0.0_DP
+    do i = 1, model%mesh%n_nodes
+      b = bodies%of_node(i)
+      if (b > 0) distance(b) = max(distance(b), norm2(state%new%u(:, i) - state%old%u(:, i)))
+    end do
+    if (bodies%n < 2 .or. .not. maxval(distance) > 0.0_DP) return
+    slave_body = bodies%of_node(state%new%slaves%node)
+    n = count(distance >= 0.5_DP * maxval(distance))
+    lines = [character(REPORT_LINE_LENGTH) :: 'Bodies that moved farthest in this attempt (' // to_text(n) // '):']
+    do i = 1, min(N_WORST_NODES, n)
+      b = maxloc(distance, dim=1)
+      write (line, '(3a,es10.3,4a)') '  ', body_name(model, bodies%list(b)), ': ', distance(b), ', closed slave nodes: ', &
+        to_text(count(slave_body == b .and. state%new%slaves%status /= STATUS_OPEN)), ' of ', to_text(count(slave_body == b))
+      lines = [lines, line]
+      distance(b) = -1.0_DP
+    end do
+  end function describe_bodies
+
+
+  !> The mode of a limit point: the direction of the last step, which the softest motion dominates near a singular tangent; its
+  !! largest nodes, over the largest displacement.
+  function describe_mode(model, newton) result(lines)
+    type(model_type), intent(in) :: model
+    type(newton_type), intent(in) :: newton
+    character(REPORT_LINE_LENGTH), allocatable :: lines(:)
+    character(REPORT_LINE_LENGTH) :: line
+    real(DP), allocatable :: length(:)             ! (n_nodes) [length]
+    real(DP) :: largest
+    integer :: i, n
+    allocate (lines(0))
+    if (.not. allocated(newton%direction)) return
+    length = norm2(newton%direction, dim=1)
+    where (model%mesh%is_auxiliary) length = 0.0_DP
+    largest = maxval(length)
+    if (.not. (largest > 0.0_DP .and. largest <= huge(1.0_DP))) return
+    lines = [character(REPORT_LINE_LENGTH) :: 'Mode (direction of the last step over its largest displacement):']
+    do i = 1, min(N_MODE_NODES, size(length))
+      n = maxloc(length, dim=1)
+      if (length(n) <= 0.0_DP) exit
+      write (line, '(a,i0,a,3f7.3)') '  node ', model%mesh%node_label(n), ': ', newton%direction(:, n) / largest
+      lines = [lines, line]
+      length(n) = 0.0_DP
+    end do
+  end function describe_mode
+
+
+  !> The contact that presses an inverted element: the closed slave nodes whose forces act on its nodes.
+  function describe_pressure(model, system, state) result(lines)
+    type(model_type), intent(in) :: model
+    type(equilibrium_type), intent(in) :: system
+    type(state_type), intent(in) :: state          !< at the failed evaluation: statuses are those before it
+    character(REPORT_LINE_LENGTH), allocatable :: lines(:)
+    character(REPORT_LINE_LENGTH) :: line
+    type(contact_row_type) :: row
+    integer :: s, e, i
+    allocate (lines(0))
+    e = system%failed_element
+    if (e < 1) return
+    associate (nodes => model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1), slaves => state%new%slaves)
+      do s = 1, size(slaves)
+        if (slaves(s)%status == STATUS_OPEN .or. slaves(s)%facet == 0) cycle
+        call current_row(system%contact, slaves(s), row)
+        if (.not. any([(any(nodes == row%nodes(i)), i=1, size(row%nodes))])) cycle
+        write (line, '(a,i0,3a,es10.3)') '  slave node ', model%mesh%node_label(slaves(s)%node), ' of pair ', &
+          trim(model%pairs(slaves(s)%pair)%name), ': force ', norm2(slaves(s)%force)
+        lines = [lines, line]
+        if (size(lines) == N_MODE_NODES) exit
+      end do
+    end associate
+    if (size(lines) > 0) lines = [character(REPORT_LINE_LENGTH) :: 'Contact presses the element:', lines, &
+      'There a finer mesh, C3D8I, a hybrid or reduced element, or *STATIC, STABILIZE may help.']
+  end function describe_pressure
 
 
   !> Failures of the attempts at the last increment in one line; empty for a single attempt. Consecutive equal ones appear once.

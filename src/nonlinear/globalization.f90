@@ -17,8 +17,8 @@ module amontons_globalization
   use amontons_newton_step, only: solve_newton_step
   implicit none
   private
-  public :: globalization_type, trial_step_type, delay_snap_through, choose_step, is_repeatedly_unsolved, STEP_KIND_NEWTON, &
-    STEP_KIND_PROXIMAL, STEP_KIND_SNAP_THROUGH
+  public :: globalization_type, trial_step_type, delay_snap_through, choose_step, is_repeatedly_unsolved
+  public :: STEP_KIND_NEWTON, STEP_KIND_PROXIMAL, STEP_KIND_SNAP_THROUGH
 
   integer, parameter :: STEP_KIND_NEWTON = 0          !< direction of K
   integer, parameter :: STEP_KIND_PROXIMAL = 1           !< direction of K + s diag K: a body is not supported yet

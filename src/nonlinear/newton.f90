@@ -7,15 +7,15 @@ module amontons_newton
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
-  use amontons_controls, only: controls_type, newton_controls_type
+  use amontons_controls, only: globalization_controls_type, controls_type, newton_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, SOLVER_GRADIENTS
   use amontons_iteration_records, only: iteration_record_type
   use amontons_state, only: state_type, STATUS_OPEN
   use amontons_tunnelling_check, only: largest_sliding, find_tunnelled_slave
   use amontons_active_set_history, only: active_set_history_type, record_active_set
   use amontons_active_set_cycling, only: break_cycle, release_frozen_nodes
-  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, VERDICT_CONTINUE, VERDICT_DIVERGES, &
-    VERDICT_CONVERGED, VERDICT_TOO_SLOW
+  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, n_counted, VERDICT_CONTINUE, &
+    VERDICT_DIVERGES, VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: line_search_report_type, perform_line_search
   use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_PROXIMAL, &
     STEP_KIND_SNAP_THROUGH
@@ -37,6 +37,9 @@ module amontons_newton
     integer :: tunnelled_node = 0                    !< the node that passed through its master
     logical :: can_be_cut_back = .false.                !< a shorter increment is possible: a hopeless attempt may end early
     type(globalization_type) :: globalization                    !< kind of the last step, and consecutive unsolved subproblems
+    integer :: most_closed = 0                     !< closed slave nodes of an iterate of the attempt, at most
+    real(DP), allocatable :: direction(:, :)       !< (3, n_nodes) of the last step [length]
+    real(DP) :: travel = 0                         !< sum of the lengths of the steps that carried a body [length]
     integer :: n_ascent_directions = 0                        !< iterations with an ascent direction of the merit
     integer :: n_cycles_treated = 0                        !< active-set cycles that were treated
     integer :: n_shifted = 0                       !< factorizations before this attempt that needed a shift
@@ -142,12 +145,14 @@ contains
     real(DP), allocatable :: u(:, :), residual(:, :)
     u = state%new%u
     residual = system%residual
+    newton%direction = trial_step%du
     call perform_line_search(system, model, step, trial_step%du, trial_step%predicted_slaves, state, report, newton%outcome)
     if (report%is_ascent_direction .and. newton%measures%residual(0) > step%controls%r_n) newton%n_ascent_directions &
       = newton%n_ascent_directions + 1
     newton%globalization%is_rejected = report%is_rejected
     if (newton%globalization%step_kind /= STEP_KIND_NEWTON) call end_proximal_step(newton, system, model, state, u, residual)
     if (newton%outcome /= OUTCOME_OK) return
+    call note_travel(newton, system, model, step%controls%globalization, report%correction, state)
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     call check_displacements(newton, system, model, step%controls%newton, state)
     if (newton%outcome /= OUTCOME_OK) return
@@ -199,7 +204,7 @@ contains
       newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! yielding takes iterations
     verdict = assess_convergence(controls, newton%measures)
     if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
-      .and. newton%measures%iteration < controls%i_c) &
+      .and. n_counted(newton%measures) < controls%i_c) &
       verdict = VERDICT_CONTINUE                      ! the residual grows during snap-through
     if (verdict == VERDICT_CONTINUE .and. newton%rounds%n_iterations >= controls%gradients%max_iterations) &
       verdict = VERDICT_TOO_SLOW
@@ -207,7 +212,7 @@ contains
       is_contact_active .and. newton%globalization%step_kind == STEP_KIND_NEWTON) &
       call assess_early(controls%newton, newton%measures, verdict)
     if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! imposed stick beyond friction: iterate again
-      verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, newton%measures%iteration < controls%i_c)
+      verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, n_counted(newton%measures) < controls%i_c)
     if (step%line_search == LINE_SEARCH_AUTO .or. step%solver == SOLVER_GRADIENTS) &
       call treat_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, controls%newton, state, verdict)
@@ -242,7 +247,7 @@ contains
       call break_cycle(system%contact, newton%active_set_history, step%controls%cycling, state%new%slaves, is_found, &
         is_changed)
       if (is_changed) newton%n_cycles_treated = newton%n_cycles_treated + 1
-      if (is_changed .and. newton%measures%iteration < controls%i_c) verdict = VERDICT_CONTINUE
+      if (is_changed .and. n_counted(newton%measures) < controls%i_c) verdict = VERDICT_CONTINUE
       if (is_found .and. .not. is_changed .and. newton%can_be_cut_back .and. verdict == VERDICT_CONTINUE) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return
@@ -270,6 +275,28 @@ contains
     state%new%slaves%is_in_law_range = .false.           ! positions after a proximal step are no first contact
     state%new%proximal_work = state%new%proximal_work + 0.5_DP * sum((residual + system%residual) * (state%new%u - u))
   end subroutine end_proximal_step
+
+
+  !> Notes a proximal step that carries a body towards a support: it closes more slave nodes than any iterate before, or moves by a
+  !! good part of an edge. The limits of the iterations do not count it, as long as the path of these steps is within that of a body
+  !! that finds a support: the search for supports of many bodies in a row goes on in one attempt.
+  pure subroutine note_travel(newton, system, model, controls, length, state)
+    type(newton_type), intent(inout) :: newton
+    type(equilibrium_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(globalization_controls_type), intent(in) :: controls
+    real(DP), intent(in) :: length                 !< of the step [length]
+    type(state_type), intent(in) :: state
+    integer :: n_closed
+    logical :: is_carried
+    n_closed = count(state%new%slaves%status /= STATUS_OPEN)
+    is_carried = newton%globalization%step_kind == STEP_KIND_PROXIMAL .and. newton%travel <= mesh_extent(model%mesh)
+    if (is_carried) is_carried = n_closed > newton%most_closed .or. length >= controls%min_travel_edges * minval(system%contact%edge)
+    newton%most_closed = max(newton%most_closed, n_closed)
+    if (.not. is_carried) return
+    newton%travel = newton%travel + length
+    newton%measures%n_travelling = newton%measures%n_travelling + 1
+  end subroutine note_travel
 
 
   !> Tunnelling check: rejects a converged iterate if a slave node passed through its master within the increment.

@@ -6,15 +6,15 @@
 !!
 !!     (K + s diag K) du = R.
 !!
-!! The direction is then finite. The shift s is the least tried with which the step length stays within its limit: first contact
-!! and some distance beyond. The residual does not contain s, so a converged state is in equilibrium without it.
+!! The direction is then finite. The shift s is the least tried with which the step stays within its trust region and its contact
+!! subproblem is solved. The residual does not contain s, so a converged state is in equilibrium without it.
 module amontons_proximal_step
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
   use amontons_controls, only: globalization_controls_type
-  use amontons_steps, only: step_type
+  use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_contact_pairs, only: current_row
@@ -45,7 +45,7 @@ contains
   end function is_motion_unrestrained
 
 
-  !> Proximal step: s is raised until the step length stays within `allowed_step_length`, also after the contact subproblem.
+  !> Proximal step: s is raised until the contact subproblem is solved and the step stays within `allowed_step_length`.
   subroutine find_proximal_step(system, model, step, state, shift, du, predicted_slaves, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
@@ -58,6 +58,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: excess, insufficient_shift
     integer :: attempt
+    logical :: is_solved                           ! contact included
     associate (limits => step%controls%globalization)
       shift = max(limits%min_proximal_shift, shift)
       insufficient_shift = 0.0_DP
@@ -78,9 +79,11 @@ contains
           if (allocated(error)) return
           excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, limits, state, du)
         end if
-        if (excess <= limits%max_length_excess .or. shift >= limits%max_proximal_shift) exit
+        is_solved = excess <= limits%max_length_excess .and. (system%is_subproblem_solved .or. .not. system%is_schur_active .or. &
+          step%line_search /= LINE_SEARCH_AUTO)
+        if (is_solved .or. shift >= limits%max_proximal_shift) exit
         insufficient_shift = shift
-        shift = min(limits%max_proximal_shift, shift * excess)
+        shift = min(limits%max_proximal_shift, shift * merge(excess, limits%snap_shift_ratio, excess > limits%max_length_excess))
       end do
       shift = max(shift * min(1.0_DP, excess), sqrt(shift * insufficient_shift))
       if (.not. allocated(predicted_slaves)) predicted_slaves = state%new%slaves
@@ -117,8 +120,9 @@ contains
   end subroutine find_snap_through_step
 
 
-  !> Limit of the step length: some times the distance to first contact, at most so many edges that slave
-  !! nodes stay within the search radius [length].
+  !> Limit of the step length [length]: the trust region in which the contact subproblem is a model of what the step meets. While a
+  !! slave node approaches a master it is a part of an edge, so that the bodies of a chain close one after the other and no deep
+  !! penetration misleads the projections. In flight it lies within the search radius.
   real(DP) function allowed_step_length(system, model, limits, state, du) result(allowed_length)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
@@ -128,7 +132,6 @@ contains
     type(contact_row_type) :: row
     real(DP) :: approach, contact_fraction
     integer :: s
-    allowed_length = limits%max_step_edges * minval(system%contact%edge)
     contact_fraction = huge(1.0_DP)
     do s = 1, size(state%new%slaves)
       associate (slave => state%new%slaves(s))
@@ -139,8 +142,10 @@ contains
           limits%min_approach_gap * system%contact%edge(slave%pair)) / approach)
       end associate
     end do
-    allowed_length = min(allowed_length, merge(limits%max_approach_ratio, 1.0_DP, &
-      system%has_interface_solver) * contact_fraction * maxval(nodal_norms(system, du, 1)))
+    allowed_length = merge(limits%max_step_edges, limits%max_flight_edges, contact_fraction < huge(1.0_DP)) &
+      * minval(system%contact%edge)
+    if (contact_fraction < huge(1.0_DP) .and. .not. system%has_interface_solver) allowed_length = min(allowed_length, &
+      contact_fraction * maxval(nodal_norms(system, du, 1)))   ! no contact subproblem: not beyond first contact
     allowed_length = max(allowed_length, limits%min_step_extent * mesh_extent(model%mesh))
   end function allowed_step_length
 

@@ -218,17 +218,16 @@ def test_turning_in_a_bore_is_no_fall(run: Run, tmp_path: Path) -> None:
         (thin_and_long(), ("CONTACT UNSETTLED: status or facet still changes at nodes",), "smaller increments"),
         (tipping(", DIRECT"), (f"FREE BODY: where contact is left, the {TIPS}",), "hold the body"),
         (held_by_supports(), ("LIMIT POINT",), "damp the step"),
-        (pressed_arch(), ("LIMIT POINT: the stiffness is not positive",), "prescribe displacements"),
         pytest.param(pulled_too_hard(), ("FREE BODY", "LIMIT POINT: no equilibrium nearby"), "friction", marks=pytest.mark.slow),
     ],
-    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "unsettled", "tipping", "held by supports", "arch", "too little friction"],
+    ids=["limit point", "material", "free body", "penetration jump", "left master", "singular", "overflow", "cycle", "flip", "unsettled", "tipping", "held by supports", "too little friction"],
 )
 def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], advice: str) -> None:
     """Exit code 5, the reason in capitals, one remedy, the worst nodes with their contact; .cvg and the result file have the reason too.
 
     A failure costs no more factorisations an iteration than one of the stiffness as it is, two of parts with proximal shifts or supports, and one
     where the equations have to be solved as a whole; twice as many where the stiffness is not positive, so that shifts are tried. Too little friction is reported
-    with 250 in all.
+    with 260 in all, the search for a support included.
     """
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
@@ -249,10 +248,22 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     assert all(f"  ** {line}\n" in text for line in last if line), "the messages in .cvg are those of the result file"
     assert all(f"  {line}\n" in done.stdout for line in last if line), "and that of the terminal"
     n_iterations, n_factorisations = (int(re.search(rf"{what} +(\d+)", done.stdout)[1]) for what in ("Newton iterations", "factorisations"))
-    assert n_factorisations <= min((8 if deck == held_by_supports() else 4) * max(n_iterations, 1), 250), f"{n_factorisations} factorisations in {n_iterations} iterations"
+    assert n_factorisations <= min((8 if deck == held_by_supports() else 4) * max(n_iterations, 1), 260), f"{n_factorisations} factorisations in {n_iterations} iterations"
     if any(reason.startswith(("CYCLE", "STICK", "LEFT")) for reason in reasons):
         worst = re.findall(r"node \d+: imbalance .*, pair \S+ / \S+, gap \S+: ((?:open|stick|slip)\S*(?: \S+)*)", done.stdout)
         assert 1 <= len(worst) <= 10, done.stdout
+
+
+def test_pressed_arch_snaps_through(run: Run, tmp_path: Path) -> None:
+    """A stamp under forces snaps an arch through: it carries the whole load, hanging below its supports."""
+    (tmp_path / "job.inp").write_text(pressed_arch())
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        reactions = file["AMONTONS/history/reaction_force"][-1]
+        u = file["VTKHDF/PointData/U"][-len(file["VTKHDF/Points"]) :]
+    assert abs(reactions[1] - 1500.0) <= 1e-4 * 1500.0, reactions
+    assert u[:, 1].min() < -0.6, "the middle of the arch lies below its supports by as much as it was above, and more"
 
 
 def test_auto_finishes(run: Run, tmp_path: Path) -> None:

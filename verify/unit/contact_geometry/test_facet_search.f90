@@ -7,7 +7,7 @@ program test_facet_search
     KIND_C3D20
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets
-  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
+  use amontons_facet_search, only: facet_search_type, build_facet_search, renew_facet_search, find_near_facets
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -21,6 +21,7 @@ program test_facet_search
   call check_place_and_size(suite)
   call check_size_of_grid(suite)
   call check_empty(suite)
+  call check_travelling(suite)
   call suite%finish()
 
 contains
@@ -40,6 +41,33 @@ contains
     call build_facets(mesh, element, face, facets, error)
     if (allocated(error)) error stop 'the sample surface is bad'
   end subroutine make_grid
+
+
+  !> A surface that travels: the grid follows once it has moved farther than the slack.
+  subroutine check_travelling(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(facet_search_type) :: search
+    integer, allocatable :: list(:)
+    real(DP), allocatable :: x(:, :)
+    real(DP) :: point(3)
+    integer :: n
+    call make_grid(FACET_QUAD4, 4, 3, 0.0_DP, mesh, facets)
+    call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
+    x = mesh%coordinates
+    x(1, :) = x(1, :) + 40.0_DP
+    point = sum(x(:, facets%nodes(facets%first(1):facets%first(2) - 1)), dim=2) / 4
+    call find_near_facets(search, point, list, n)
+    call suite%that('the old grid does not reach there', n == 0)
+    call renew_facet_search(facets, x, 41.0_DP, search)
+    call find_near_facets(search, point, list, n)
+    call suite%that('within the slack the grid stays', n == 0)
+    call renew_facet_search(facets, x, 0.1_DP, search)
+    call find_near_facets(search, point, list, n)
+    call suite%that('beyond it the grid follows', any(list(:n) == 1))
+    call suite%that('its margin stays', abs(search%margin - 0.5_DP) <= 0.0_DP)
+  end subroutine check_travelling
 
 
   !> Distance from a point to the nearest corner of a facet: never less than the distance to the facet.

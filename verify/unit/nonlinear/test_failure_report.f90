@@ -149,6 +149,26 @@ contains
     newton%outcome = OUTCOME_ELEMENT
     lines = describe_failure(model, system, state, newton, failure)
     call suite%that('lines: of an element the remedy alone', size(lines) == 1)
+    failure%code = FAILURE_MATERIAL
+    system%failed_element = 2                      ! of the upper block, whose foot is the slave
+    lines = describe_failure(model, system, state, newton, failure)
+    call suite%that('lines: the contact that presses an element', count(index(lines, 'slave-master') > 0) >= 1 .and. &
+      any(index(lines, 'C3D8I') > 0))
+    newton%outcome = OUTCOME_UNSUPPORTED
+    newton%direction = 0.0_DP * state%new%u
+    newton%direction(:, 3) = [0.0_DP, 0.0_DP, -0.5_DP]
+    newton%direction(:, 4) = [0.2_DP, 0.0_DP, 0.0_DP]
+    failure%code = FAILURE_LIMIT_POINT
+    lines = describe_failure(model, system, state, newton, failure)
+    call suite%that('lines: the mode, its largest node first', any(index(lines, 'node 103:   0.000  0.000 -1.000') > 0) .and. &
+      any(index(lines, 'node 104:   0.400  0.000  0.000') > 0))
+    failure%code = FAILURE_FREE_FLYING
+    failure%labels = [107]
+    state%new%u = state%old%u
+    state%new%u(3, 27) = state%old%u(3, 27) - 0.25_DP
+    lines = describe_failure(model, system, state, newton, failure)
+    call suite%that('lines: the bodies that moved', count(index(lines, 'body of element') > 0) == 1 .and. &
+      any(index(lines, '2.500E-01') > 0))
   end subroutine check_lines
 
 
