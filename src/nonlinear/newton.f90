@@ -291,7 +291,8 @@ contains
     logical :: is_carried
     n_closed = count(state%new%slaves%status /= STATUS_OPEN)
     is_carried = newton%globalization%step_kind == STEP_KIND_PROXIMAL .and. newton%travel <= mesh_extent(model%mesh)
-    if (is_carried) is_carried = n_closed > newton%most_closed .or. length >= controls%min_travel_edges * minval(system%contact%edge)
+    if (is_carried) is_carried = n_closed > newton%most_closed .or. &
+      length >= controls%min_travel_edges * minval(system%contact%edge)
     newton%most_closed = max(newton%most_closed, n_closed)
     if (.not. is_carried) return
     newton%travel = newton%travel + length
