@@ -79,8 +79,8 @@ contains
           if (allocated(error)) return
           excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, limits, state, du)
         end if
-        is_solved = excess <= limits%max_length_excess .and. (system%is_subproblem_solved .or. .not. system%is_schur_active .or. &
-          step%line_search /= LINE_SEARCH_AUTO)
+        is_solved = excess <= limits%max_length_excess .and. (system%is_subproblem_solved .or. &
+          .not. system%has_interface_solver .or. step%line_search /= LINE_SEARCH_AUTO)
         if (is_solved .or. shift >= limits%max_proximal_shift) exit
         insufficient_shift = shift
         shift = min(limits%max_proximal_shift, shift * merge(excess, limits%snap_shift_ratio, excess > limits%max_length_excess))
