@@ -36,38 +36,8 @@ uses_restart_file = kinds text errors posix
 uses_surfaces = kinds analytic_profiles
 uses_mpc_data = kinds tensor
 uses_steps = kinds controls loads surfaces
-uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps
-
-# input
-uses_cards = kinds text containers errors
-uses_card_schema = kinds text containers cards
-uses_card_materials = card_schema
-uses_card_table = card_schema card_materials
-uses_deck_labels = kinds text containers topology cards
-uses_deck_reader = kinds text containers mesh model cards card_schema
-uses_deck_mesh = kinds text containers materials topology mesh model cards card_schema deck_labels deck_reader
-uses_deck_initial_conditions = kinds text containers loads materials model cards card_schema deck_reader
-uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
-uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
-uses_deck_faces = containers topology mesh deck_reader
-uses_deck_surfaces = kinds text containers loads user_routines topology mesh surfaces model cards card_schema deck_reader deck_analytic_surfaces deck_faces
-uses_deck_contact = kinds text mesh surfaces steps model cards card_schema deck_reader deck_surfaces
-uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
-uses_deck_mpc = kinds text tensor mesh mpc_data model cards card_schema deck_reader
-uses_deck_couplings = kinds text tensor topology mesh mpc_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
-uses_deck_parts = kinds text tensor topology cards
-uses_deck_generate = kinds text tensor cards deck_labels
-uses_deck_parameters = kinds text containers cards
-uses_deck_restart = kinds text errors restart_file model cards card_schema
-uses_explain = text loads materials topology surfaces model cards card_schema deck_reader
-uses_deck_springs = kinds text materials topology mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
-uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_mesh
-uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
-uses_load_propagation = kinds loads model
-uses_deck_loads = kinds text containers loads materials topology model cards card_schema deck_reader deck_surfaces load_propagation
-uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
-uses_deck_traps = text mesh cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
+uses_structural_data = kinds
+uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data
 
 # materials
 uses_logarithmic_strain = kinds tensor
@@ -88,6 +58,44 @@ uses_incompatible_modes = kinds tensor topology
 uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes
 uses_element = kinds tensor materials topology integration_points shape_functions truss_spring_mass plane_elements solid_elements
 uses_hex8_simd = kinds materials topology elasticity shape_functions
+
+# expansion
+uses_directors = kinds tensor topology mesh structural_data shape_functions
+uses_expanded_elements = kinds topology mesh structural_data
+uses_knots = kinds tensor loads mesh mpc_data structural_data model
+uses_expansion = model directors expanded_elements knots
+
+# input
+uses_cards = kinds text containers errors
+uses_card_schema = kinds text containers cards
+uses_card_materials = card_schema
+uses_card_table = card_schema card_materials
+uses_deck_labels = kinds text containers topology cards
+uses_deck_reader = kinds text containers mesh model cards card_schema
+uses_deck_mesh = kinds text containers materials topology mesh model cards card_schema deck_labels deck_reader
+uses_deck_structure = kinds text topology structural_data model expansion cards card_schema deck_reader deck_mesh
+uses_deck_initial_conditions = kinds text containers loads materials model cards card_schema deck_reader deck_structure
+uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
+uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
+uses_deck_faces = containers topology mesh deck_reader
+uses_deck_surfaces = kinds text containers loads user_routines topology mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
+uses_deck_contact = kinds text mesh surfaces steps model cards card_schema deck_reader deck_surfaces
+uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
+uses_deck_mpc = kinds text tensor mesh mpc_data model cards card_schema deck_reader
+uses_deck_couplings = kinds text tensor topology mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
+uses_deck_parts = kinds text tensor topology cards
+uses_deck_generate = kinds text tensor cards deck_labels
+uses_deck_parameters = kinds text containers cards
+uses_deck_restart = kinds text errors restart_file model cards card_schema
+uses_explain = text loads materials topology surfaces model cards card_schema deck_reader
+uses_deck_springs = kinds text materials topology mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
+uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_mesh
+uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
+uses_load_propagation = kinds loads model
+uses_deck_loads = kinds text containers loads materials topology structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
+uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
+uses_deck_traps = text mesh cards card_schema deck_reader
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles topology mesh shape_functions
@@ -151,7 +159,7 @@ uses_schur_interface = kinds errors dense sparse factorization partition woodbur
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
 uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check

@@ -142,7 +142,7 @@ contains
     character(12) :: line
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
-        if (equation%last_step < step%number) cycle
+        if (step%number < equation%first_step .or. step%number > equation%last_step) cycle
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])

@@ -6,7 +6,8 @@
 !!
 !! | constraint | g |
 !! |---|---|
-!! | BODY | a (u_i - u_r - (R(w) - 1) (X_i - X_r)), a a constrained direction; w displacement of the rotation node |
+!! | BODY | a (u_i - u_r - (q R(w) - 1) (X_i - X_r)), a a constrained direction; w displacement of the rotation node; q = 1, or
+!! 1 + e of a knot, e the first displacement of its expansion node |
 !! | PLANE | det(x - x_3, x_1 - x_3, x_2 - x_3) / d^2 |
 !! | STRAIGHT | two components of (x - x_2) x (x_1 - x_2) / d |
 !! | DISTANCE | (|x_1 - x_2|^2 - |X_1 - X_2|^2) / 2 d |
@@ -34,7 +35,7 @@ module amontons_nonlinear_mpc
 
   integer, parameter :: TAG_PRESCRIBED = 1            !< rows of prescribed displacements of transformed nodes
   integer, parameter :: TAG_MPC = 1000000000      !< rows of nonlinear MPCs have this tag and higher ones
-  integer, parameter :: N_RIGID_BODY_TERMS = 9             !< a row of a BODY: node, reference node, rotation node
+  integer, parameter :: N_RIGID_BODY_TERMS = 9             !< a row of a BODY: node, reference node, rotation node; then the stretch
 
 contains
 
@@ -89,6 +90,9 @@ contains
         if (model%rotation_of(i) > 0) is_angle(model%rotation_of(i)) = .true.
       end do
     end if
+    do i = 1, n_nonlinear_mpcs(model)
+      if (model%nonlinear_mpcs(i)%expansion > 0) is_angle(model%nonlinear_mpcs(i)%expansion) = .true.
+    end do
     allocate (rotation_length(0))
     if (any(is_angle)) rotation_length = merge(0.5_DP * mesh_extent(model%mesh), 1.0_DP, is_angle)
   end function find_rotation_lengths
@@ -217,17 +221,22 @@ contains
     real(DP), intent(in) :: coordinates(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
-    real(DP) :: R(3, 3), dR(3, 3, 3), w(3), arm(3), a(3), residual(3), turn(3, 3)
+    real(DP) :: R(3, 3), dR(3, 3, 3), w(3), arm(3), a(3), residual(3), turn(3, 3), e
     integer :: i, k, n
     w = u(:, bond%rotation)
+    e = 0.0_DP
+    if (bond%expansion > 0) e = u(1, bond%expansion)
     call rotation_matrix(merge(w, [0.0_DP, 0.0_DP, 0.0_DP], is_nlgeom), R, dR)
     allocate (rows(count_rows(bond)))
     n = 0
     do i = 1, size(bond%node)
       arm = coordinates(:, bond%node(i)) - coordinates(:, bond%reference)
       turn = reshape([(matmul(dR(:, :, k), arm), k=1, 3)], [3, 3])
-      residual = u(:, bond%node(i)) - u(:, bond%reference) - matmul(turn, w)
-      if (is_nlgeom) residual = u(:, bond%node(i)) - u(:, bond%reference) - matmul(R, arm) + arm
+      residual = u(:, bond%node(i)) - u(:, bond%reference) - matmul(turn, w) - e * arm
+      if (is_nlgeom) then
+        turn = (1.0_DP + e) * turn
+        residual = u(:, bond%node(i)) - u(:, bond%reference) - (1.0_DP + e) * matmul(R, arm) + arm
+      end if
       do k = 1, 3
         if (.not. bond%is_bound(k)) cycle
         n = n + 1
@@ -237,6 +246,10 @@ contains
         allocate (rows(n)%unknown(N_RIGID_BODY_TERMS), rows(n)%coefficient(N_RIGID_BODY_TERMS))
         rows(n)%unknown = [unknowns_of(bond%node(i)), unknowns_of(bond%reference), unknowns_of(bond%rotation)]
         rows(n)%coefficient = [a, -a, -matmul(a, turn)]
+        if (bond%expansion > 0) then
+          rows(n)%unknown = [rows(n)%unknown, 3 * bond%expansion - 2]
+          rows(n)%coefficient = [rows(n)%coefficient, -dot_product(a, matmul(R, arm))]
+        end if
         rows(n)%rhs = -dot_product(a, residual)
         call drop_zeros(rows(n))
       end do
@@ -263,8 +276,8 @@ contains
       rows(k)%unknown = [(unknowns_of(bond%node(i)), i=1, size(bond%node))]
       rows(k)%coefficient = reshape(dg, [size(dg)])
       if (bond%kind == MPC_MEAN_ROTATION) then
-        g = g - find_mean_radius(bond%axis, X) * u(1, bond%reference)
-        rows(k)%unknown = [rows(k)%unknown, 3 * bond%reference - 2]
+        g = g - find_mean_radius(bond%axis, X) * u(bond%pilot_direction, bond%reference)
+        rows(k)%unknown = [rows(k)%unknown, 3 * bond%reference - 3 + bond%pilot_direction]
         rows(k)%coefficient = [rows(k)%coefficient, -find_mean_radius(bond%axis, X)]
       end if
       rows(k)%rhs = -g
@@ -378,6 +391,7 @@ contains
     integer, allocatable :: nodes(:)
     if (bond%kind == MPC_RIGID_BODY) then
       nodes = [bond%rotation]
+      if (bond%expansion > 0) nodes = [nodes, bond%expansion]
     else
       nodes = bond%node
     end if
@@ -427,7 +441,10 @@ contains
     if (bond%kind == MPC_RIGID_BODY) then
       torque = sum_force_moments(bond, coordinates, multiplier)
       call rotation_matrix(u_curved(:, 1), R, dR)
-      slope = [(-sum(dR(:, :, k) * torque), k=1, 3)]
+      slope(:3) = [(-sum(dR(:, :, k) * torque), k=1, 3)]
+      if (bond%expansion == 0) return
+      slope(:3) = (1.0_DP + u_curved(1, 2)) * slope(:3)
+      slope(4) = -sum(R * torque)
       return
     end if
     allocate (dg(3, size(bond%node)))

@@ -168,6 +168,7 @@ contains
       'The elements are chosen by their type alone.', status=ENTRY_IGNORED)
     call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=ENTRY_REJECTED)
     call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=ENTRY_REJECTED)
+    call describe_structural_sections(table)
     call table%card('SPRING', SCOPE_MODEL, 'Gives springs their constant, or with NONLINEAR their force over the elongation.', &
       data= &
       'SPRING1, SPRING2: direction at the first node, at the second; then, and for SPRINGA at once: spring constant, a ' // &
@@ -190,6 +191,36 @@ contains
       status=ENTRY_REJECTED)
     call describe_axes(table)
   end subroutine describe_section
+
+
+  !> Sections of shells and beams.
+  subroutine describe_structural_sections(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('SHELL SECTION', SCOPE_MODEL, 'Gives shells their material and thickness; they are expanded into solids.', &
+      data='thickness; number of section points, which are those of the solids here')
+    call table%option('ELSET', VALUE_NAME, 'The shells.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
+    call table%option('OFFSET', VALUE_TEXT, 'Place of the nodes over the thickness from its middle, towards the normal; ' // &
+      'SPOS is 0.5, SNEG -0.5.', default='0')
+    call table%option('NODAL THICKNESS', VALUE_NONE, 'The thickness is that of *NODAL THICKNESS.')
+    call table%option('SECTION INTEGRATION|CONTROLS|TEMPERATURE|POISSON', VALUE_TEXT, 'The thickness is a solid one, which ' // &
+      'stretches freely.', status=ENTRY_IGNORED)
+    call table%option('COMPOSITE|LAYUP|STACK DIRECTION|SYMMETRIC|ORIENTATION|SHELL THICKNESS|THICKNESS MODULUS|DENSITY', &
+      VALUE_TEXT, 'Shells have one layer of one material here, in the global axes.', status=ENTRY_REJECTED)
+    call table%card('BEAM SECTION', SCOPE_MODEL, 'Gives beams their material and cross-section; they are expanded into solids.', &
+      data='RECT: dimensions along direction 1 and 2; second line: direction 1, default 0, 0, -1')
+    call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
+    call table%option('SECTION', VALUE_WORD, 'RECT: a rectangle.', allowed='RECT', default='required')
+    call table%option('OFFSET1|OFFSET2', VALUE_REAL, 'Place of the nodes over the dimension from the middle, along ' // &
+      'direction 1 and 2.', default='0')
+    call table%option('TEMPERATURE|POISSON|ROTARY INERTIA|NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', &
+      status=ENTRY_REJECTED)
+    call table%card('NODAL THICKNESS', SCOPE_MODEL, 'Thickness at the nodes, for sections with NODAL THICKNESS.', &
+      data='node or node set, thickness, second thickness of beams')
+    call table%card('NORMAL', SCOPE_MODEL, 'Normal of a shell, or first direction of a beam, at a node of an element.', &
+      data='element or element set, node or node set, x, y, z')
+  end subroutine describe_structural_sections
 
 
   !> Local axes.

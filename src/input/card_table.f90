@@ -92,7 +92,8 @@ contains
     call table%card('ELEMENT', SCOPE_MODEL, 'Defines elements; the nodes of an element may continue in further lines.', &
       data='number, node, node, ...')
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
-      'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; T2D2, T2D3, T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.', default='required')
+      'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; S3, S4, S4R, S6, S8, S8R; B31, B31R, B32, B32R; T2D2, T2D3, T3D2, T3D3; ' // &
+      'SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%add_dialect_note('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full.')
@@ -822,12 +823,12 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
-    call table%cards_with(ENTRY_REJECTED, 'BEAM SECTION|BEAM GENERAL SECTION|SHELL SECTION|SHELL GENERAL SECTION|' // &
-      'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|NODAL ' // &
-      'THICKNESS|NORMAL|TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|REBAR|REBAR LAYER|' // &
+    call table%cards_with(ENTRY_REJECTED, 'BEAM GENERAL SECTION|SHELL GENERAL SECTION|' // &
+      'MEMBRANE SECTION|COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
+      'TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|REBAR|REBAR LAYER|' // &
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
-      'All bodies are meshed with solid elements and *SOLID SECTION.')
+      'The sections are *SOLID SECTION, *SHELL SECTION and *BEAM SECTION.')
     call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
     call table%cards_with(ENTRY_REJECTED, 'SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &

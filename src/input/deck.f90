@@ -26,6 +26,7 @@ module amontons_deck
   use amontons_deck_mpc, only: read_distributing_couplings, read_cyclic_symmetry
   use amontons_deck_springs, only: read_springs, read_distance_limits
   use amontons_deck_sets, only: read_sets
+  use amontons_deck_structure, only: read_structural_sections, read_structure
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_deck_traps, only: report_traps
@@ -136,9 +137,11 @@ contains
     call read_sets(reader, draft, model%mesh)
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
+    call read_structural_sections(reader, model, draft)
     call read_springs(reader, model, draft)
     call read_distance_limits(reader, model, draft)
     call select_elements(reader, model, draft)
+    call read_structure(reader, model, draft)
     call read_amplitudes(reader, model)
     call read_time_points(reader)
     call read_surfaces(reader, model)

@@ -15,6 +15,7 @@ module amontons_deck_couplings
     nodes_of_field, is_card
   use amontons_mesh, only: append_node, append_node_copies
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
+  use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, plural, name_key, NUMBER_OK
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at, &
@@ -139,8 +140,9 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer :: c
-    allocate (model%nonlinear_mpcs(0), model%ties(0), model%distributing_couplings(0), model%equations(0))
-    allocate (model%rotation_of(model%mesh%n_nodes), source=0)
+    allocate (model%ties(0), model%distributing_couplings(0))
+    if (.not. allocated(model%equations)) allocate (model%nonlinear_mpcs(0), model%equations(0))   ! else: of shells and beams
+    if (.not. allocated(model%rotation_of)) allocate (model%rotation_of(model%mesh%n_nodes), source=0)
     do c = 1, reader%cards%n_cards               ! first, since nodes of surfaces become others
       if (is_card(reader, c, 'PRE-TENSIONSECTION')) call read_pretension(reader, model, c)
     end do
@@ -263,6 +265,7 @@ contains
     do i = 1, size(NAMES)
       if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
       call nodes_of_set(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
+      if (allocated(model%structure) .and. NAMES(i) /= 'PIN NSET') named = expanded_nodes(model%structure, named)
       is_member(named) = .true.
     end do
     nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))
@@ -415,6 +418,7 @@ contains
         cycle
       end if
       bond%is_bound = [first <= 1, first <= 2 .and. last >= 2, last >= 3]
+      if (last == 6 .and. allocated(model%structure)) nodes = expanded_nodes(model%structure, nodes)   ! their rotations too
       bond%node = pack(nodes, nodes /= bond%reference)
       model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
       if (has_parameter(parameters, 'ORIENTATION')) call set_mpc_axes(model, rule)
@@ -466,6 +470,9 @@ contains
     call make_rotation_node(model, reference, bond%rotation)
     bond%is_bound = is_bound(:3)
     bond%node = pack(model%surfaces(surface)%nodes, model%surfaces(surface)%nodes /= reference)
+    if (allocated(model%structure)) then         ! with the rotations of shells and beams
+      if (all(is_bound(4:))) bond%node = expanded_nodes(model%structure, bond%node)
+    end if
     model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
   end subroutine add_kinematic
 

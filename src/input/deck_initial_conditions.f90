@@ -4,6 +4,7 @@ module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_real
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_structure, only: spread_temperature
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, check_n_fields, &
     check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
   use amontons_loads, only: temperature_type, load_value
@@ -297,13 +298,35 @@ contains
     type(data_row_type), intent(in) :: row
     type(model_type), intent(inout) :: model
     integer, allocatable :: nodes(:)
-    real(DP) :: value
+    real(DP), allocatable :: values(:)
     logical :: is_ok
     is_ok = .true.
-    call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-    call read_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
-    if (is_ok) model%initial_temperature(with_pretension_copies(model, nodes)) = value
+    call read_node_temperatures(reader, row, model, nodes, values, is_ok)
+    if (is_ok) model%initial_temperature(nodes) = values
   end subroutine read_initial_temperature
+
+
+  !> Row: node or node set, temperature, at shells and beams its gradients: of the nodes and of those into which they expand.
+  subroutine read_node_temperatures(reader, row, model, nodes, values, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    type(model_type), intent(in) :: model
+    integer, allocatable, intent(out) :: nodes(:)
+    real(DP), allocatable, intent(out) :: values(:)   !< [temperature]
+    logical, intent(inout) :: is_ok
+    integer, allocatable :: named(:)
+    real(DP) :: value(3)
+    integer :: i
+    call nodes_of_field(reader, model%mesh, row, 1, named, is_ok)
+    call read_real(reader, row, 2, 'temperature', value(1), is_ok, 0.0_DP)
+    value(2:) = 0
+    if (allocated(model%structure)) then
+      do i = 2, 3
+        call read_real(reader, row, i + 1, 'gradient of the temperature', value(i), is_ok, 0.0_DP)
+      end do
+    end if
+    call spread_temperature(model, with_pretension_copies(model, named), value(1), value(2:), nodes, values)
+  end subroutine read_node_temperatures
 
 
   !> Row: element or element set, in the calculix dialect an integration point, then six components; HARDENING has the
@@ -413,6 +436,7 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
+    real(DP), allocatable :: values(:)
     real(DP) :: value
     integer :: amplitude, i
     logical :: is_ok
@@ -427,12 +451,10 @@ contains
     end if
     do while (next_row(reader%cards, row))
       is_ok = .true.
-      call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
-      call read_real(reader, row, 2, 'temperature', value, is_ok, 0.0_DP)
+      call read_node_temperatures(reader, row, model, nodes, values, is_ok)
       if (.not. is_ok) cycle
-      nodes = with_pretension_copies(model, nodes)
       do i = 1, size(nodes)
-        call set_temperature(nodes(i), value, amplitude, thermal)
+        call set_temperature(nodes(i), values(i), amplitude, thermal)
       end do
     end do
   end subroutine read_temperature

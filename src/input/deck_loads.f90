@@ -7,13 +7,16 @@ module amontons_deck_loads
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_word
   use amontons_deck_surfaces, only: face_number
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
+  use amontons_deck_structure, only: is_shell, structural_face
+  use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, &
+    report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_containers, only: name_table_type
   use amontons_loads, only: prescribed_type, has_integral, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, &
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
+  use amontons_structural_data, only: find_node_directors, force_weights, MAX_DIRECTOR_NODES
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
@@ -179,30 +182,12 @@ contains
     type(data_row_type), intent(in) :: row
     logical, intent(out) :: is_fixed(6)
     logical, intent(inout) :: is_ok
-    is_fixed = .false.
     call check_n_fields(reader, row, 2)
-    select case (name_key(field_text(reader%cards, row, 2)))
-    case ('ENCASTRE')
-      is_fixed = .true.
-    case ('PINNED')
-      is_fixed(:3) = .true.
-    case ('XSYMM')
-      is_fixed([1, 5, 6]) = .true.
-    case ('YSYMM')
-      is_fixed([2, 4, 6]) = .true.
-    case ('ZSYMM')
-      is_fixed([3, 4, 5]) = .true.
-    case ('XASYMM')
-      is_fixed([2, 3, 4]) = .true.
-    case ('YASYMM')
-      is_fixed([1, 3, 5]) = .true.
-    case ('ZASYMM')
-      is_fixed([1, 2, 6]) = .true.
-    case default
-      is_ok = .false.
-      call report_error(reader, row%line, 'The second field must be the first degree of freedom, or ENCASTRE, PINNED, ' // &
-        'XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM; it is ''' // field_text(reader%cards, row, 2) // '''.')
-    end select
+    is_fixed = support_dofs(field_text(reader%cards, row, 2))
+    if (any(is_fixed)) return
+    is_ok = .false.
+    call report_error(reader, row%line, 'The second field must be the first degree of freedom, or ENCASTRE, PINNED, ' // &
+      'XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM or ZASYMM; it is ''' // field_text(reader%cards, row, 2) // '''.')
   end subroutine read_support_word
 
 
@@ -241,10 +226,42 @@ contains
             'and couplings do.')
           exit
         end if
-        call add_load(3 * place - 3 + dof_there, value, amplitude, active_loads%step, active_loads%is_step, active_loads%cloads)
+        call add_node_force(model, place, dof_there, value, amplitude, active_loads)
       end do
     end do
   end subroutine read_cload
+
+
+  !> A force on a node; on one of a shell with a single fibre, on the nodes of the fibre.
+  subroutine add_node_force(model, node, dof, value, amplitude, active_loads)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node, dof             !< 1 to 3
+    real(DP), intent(in) :: value
+    integer, intent(in) :: amplitude
+    type(active_loads_type), intent(inout) :: active_loads
+    real(DP) :: weight(MAX_DIRECTOR_NODES), direction(3)
+    integer :: first, last, i, k
+    last = 0
+    first = 1
+    if (allocated(model%structure)) call find_node_directors(model%structure, node, first, last)
+    if (last == first) then
+      weight = force_weights(model%structure%directors(first), model%dialect == DIALECT_CALCULIX)
+      if (model%rotation_of(node) > 0 .and. model%dialect /= DIALECT_CALCULIX) weight = 0   ! a knot
+    end if
+    if (last /= first .or. .not. sum(weight) > 0) then
+      call add_load(3 * node - 3 + dof, value, amplitude, active_loads%step, active_loads%is_step, active_loads%cloads)
+      return
+    end if
+    direction = dof_direction(model, node, dof)
+    associate (nodes => model%structure%directors(first)%nodes)
+      do i = 1, count(nodes > 0)
+        do k = 1, 3
+          if (abs(weight(i) * direction(k)) > 0) call add_load(3 * nodes(i) - 3 + k, value * weight(i) * direction(k), amplitude, &
+            active_loads%step, active_loads%is_step, active_loads%cloads)
+        end do
+      end do
+    end associate
+  end subroutine add_node_force
 
 
   !> DLOAD or DSLOAD in the current step.
@@ -272,7 +289,9 @@ contains
         'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
       if (.not. is_following .and. label /= 'TRVEC') call report_error(reader, row%line, &
         'FOLLOWER=NO is for TRVEC; a pressure follows its face.')
-      if (label == 'P' .or. label == 'PNU') then
+      if (is_shell_load(reader, c, row, label)) then
+        call read_face_pressure(reader, model, row, amplitude, active_loads)
+      else if (label == 'P' .or. label == 'PNU') then
         call read_surface_pressure(reader, model, row, amplitude, active_loads)
       else if (is_card(reader, c, 'DSLOAD') .and. label == 'TRVEC') then
         call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, active_loads)
@@ -291,6 +310,22 @@ contains
       end if
     end do
   end subroutine read_dload
+
+
+  !> Whether a row of DLOAD is a load of shells: P on elements instead of a surface, or EDNORn.
+  logical function is_shell_load(reader, c, row, label)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: label            !< squeezed
+    integer :: number, status
+    is_shell_load = .false.
+    if (.not. is_card(reader, c, 'DLOAD')) return
+    if (is_one_of(label, 'EDNOR1|EDNOR2|EDNOR3|EDNOR4')) is_shell_load = .true.
+    if (.not. (label == 'P' .or. label == 'PNU') .or. reader%surfaces%find(field_text(reader%cards, row, 1)) > 0) return
+    call field_integer(reader%cards, row, 1, number, status)
+    is_shell_load = status == NUMBER_OK .or. reader%element_sets%find(field_text(reader%cards, row, 1)) > 0
+  end function is_shell_load
 
 
   !> Whether a label of DLOAD ends with NU: the user routine DLOAD gives the pressure.
@@ -418,6 +453,7 @@ contains
     type(active_loads_type), intent(inout) :: active_loads
     integer, allocatable :: elements(:)
     type(element_kind_type) :: entry
+    character(:), allocatable :: label
     real(DP) :: value
     integer :: face, i, n_without
     logical :: is_ok
@@ -427,22 +463,47 @@ contains
     call read_real(reader, row, 3, 'pressure', value, is_ok, 0.0_DP)
     if (.not. is_ok) return
     call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
-    face = face_number(strip_nu(field_text(reader%cards, row, 2)), 'P')
+    label = name_key(field_text(reader%cards, row, 2))
     if (is_by_user(field_text(reader%cards, row, 2)) .and. size(elements) > 0) call check_solid_faces(reader, model, row, &
       elements(1))
     n_without = 0
     do i = 1, size(elements)
       entry = element_kind(model%mesh%kind(elements(i)))
-      if (face > entry%n_faces) then
+      face = face_number(strip_nu(label), 'P')
+      if (is_shell(model, elements(i))) then
+        face = structural_face(model, elements(i), label)
+      else if (allocated(model%structure)) then
+        if (model%structure%section(elements(i)) > 0) face = 0
+      end if
+      if (face == 0 .or. face > entry%n_faces) then
         n_without = n_without + 1
       else
-        call add_load(6 * elements(i) - 6 + face, value, amplitude, active_loads%step, active_loads%is_step, &
-          active_loads%pressures, is_by_user(field_text(reader%cards, row, 2)))
+        call add_load(6 * elements(i) - 6 + face, value * pressure_factor(model, elements(i), label), amplitude, &
+          active_loads%step, active_loads%is_step, active_loads%pressures, is_by_user(field_text(reader%cards, row, 2)))
       end if
     end do
-    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &
-      to_text(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here take no load ' // label // &
+      '; tetrahedra have 4 faces (P1 to P4), wedges 5, hexahedra 6; shells take P and EDNOR1 to EDNOR4.')
   end subroutine read_face_pressure
+
+
+  !> The pressure on a face over the value of the load: of EDNORn, a force per length, the inverse of the thickness.
+  pure real(DP) function pressure_factor(model, e, label) result(factor)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                     !< element
+    character(*), intent(in) :: label            !< squeezed
+    integer :: k, n
+    factor = 1
+    if (index(label, 'EDNOR') == 0) return
+    associate (structure => model%structure)
+      n = structure%first(e + 1) - structure%first(e)
+      if (n > 4) n = n / 2
+      k = iachar(label(6:6)) - iachar('1')
+      associate (of => structure%director_of(structure%first(e) + [k, modulo(k + 1, n)]))
+        factor = 2 / sum(structure%directors(of)%thickness(1))
+      end associate
+    end associate
+  end function pressure_factor
 
 
   !> Row: element or element set; GRAV, acceleration, direction; or CENTRIF, square of the angular velocity, point and

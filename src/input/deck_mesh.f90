@@ -15,11 +15,11 @@ module amontons_deck_mesh
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: to_text, plural, NUMBER_OK
+  use amontons_text, only: to_text, plural, is_one_of, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_CPE4, &
     KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
-    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS
+    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family
   implicit none
   private
   public :: element_draft_type, read_nodes, read_elements, read_sections, select_elements, is_in_family, NOT_GIVEN
@@ -40,6 +40,7 @@ module amontons_deck_mesh
     real(DP), allocatable :: section_value(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
+    integer, allocatable :: section(:)           !< (n) index into the sections of shells and beams, 0: none
     integer, allocatable :: mesh_index(:)              !< (n) index in the mesh, 0: dropped
     integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
     integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
@@ -266,6 +267,9 @@ contains
     taken = type
     if (type == 'T2D2') taken = 'T3D2'           ! with the third displacement held, see is_in_plane
     if (type == 'T2D3') taken = 'T3D3'
+    if (is_one_of(type, 'S3R|STRI3')) taken = 'S3'
+    if (type == 'STRI65') taken = 'S6'
+    if (is_one_of(type, 'S4R5|S8R5')) taken = type(:3)
     if (ends_with(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
     do i = 1, size(ENDINGS)
       if (element_kind_by_name(taken) > 0) exit
@@ -406,6 +410,10 @@ contains
             if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
             draft%material(e) = merge(material, -1, material > 0)
             if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
+            if (.not. is_shell_or_beam(draft%kind(e))) cycle
+            call report_error(reader, line, 'The element ' // to_text(draft%label(e)) // ' is a shell, a membrane or a beam; ' // &
+              '*SHELL SECTION or *BEAM SECTION gives it its material.')
+            exit
           end do
         end associate
         if (n_overridden > 0) call report_note(reader, line, plural(n_overridden, 'element') // &
@@ -423,8 +431,16 @@ contains
     is_so = .false.
     if (kind == 0) return
     entry = element_kind(kind)
-    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS])
+    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS]) .and. .not. is_structural_family(entry%family)
   end function is_thin
+
+
+  !> Whether a kind is that of a shell, a membrane or a beam.
+  pure logical function is_shell_or_beam(kind)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    is_shell_or_beam = is_in_family(kind, FAMILY_SHELL) .or. is_in_family(kind, FAMILY_MEMBRANE) .or. &
+      is_in_family(kind, FAMILY_BEAM)
+  end function is_shell_or_beam
 
 
   !> Whether a set contains elements with a thickness or a cross-section.
@@ -517,7 +533,8 @@ contains
     integer :: n
     n = 0
     if (is_thin(kind)) n = 2
-    if (is_in_family(kind, FAMILY_TRUSS)) n = 1
+    if (is_in_family(kind, FAMILY_SHELL) .or. is_in_family(kind, FAMILY_MEMBRANE)) n = 2
+    if (is_in_family(kind, FAMILY_TRUSS) .or. is_in_family(kind, FAMILY_BEAM)) n = 1
     if (is_in_family(kind, FAMILY_SOLID)) n = 3
   end function n_dimensions
 
@@ -570,10 +587,13 @@ contains
       card = 'SOLID SECTION'
       do e = draft%element_first(c), draft%element_last(c)
         if (draft%kind(e) == 0) cycle
+        if (is_in_family(draft%kind(e), FAMILY_SHELL)) card = 'SHELL SECTION'
+        if (is_in_family(draft%kind(e), FAMILY_MEMBRANE)) card = 'MEMBRANE SECTION'
+        if (is_in_family(draft%kind(e), FAMILY_BEAM)) card = 'BEAM SECTION'
         if (is_in_family(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
         if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
         if (is_in_family(draft%kind(e), FAMILY_MASS)) card = 'MASS'
-        if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, card == 'SOLID SECTION')) cycle
+        if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, index(card, 'SECTION') > 0)) cycle
         n = n + 1
         if (first == 0) first = draft%label(e)
       end do
@@ -650,8 +670,7 @@ contains
     if (begins_with(type, 'CPS') .or. begins_with(type, 'CPE') .or. begins_with(type, &
       'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
-    if (is_structural(type)) advice = 'Shells, beams and membranes are not there yet: mesh the body with solids (C3D8I ' // &
-      'or C3D20R bend well).'
+    if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the beams B31, B31R, B32, B32R.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
     if (begins_with(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
     if (begins_with(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'

@@ -21,10 +21,10 @@ module amontons_deck_parts
     'ANALYTICALSURFACE'
   !< parameters whose values are names or numbers of a part
   character(*), parameter :: CARDS_WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
-  character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
+  character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|SHELLSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
     'DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'            !< their data lines have no numbers of a part
 
-  character(*), parameter :: REJECTED_CARDS = 'SHELLSECTION|SHELLGENERALSECTION|BEAMSECTION|BEAMGENERALSECTION|MEMBRANESECTION|' &
+  character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|BEAMGENERALSECTION|MEMBRANESECTION|' &
     // &
     'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
     'EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
@@ -530,6 +530,15 @@ contains
           text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, &
             name_key(parameter_value(cards, c, 'TYPE')) == 'NODE'), 1)
         end if
+      case ('BEAMSECTION')
+        if (is_rotated(scope)) then
+          call messages%add(cards%cards(c)%line, 'The card *BEAM SECTION inside a part whose instance is rotated is not ' // &
+            'supported: its first direction is a global one. Write it after *END ASSEMBLY, with the names INSTANCE.SET.')
+          return
+        end if
+        text = line_text(cards, row%line)
+      case ('NODALTHICKNESS')
+        text = first_row(cards, work, row, scope, scope%node_shift, 1)
       case ('EQUATION')
         text = first_row(cards, work, row, scope, scope%node_shift, merge(0, 3, row%n == 1))
       case ('MPC')

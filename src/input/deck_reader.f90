@@ -14,7 +14,7 @@ module amontons_deck_reader
   public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data
   public :: has_decimal_comma, DECIMAL_COMMA_TEXT
-  public :: read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+  public :: support_dofs, read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
 
   character(*), parameter :: DECIMAL_COMMA_TEXT = 'This looks like decimal commas: a comma parts two numbers, and a point is ' // &
     'the decimal mark (0.3). If the numbers are meant as they are, put blanks after all commas.'
@@ -338,5 +338,32 @@ contains
     if (max(dot - 1, len(key) - dot) > NAME_LENGTH) call report_error(reader, reader%cards%cards(c)%line, 'The name ''' // name &
       // ''' has more than ' // to_text(NAME_LENGTH) // ' characters.')
   end subroutine check_name
+
+
+  !> The degrees of freedom that a word of BOUNDARY such as PINNED or XSYMM fixes; none: unknown word.
+  pure function support_dofs(word) result(is_fixed)
+    character(*), intent(in) :: word
+    logical :: is_fixed(6)
+    is_fixed = .false.
+    select case (name_key(word))
+    case ('ENCASTRE')
+      is_fixed = .true.
+    case ('PINNED')
+      is_fixed(:3) = .true.
+    case ('XSYMM')
+      is_fixed([1, 5, 6]) = .true.
+    case ('YSYMM')
+      is_fixed([2, 4, 6]) = .true.
+    case ('ZSYMM')
+      is_fixed([3, 4, 5]) = .true.
+    case ('XASYMM')
+      is_fixed([2, 3, 4]) = .true.
+    case ('YASYMM')
+      is_fixed([1, 3, 5]) = .true.
+    case ('ZASYMM')
+      is_fixed([1, 2, 6]) = .true.
+    case default                                   ! unknown: none
+    end select
+  end function support_dofs
 
 end module amontons_deck_reader

@@ -7,6 +7,7 @@ module amontons_deck_surfaces
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     read_user_constants, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_deck_analytic_surfaces, only: read_profile, is_analytic_type
+  use amontons_deck_structure, only: is_shell, structural_face
   use amontons_deck_faces, only: node_elements_type, find_free_faces, find_omitted_faces, count_shared_faces
   use amontons_loads, only: amplitude_type, equation_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, &
     AMPLITUDE_MODULATED, &
@@ -16,7 +17,7 @@ module amontons_deck_surfaces
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
-  use amontons_text, only: to_text, name_key, parse_real, plural, NUMBER_OK, NEWLINE
+  use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, NUMBER_OK, NEWLINE
   use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
@@ -358,7 +359,7 @@ contains
       else if (surface%is_node_based) then
         call read_surface_nodes(reader, model%mesh, c, stamp, surface)
       else
-        call read_surface_faces(reader, model%mesh, c, stamp, index, surface)
+        call read_surface_faces(reader, model, c, stamp, index, surface)
       end if
       model%surfaces = [model%surfaces, surface]
       if (position < size(model%surfaces)) call rename_node_surface(model%surfaces, position)
@@ -425,9 +426,9 @@ contains
 
 
   !> A surface of element faces; its nodes follow from them.
-  subroutine read_surface_faces(reader, mesh, c, stamp, index, surface)
+  subroutine read_surface_faces(reader, model, c, stamp, index, surface)
     type(reader_type), intent(inout) :: reader
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     integer, intent(in) :: c
     integer, intent(inout) :: stamp(:)           !< last card that took a face; free to use
     type(node_elements_type), intent(inout) :: index     !< of faces, created on first use
@@ -436,6 +437,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(integer_list_type) :: elements, faces
     integer, allocatable :: found(:)
+    character(:), allocatable :: label
     integer :: i, face, n_without, n_hidden
     logical :: is_ok
     call open_card(reader, c, parameters, row)
@@ -443,36 +445,40 @@ contains
     do while (next_row(reader%cards, row))
       call check_n_fields(reader, row, 2)
       if (field_text(reader%cards, row, 2) == '') then
-        call add_free_faces(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+        call add_free_faces(reader, model, row, index, c, stamp, elements, faces, is_ok)
         cycle
       end if
-      call elements_of_field(reader, mesh, row, 1, found, is_ok)
-      face = face_number(field_text(reader%cards, row, 2), 'S')
-      if (face == 0) then
-        call report_error(reader, row%line, 'The second field must be a face S1 to S6, or nothing for all free faces; it is ''' // &
-          field_text(reader%cards, row, 2) // '''.')
+      call elements_of_field(reader, model%mesh, row, 1, found, is_ok)
+      label = name_key(field_text(reader%cards, row, 2))
+      if (face_number(label, 'S') == 0 .and. .not. is_one_of(label, 'SPOS|SNEG|E1|E2|E3|E4')) then
+        call report_error(reader, row%line, 'The second field must be a face S1 to S6, of shells SPOS, SNEG or an edge E1 to ' // &
+          'E4, or nothing for all free faces; it is ''' // field_text(reader%cards, row, 2) // '''.')
         is_ok = .false.
         cycle
       end if
       n_without = 0
       do i = 1, size(found)
-        if (face > n_faces(mesh, found(i))) n_without = n_without + 1
-        if (face > n_faces(mesh, found(i)) .or. stamp(6 * found(i) - 6 + face) == -c) cycle
+        face = face_number(label, 'S')
+        if (is_shell(model, found(i))) face = structural_face(model, found(i), label)
+        if (face > n_faces(model%mesh, found(i))) face = 0
+        if (face == 0) n_without = n_without + 1
+        if (face == 0) cycle
+        if (stamp(6 * found(i) - 6 + face) == -c) cycle
         stamp(6 * found(i) - 6 + face) = -c
         call elements%add(found(i))
         call faces%add(face)
       end do
       if (n_without > 0) is_ok = .false.
-      if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here have no face S' // &
-        to_text(face) // '; tetrahedra have 4 faces, wedges 5, hexahedra 6.')
+      if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &
+        label // '; tetrahedra have 4 faces (S1 to S4), wedges 5, hexahedra 6; shells have SPOS, SNEG and edges E1 to E4.')
     end do
     if (is_ok .and. elements%n == 0) call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // &
       surface%name // ''' has no faces.')
     surface%element = elements%trimmed()
     surface%face = faces%trimmed()
-    call fill_surface_nodes(mesh, surface)
+    call fill_surface_nodes(model%mesh, surface)
     if (.not. is_ok) return
-    n_hidden = count_shared_faces(index, mesh, surface%element, surface%face)
+    n_hidden = count_shared_faces(index, model%mesh, surface%element, surface%face)
     if (n_hidden > 0 .and. n_hidden < size(surface%face)) call report_note(reader, reader%cards%cards(c)%line, 'The surface ''' // &
       surface%name // ''' holds faces inside the body, ' // to_text(n_hidden) // ' of ' // to_text(size(surface%face)) // &
       ': another element shares them. The name of the set alone, without S1 to S6, takes its free faces.')
@@ -480,9 +486,9 @@ contains
 
 
   !> A row without a face: the free faces of solids; for faces written by a mesh generator the element faces under them.
-  subroutine add_free_faces(reader, mesh, row, index, c, stamp, elements, faces, is_ok)
+  subroutine add_free_faces(reader, model, row, index, c, stamp, elements, faces, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(mesh_type), intent(in) :: mesh
+    type(model_type), intent(in) :: model
     type(data_row_type), intent(in) :: row
     type(node_elements_type), intent(inout) :: index
     integer, intent(in) :: c                     !< index of the card
@@ -494,10 +500,10 @@ contains
     n_without = 0
     call omitted_of_field(reader, row, left)
     if (size(left) > 0) then
-      call find_omitted_faces(reader, index, mesh, left, element, face, n_without)
+      call find_omitted_faces(reader, index, model%mesh, left, element, face, n_without)
     else
-      call elements_of_field(reader, mesh, row, 1, members, is_ok)
-      call find_free_faces(index, mesh, members, element, face)
+      call elements_of_field(reader, model%mesh, row, 1, members, is_ok)
+      call find_free_faces(index, model%mesh, members, element, face)
       if (is_ok .and. size(element) == 0) call report_error(reader, row%line, 'The elements ''' // &
         field_text(reader%cards, row, 1) // ''' have no free face; name the faces S1 to S6.')
       if (size(element) == 0) is_ok = .false.
@@ -506,6 +512,7 @@ contains
     if (n_without > 0) is_ok = .false.
     do i = 1, size(element)
       if (stamp(6 * element(i) - 6 + face(i)) == -c) cycle
+      if (face(i) > 2 .and. is_shell(model, element(i))) cycle   ! both sides, not the edges
       stamp(6 * element(i) - 6 + face(i)) = -c
       call elements%add(element(i))
       call faces%add(face(i))

@@ -89,6 +89,7 @@ module amontons_loads
     character(24) :: card = 'EQUATION'           !< keyword of the card that defines it, for messages
     integer :: line = 0                          !< line of the card in the deck, for messages
     integer :: deck_dof = 0                     !< degree of freedom of the first term as given in the deck
+    integer :: first_step = 1                    !< the first step in which it is active
     integer :: last_step = huge(1)               !< EQUATION, REMOVE: the last step in which it is active
   end type equation_type
 

@@ -7,7 +7,7 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent, &
+  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_nodes, append_node_copies, mesh_extent, &
     find_connected_nodes
 
   !> A named list of nodes or elements.
@@ -35,6 +35,8 @@ module amontons_mesh
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
     logical, allocatable :: is_auxiliary(:)         !< (n_nodes) it has no displacement but a rotation vector or a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
+    logical, allocatable :: is_expanded(:)         !< (nodes of the deck) node of shells or beams, which moves with those into which
+                                                   !! it expands; unallocated: there are none
     logical, allocatable :: is_in_plane(:)                !< (n_elements) a truss whose nodes stay in the plane z = 0; may be absent
     logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none has stiffness in this direction
     type(set_type), allocatable :: node_sets(:)
@@ -79,6 +81,8 @@ contains
     is_used(mesh%nodes) = .true.
     mesh%has_elements = is_used(1:)
     mesh%is_unstiffened = spread(mesh%has_elements, 1, 3)
+    if (allocated(mesh%is_expanded)) mesh%is_unstiffened(:, :size(mesh%is_expanded)) = &
+      mesh%is_unstiffened(:, :size(mesh%is_expanded)) .and. .not. spread(mesh%is_expanded, 1, 3)
     do e = 1, mesh%n_elements
       entry = element_kind(mesh%kind(e))
       do i = mesh%first(e), mesh%first(e + 1) - 1
@@ -144,6 +148,21 @@ contains
   end subroutine append_node
 
 
+  !> Appends nodes without elements; their labels follow the largest. Cost: linear.
+  subroutine append_nodes(mesh, x)
+    type(mesh_type), intent(inout) :: mesh         !< finished
+    real(DP), intent(in) :: x(:, :)                !< (3, n) positions; they become n_nodes + 1, ... in this order [length]
+    integer :: i, n
+    n = size(x, 2)
+    mesh%coordinates = reshape([mesh%coordinates, x], [3, mesh%n_nodes + n])
+    mesh%is_unstiffened = reshape([mesh%is_unstiffened, spread(spread(.false., 1, 3), 2, n)], [3, mesh%n_nodes + n])
+    mesh%is_auxiliary = [mesh%is_auxiliary, spread(.false., 1, n)]
+    mesh%has_elements = [mesh%has_elements, spread(.false., 1, n)]
+    mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + [(i, i=1, n)]]
+    mesh%n_nodes = mesh%n_nodes + n
+  end subroutine append_nodes
+
+
   !> The diagonal of the bounding box of the mesh [length].
   pure real(DP) function mesh_extent(mesh)
     type(mesh_type), intent(in) :: mesh
@@ -155,14 +174,10 @@ contains
   subroutine append_node_copies(mesh, nodes)
     type(mesh_type), intent(inout) :: mesh         !< finished
     integer, intent(in) :: nodes(:)                !< their copies become n_nodes + 1, ... in this order
-    integer :: i, n
-    n = size(nodes)
-    mesh%coordinates = reshape([mesh%coordinates, mesh%coordinates(:, nodes)], [3, mesh%n_nodes + n])
-    mesh%is_unstiffened = reshape([mesh%is_unstiffened, mesh%is_unstiffened(:, nodes)], [3, mesh%n_nodes + n])
-    mesh%is_auxiliary = [mesh%is_auxiliary, spread(.false., 1, n)]
-    mesh%has_elements = [mesh%has_elements, spread(.false., 1, n)]
-    mesh%node_label = [mesh%node_label, maxval(mesh%node_label) + [(i, i=1, n)]]
-    mesh%n_nodes = mesh%n_nodes + n
+    integer :: n_before
+    n_before = mesh%n_nodes
+    call append_nodes(mesh, mesh%coordinates(:, nodes))
+    mesh%is_unstiffened(:, n_before + 1:) = mesh%is_unstiffened(:, nodes)
   end subroutine append_node_copies
 
 

@@ -9,6 +9,7 @@ module amontons_model
   use amontons_loads, only: amplitude_type, equation_type, load_type, load_value, integrated_velocity
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
+  use amontons_structural_data, only: structure_type
   use amontons_user_routines, only: user_library_type
   implicit none
   private
@@ -54,6 +55,7 @@ module amontons_model
     character(:), allocatable :: heading        !< text of *HEADING, lines joined by newline
     character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline
     type(mesh_type) :: mesh
+    type(structure_type), allocatable :: structure    !< shells, membranes and beams before expansion; unallocated: there are none
     type(material_type), allocatable :: materials(:)
     type(spring_type), allocatable :: springs(:)      !< spring laws beyond a constant; unallocated: none
     type(surface_type), allocatable :: surfaces(:)

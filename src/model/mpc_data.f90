@@ -22,6 +22,8 @@ module amontons_mpc_data
     integer, allocatable :: node(:)          !< the constrained nodes; PLANE, STRAIGHT: the node, then those that define it
     integer :: reference = 0                 !< BODY: the reference node; MEAN_ROTATION: the pilot node, its first displacement
     integer :: rotation = 0                  !< BODY: the rotation node
+    integer :: expansion = 0                 !< BODY: the node whose first displacement is its uniform stretch, 0: it is rigid
+    integer :: pilot_direction = 1           !< MEAN_ROTATION: the displacement of the pilot node that is the angle
     logical :: is_bound(3) = .true.          !< BODY: constrained directions
     real(DP), allocatable :: axes(:, :, :)   !< (3, 3, n) BODY: these directions at each node, columns; else x, y, z
     real(DP) :: axis(3) = 0                  !< MEAN_ROTATION: unit vector of the axis

@@ -12,9 +12,11 @@ module amontons_topology
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
   public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS
+  public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, KIND_M3D6, KIND_M3D8, &
+    KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
-    FAMILY_MASS
+    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
   public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
@@ -57,11 +59,29 @@ module amontons_topology
   integer, parameter :: KIND_GAPUNI = 36      !< gap between two nodes, in one direction
   integer, parameter :: KIND_MASS = 37        !< point mass
   integer, parameter :: N_KINDS = 37
+  ! Kinds of a deck only: the reader expands them into solids (folder expansion).
+  integer, parameter :: KIND_S3 = 38          !< shells
+  integer, parameter :: KIND_S4 = 39
+  integer, parameter :: KIND_S4R = 40
+  integer, parameter :: KIND_S6 = 41
+  integer, parameter :: KIND_S8 = 42
+  integer, parameter :: KIND_S8R = 43
+  integer, parameter :: KIND_M3D3 = 44        !< membranes
+  integer, parameter :: KIND_M3D4 = 45
+  integer, parameter :: KIND_M3D4R = 46
+  integer, parameter :: KIND_M3D6 = 47
+  integer, parameter :: KIND_M3D8 = 48
+  integer, parameter :: KIND_M3D8R = 49
+  integer, parameter :: KIND_B31 = 50         !< beams
+  integer, parameter :: KIND_B31R = 51
+  integer, parameter :: KIND_B32 = 52         !< end, middle, end
+  integer, parameter :: KIND_B32R = 53
+  integer, parameter :: N_DECK_KINDS = 53
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
-    FAMILY_TRUSS = 5, FAMILY_SPRING = 6, FAMILY_MASS = 7
+    FAMILY_TRUSS = 5, FAMILY_SPRING = 6, FAMILY_MASS = 7, FAMILY_SHELL = 8, FAMILY_MEMBRANE = 9, FAMILY_BEAM = 10
 
   ! Edges are the facets of plane and axisymmetric elements.
   integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
@@ -138,6 +158,18 @@ contains
       entry = element_kind_type(name='GAPUNI', family=FAMILY_SPRING, n_nodes=2, vtk_type=3)
     case (KIND_MASS)
       entry = element_kind_type(name='MASS', family=FAMILY_MASS, n_nodes=1, vtk_type=1)
+    case (KIND_S3:KIND_S8R)
+      entry = surface_kind('S', FAMILY_SHELL, kind - KIND_S3)
+    case (KIND_M3D3:KIND_M3D8R)
+      entry = surface_kind('M3D', FAMILY_MEMBRANE, kind - KIND_M3D3)
+    case (KIND_B31)
+      entry = element_kind_type(name='B31', family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
+    case (KIND_B31R)
+      entry = element_kind_type(name='B31R', family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
+    case (KIND_B32)
+      entry = element_kind_type(name='B32', family=FAMILY_BEAM, n_nodes=3, vtk_type=21)
+    case (KIND_B32R)
+      entry = element_kind_type(name='B32R', family=FAMILY_BEAM, n_nodes=3, vtk_type=21)
     end select
   end function element_kind
 
@@ -157,7 +189,7 @@ contains
     character(*), intent(in) :: name          !< e.g. 'C3D8'
     integer :: kind
     type(element_kind_type) :: entry
-    do kind = 1, N_KINDS
+    do kind = 1, N_DECK_KINDS
       entry = element_kind(kind)
       if (entry%name == name) return
     end do
@@ -214,6 +246,25 @@ contains
       if (NODES(shape) > n) entry%face_nodes(3, i) = n + i
     end do
   end function plane_kind
+
+
+  !> Entries of the shells and membranes; their faces are those of the solids into which they are expanded.
+  pure function surface_kind(prefix, family, shape) result(entry)
+    character(*), intent(in) :: prefix
+    integer, intent(in) :: family             !< FAMILY_...
+    integer, intent(in) :: shape              !< 0 to 5: 3, 4, 4R, 6, 8, 8R
+    type(element_kind_type) :: entry
+    character(2), parameter :: NAMES(0:5) = ['3 ', '4 ', '4R', '6 ', '8 ', '8R']
+    integer, parameter :: NODES(0:5) = [3, 4, 4, 6, 8, 8], VTK(0:5) = [5, 9, 9, 22, 23, 23]
+    entry = element_kind_type(name=prefix // trim(NAMES(shape)), family=family, n_nodes=NODES(shape), vtk_type=VTK(shape))
+  end function surface_kind
+
+
+  !> Whether a family is one of shells, membranes or beams.
+  elemental logical function is_structural_family(family)
+    integer, intent(in) :: family             !< FAMILY_...
+    is_structural_family = family == FAMILY_SHELL .or. family == FAMILY_MEMBRANE .or. family == FAMILY_BEAM
+  end function is_structural_family
 
 
   !> Entries of the hexahedra.

@@ -148,10 +148,33 @@ contains
         if (is_contact_inside) force(:, node) = force(:, node) - fields%contact_force(:, node)
       end associate
     end do
+    call add_expanded_forces(model, fields, force)
     call convert_to_sector(model%mesh, absent_elements(model, fields%step), fields, model%steps(max(1, fields%step))%is_nlgeom, &
       force)
     if (present(is_field)) force = force / sector_share(model)   ! fields contain forces of the full circle
   end function printed_forces
+
+
+  !> The force at a node of shells or beams is the sum of those at the nodes into which it expands.
+  pure subroutine add_expanded_forces(model, fields, force)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(inout) :: force(:, :)         !< (3, n_nodes) [force]
+    integer :: i
+    if (.not. allocated(model%structure)) return
+    associate (directors => model%structure%directors)
+      do i = 1, size(directors)
+        associate (node => directors(i)%node)
+          if (.not. model%mesh%has_elements(node)) force(:, node) = 0
+        end associate
+      end do
+      do i = 1, size(directors)
+        associate (node => directors(i)%node, nodes => directors(i)%nodes(:count(directors(i)%nodes > 0)))
+          force(:, node) = force(:, node) + sum(fields%internal_force(:, nodes), dim=2)
+        end associate
+      end do
+    end associate
+  end subroutine add_expanded_forces
 
 
   !> A block of vectors at the nodes of a set.

@@ -23,7 +23,7 @@ MAX_FILE_LINES = 900
 MODULES_THAT_STOP = {"main"}
 MODULES_THAT_PRINT = {"main", "logger"}
 MODULES_THAT_SET_UP = {"model_setup", "user_routine_setup"}
-FOLDERS_THAT_SET_UP = {"model", "input"}
+FOLDERS_THAT_SET_UP = {"model", "expansion", "input"}
 
 PREFIX = r"(?:(?:pure|impure|elemental|recursive|non_recursive|module|(?:integer|real|logical|character|type|class)\s*\([^)]*\)|integer|real|logical)\s+)*"
 PROCEDURE = re.compile(rf"^{PREFIX}(?P<kind>subroutine|function)\s+(?P<name>\w+)\s*(?:\((?P<arguments>[^)]*)\))?", re.I)

@@ -89,6 +89,9 @@ contains
         bond%reference = 5
         bond%rotation = 6
         bond%is_bound(2) = .false.
+        call check_rows(suite, bond, X, .true.)
+        call check_curvature(suite, bond, X)
+        bond%expansion = 7
       case (MPC_PLANE)
         bond%node = [5, 1, 2, 3]
       case (MPC_STRAIGHT)
@@ -98,6 +101,7 @@ contains
       case (MPC_MEAN_ROTATION)
         bond%node = [1, 2, 3, 4, 7]
         bond%reference = 6
+        bond%pilot_direction = 2
         bond%axis = [1.0_DP, 2.0_DP, 2.0_DP] / 3.0_DP
       end select
       call check_rows(suite, bond, X, .true.)

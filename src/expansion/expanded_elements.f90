@@ -1,0 +1,176 @@
+!> Expanded elements: the solids of shells, membranes and beams, and their nodes.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! | deck | solid | local nodes |
+!! |---|---|---|
+!! | S3, S4, S6, S8 | C3D6, C3D8I, C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
+!! | B31, B32 | C3D8I, C3D20 | the first local axis along the beam, the second against direction 2, the third along direction 1 |
+!!
+!! S4R gives C3D8R, under the abaqus dialect C3D8I, which bends without hourglass stiffness; S8R gives C3D20R. The faces: 1 is
+!! SNEG, 2 is SPOS, 2 + k is edge k of a shell.
+module amontons_expanded_elements
+  use amontons_kinds, only: DP
+  use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
+  use amontons_structural_data, only: structure_type, director_type
+  use amontons_topology, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, &
+    KIND_M3D6, KIND_M3D8, KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, &
+    KIND_C3D20, KIND_C3D20R
+  implicit none
+  private
+  public :: expand_elements, expanded_kind
+
+contains
+
+  !> Creates the nodes of the directors and replaces the structural elements by solids.
+  subroutine expand_elements(mesh, structure, is_calculix)
+    type(mesh_type), intent(inout) :: mesh
+    type(structure_type), intent(inout) :: structure   !< in: with directors; out: with their nodes
+    logical, intent(in) :: is_calculix           !< dialect
+    integer, allocatable :: first(:), nodes(:), solid(:)
+    integer :: e, n
+    call create_nodes(mesh, structure)
+    allocate (first(mesh%n_elements + 1), nodes(20 * mesh%n_elements))
+    first(1) = 1
+    do e = 1, mesh%n_elements
+      associate (from => structure%first(e), to => structure%first(e + 1) - 1)
+        if (structure%section(e) == 0) then
+          solid = structure%nodes(from:to)
+        else
+          mesh%kind(e) = expanded_kind(structure%kind(e), is_calculix)
+          if (structure%directors(structure%director_of(from))%n_outer == 4) then
+            solid = beam_nodes(structure%directors(structure%director_of(from:to)))
+          else
+            solid = shell_nodes(structure%directors(structure%director_of(from:to)))
+          end if
+        end if
+      end associate
+      n = size(solid)
+      first(e + 1) = first(e) + n
+      nodes(first(e):first(e + 1) - 1) = solid
+    end do
+    mesh%first = first
+    mesh%nodes = nodes(:first(mesh%n_elements + 1) - 1)
+    call finalize_mesh(mesh)
+  end subroutine expand_elements
+
+
+  !> The solid of a structural kind.
+  pure integer function expanded_kind(kind, is_calculix) result(solid)
+    integer, intent(in) :: kind                  !< KIND_... of the deck
+    logical, intent(in) :: is_calculix           !< dialect
+    select case (kind)
+    case (KIND_S3, KIND_M3D3)
+      solid = KIND_C3D6
+    case (KIND_S4, KIND_M3D4, KIND_B31)
+      solid = KIND_C3D8I
+    case (KIND_S4R, KIND_M3D4R, KIND_B31R)
+      solid = merge(KIND_C3D8R, KIND_C3D8I, is_calculix)
+    case (KIND_S6, KIND_M3D6)
+      solid = KIND_C3D15
+    case (KIND_S8, KIND_M3D8)
+      solid = KIND_C3D20
+    case (KIND_B32, KIND_B32R)                   ! a row of C3D20R has hourglass modes
+      solid = KIND_C3D20
+    case (KIND_S8R, KIND_M3D8R)
+      solid = KIND_C3D20R
+    case default                                 ! not structural
+      solid = kind
+    end select
+  end function expanded_kind
+
+
+  !> The nodes of all directors; those between the outer ones only where a quadratic element has a corner.
+  subroutine create_nodes(mesh, structure)
+    type(mesh_type), intent(inout) :: mesh
+    type(structure_type), intent(inout) :: structure
+    logical, allocatable :: is_corner(:)
+    real(DP), allocatable :: x(:, :)
+    integer :: e, i, k, n, n_corners
+    allocate (is_corner(size(structure%directors)), source=.false.)
+    do e = 1, mesh%n_elements
+      if (structure%section(e) == 0) cycle
+      n_corners = quadratic_corners(structure%kind(e))
+      associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1))
+        if (n_corners == 2) then                 ! a beam: end, middle, end
+          is_corner(of([1, 3])) = .true.
+        else
+          is_corner(of(:n_corners)) = .true.
+        end if
+      end associate
+    end do
+    allocate (x(3, 8 * size(structure%directors)))
+    n = 0
+    do i = 1, size(structure%directors)
+      associate (director => structure%directors(i))
+        do k = 1, director%n_outer + merge(director%n_outer - merge(1, 0, director%n_outer == 2), 0, is_corner(i))
+          n = n + 1
+          x(:, n) = director_position(director, mesh%coordinates(:, director%node), k)
+          director%nodes(k) = mesh%n_nodes + n
+        end do
+      end associate
+    end do
+    call append_nodes(mesh, x(:, :n))
+  end subroutine create_nodes
+
+
+  !> The number of corners of a quadratic kind; 0: the kind is linear.
+  pure integer function quadratic_corners(kind) result(n)
+    integer, intent(in) :: kind                  !< KIND_... of the deck
+    select case (kind)
+    case (KIND_S6, KIND_M3D6)
+      n = 3
+    case (KIND_S8, KIND_S8R, KIND_M3D8, KIND_M3D8R)
+      n = 4
+    case (KIND_B32, KIND_B32R)
+      n = 2
+    case default                                 ! linear
+      n = 0
+    end select
+  end function quadratic_corners
+
+
+  !> The position of a node of a director. Shells: bottom, top, middle; beams: corners (-1, +2), (-1, -2), (+1, -2), (+1, +2), then
+  !! the sides between them.
+  pure function director_position(director, x, k) result(position)
+    type(director_type), intent(in) :: director
+    real(DP), intent(in) :: x(3)                 !< of the node of the deck [length]
+    integer, intent(in) :: k                     !< index into director%nodes
+    real(DP) :: position(3)
+    real(DP), parameter :: FIBRE(3) = [-0.5_DP, 0.5_DP, 0.0_DP]
+    real(DP), parameter :: CROSS_SECTION(2, 8) = 0.5_DP * reshape([real(DP) :: -1, 1, -1, -1, 1, -1, 1, 1, &
+      -1, 0, 0, -1, 1, 0, 0, 1], [2, 8])
+    if (director%n_outer == 2) then
+      position = x + (FIBRE(k) - director%offset(1)) * director%thickness(1) * director%axes(:, 1)
+    else
+      position = x + matmul(director%axes, (CROSS_SECTION(:, k) - director%offset) * director%thickness)
+    end if
+  end function director_position
+
+
+  !> The nodes of the solid of a shell with 3, 4, 6 or 8 nodes.
+  pure function shell_nodes(directors) result(nodes)
+    type(director_type), intent(in) :: directors(:)   !< at its nodes
+    integer, allocatable :: nodes(:)
+    integer :: n, a
+    n = size(directors)
+    if (n > 4) n = n / 2
+    nodes = [(directors(a)%nodes(1), a=1, n), (directors(a)%nodes(2), a=1, n)]
+    if (size(directors) > 4) nodes = [nodes, (directors(a)%nodes(1), a=n + 1, 2 * n), (directors(a)%nodes(2), a=n + 1, 2 * n), &
+      (directors(a)%nodes(3), a=1, n)]
+  end function shell_nodes
+
+
+  !> The nodes of the solid of a beam with 2 or 3 nodes.
+  pure function beam_nodes(directors) result(nodes)
+    type(director_type), intent(in) :: directors(:)   !< at its nodes: end, (middle,) end
+    integer, allocatable :: nodes(:)
+    associate (p => directors(1)%nodes, q => directors(size(directors))%nodes)
+      nodes = [p(1), q(1), q(2), p(2), p(4), q(4), q(3), p(3)]
+      if (size(directors) == 2) return
+      associate (m => directors(2)%nodes)
+        nodes = [nodes, m(1), q(5), m(2), p(5), m(4), q(7), m(3), p(7), p(8), q(8), q(6), p(6)]
+      end associate
+    end associate
+  end function beam_nodes
+
+end module amontons_expanded_elements

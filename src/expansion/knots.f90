@@ -1,0 +1,228 @@
+!> Knots and ties: how the nodes of the deck move with the nodes into which they expand.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! A node with one director moves with the mean of it. Where rotations or moments act, the mean rotations of the fibre or of the
+!! cross-section are those of a rotation node.
+!!
+!! A node with several directors is a knot: all their nodes follow the node, its rotation w and a uniform stretch e,
+!! u_i = u + ((1 + e) R(w) - 1) (X_i - X). The stretch leaves the Poisson strain across the thickness free; a single
+!! fibre of a shell as a knot is no constraint at all, since it has as many degrees of freedom. The drill about fibres that are all
+!! parallel has no stiffness and is held.
+module amontons_knots
+  use amontons_kinds, only: DP
+  use amontons_loads, only: equation_type
+  use amontons_mesh, only: append_nodes
+  use amontons_model, only: model_type, new_equation, DIALECT_CALCULIX
+  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION
+  use amontons_structural_data, only: structure_type, director_type, mean_weights
+  use amontons_tensor, only: cross_product
+  implicit none
+  private
+  public :: connect_nodes
+
+  real(DP), parameter :: TOL_PARALLEL = 1.0e-6_DP   !< sine between fibres taken as parallel [-]
+  real(DP), parameter :: TOL_HELD = 0.1_DP          !< part of an axis along a fibre that counts as holding its drill [-]
+  real(DP), parameter :: TOL_DRILL = 1.0e-2_DP      !< sine between a fibre and an axis, below: no rotation about this axis [-]
+
+contains
+
+  !> Ties and knots of all expanded nodes, into the equations and nonlinear constraints of the model.
+  subroutine connect_nodes(model)
+    type(model_type), intent(inout) :: model     !< expanded
+    type(equation_type), allocatable :: equations(:)
+    type(nonlinear_mpc_type), allocatable :: bonds(:)
+    integer :: i, last, n, n_bonds, n_new
+    associate (structure => model%structure)
+      allocate (equations(15 * size(structure%directors)), bonds(3 * size(structure%directors)))
+      call create_rotation_nodes(model, n_new)
+      n = 0
+      n_bonds = 0
+      i = 1
+      do while (i <= size(structure%directors))  ! those of a node lie together
+        last = last_of_node(structure, i)
+        if (is_knot(model, i, last)) then
+          call add_knot(model, i, last, equations, n, bonds, n_bonds)
+        else
+          call add_tie(model, structure%directors(i), equations, n)
+          if (structure%is_turned(structure%directors(i)%node)) &
+            call add_mean_rotations(model, structure%directors(i), bonds, n_bonds)
+        end if
+        i = last + 1
+      end do
+    end associate
+    model%equations = equations(:n)
+    model%nonlinear_mpcs = bonds(:n_bonds)
+  end subroutine connect_nodes
+
+
+  !> The last director of the node of director i.
+  pure integer function last_of_node(structure, i) result(last)
+    type(structure_type), intent(in) :: structure
+    integer, intent(in) :: i
+    last = i
+    do while (last < size(structure%directors))
+      if (structure%directors(last + 1)%node /= structure%directors(i)%node) exit
+      last = last + 1
+    end do
+  end function last_of_node
+
+
+  !> Whether the directors first to last of a node make a knot. A single fibre that is turned is one under the abaqus dialect, where
+  !! it turns by finite rotations.
+  pure logical function is_knot(model, first, last)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: first, last
+    associate (director => model%structure%directors(first))
+      is_knot = last > first .or. (model%dialect /= DIALECT_CALCULIX .and. director%n_outer == 2 .and. &
+        model%structure%is_turned(director%node))
+    end associate
+  end function is_knot
+
+
+  !> A rotation node, and for a knot the node of its stretch behind it.
+  subroutine create_rotation_nodes(model, n_new)
+    type(model_type), intent(inout) :: model
+    integer, intent(out) :: n_new                !< nodes created
+    real(DP), allocatable :: x(:, :)
+    integer, allocatable :: owner(:)
+    integer :: i, last, n_before
+    associate (structure => model%structure)
+      allocate (owner(2 * size(structure%directors)), source=0)
+      n_new = 0
+      i = 1
+      do while (i <= size(structure%directors))
+        last = last_of_node(structure, i)
+        if (is_knot(model, i, last)) then
+          owner(n_new + 1:n_new + 2) = structure%directors(i)%node * [1, -1]
+          n_new = n_new + 2
+        else if (structure%is_turned(structure%directors(i)%node)) then
+          n_new = n_new + 1
+          owner(n_new) = structure%directors(i)%node
+        end if
+        i = last + 1
+      end do
+      x = model%mesh%coordinates(:, abs(owner(:n_new)))
+    end associate
+    n_before = model%mesh%n_nodes
+    call append_nodes(model%mesh, x)
+    model%mesh%is_auxiliary(n_before + 1:) = .true.
+    allocate (model%rotation_of(model%mesh%n_nodes), source=0)
+    do i = 1, n_new
+      if (owner(i) > 0) model%rotation_of(owner(i)) = n_before + i
+    end do
+  end subroutine create_rotation_nodes
+
+
+  !> The displacement of the node is the mean of those of its director. Where it is prescribed the inner nodes of the director are
+  !! held between the outer ones.
+  subroutine add_tie(model, director, equations, n)
+    type(model_type), intent(in) :: model
+    type(director_type), intent(in) :: director
+    type(equation_type), intent(inout) :: equations(:)
+    integer, intent(inout) :: n                  !< number of equations
+    integer, parameter :: BESIDE(2, 5:8) = reshape([1, 2, 2, 3, 3, 4, 4, 1], [2, 4])   !< corners beside the side of a cross-section
+    real(DP) :: weight(size(director%nodes))
+    logical :: is_used(size(director%nodes))
+    integer :: nodes(3), k, i
+    weight = mean_weights(director, model%dialect == DIALECT_CALCULIX)
+    is_used = abs(weight) > 0
+    associate (section => model%structure%sections(director%section))
+      do k = 1, 3
+        n = n + 1
+        equations(n) = new_equation([director%node, pack(director%nodes, is_used)], spread(k, 1, 1 + count(is_used)), &
+          [1.0_DP, -pack(weight, is_used)], section%card, section%line)
+        if (model%structure%held_from(k, director%node) == 0) cycle
+        do i = director%n_outer + 1, count(director%nodes > 0)
+          n = n + 1
+          if (director%n_outer == 2) then
+            nodes = director%nodes([i, 1, 2])
+          else
+            nodes = [director%nodes(i), director%nodes(BESIDE(:, i))]
+          end if
+          equations(n) = new_equation(nodes, [k, k, k], [1.0_DP, -0.5_DP, -0.5_DP], section%card, section%line)
+          equations(n)%first_step = model%structure%held_from(k, director%node)
+        end do
+      end do
+    end associate
+  end subroutine add_tie
+
+
+  !> The mean rotations of the outer nodes of a director about the global axes are the displacements of its rotation node. A fibre
+  !! has none about an axis along it.
+  subroutine add_mean_rotations(model, director, bonds, n)
+    type(model_type), intent(in) :: model
+    type(director_type), intent(in) :: director
+    type(nonlinear_mpc_type), intent(inout) :: bonds(:)
+    integer, intent(inout) :: n                  !< number of bonds
+    real(DP) :: axis(3)
+    integer :: k
+    do k = 1, 3
+      axis = 0
+      axis(k) = 1
+      if (director%n_outer == 2 .and. norm2(cross_product(axis, director%axes(:, 1))) < TOL_DRILL) cycle
+      n = n + 1
+      bonds(n)%kind = MPC_MEAN_ROTATION
+      bonds(n)%node = director%nodes(:director%n_outer)
+      bonds(n)%reference = model%rotation_of(director%node)
+      bonds(n)%pilot_direction = k
+      bonds(n)%axis = axis
+      bonds(n)%card = model%structure%sections(director%section)%card
+      bonds(n)%line = model%structure%sections(director%section)%line
+    end do
+  end subroutine add_mean_rotations
+
+
+  !> A knot of the directors first to last.
+  subroutine add_knot(model, first, last, equations, n, bonds, n_bonds)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: first, last
+    type(equation_type), intent(inout) :: equations(:)
+    integer, intent(inout) :: n                  !< number of equations
+    type(nonlinear_mpc_type), intent(inout) :: bonds(:)
+    integer, intent(inout) :: n_bonds            !< number of bonds
+    integer :: i, k
+    associate (directors => model%structure%directors(first:last), section => &
+      model%structure%sections(model%structure%directors(first)%section))
+      n_bonds = n_bonds + 1
+      associate (bond => bonds(n_bonds))
+        bond%kind = MPC_RIGID_BODY
+        bond%reference = directors(1)%node
+        bond%rotation = model%rotation_of(bond%reference)
+        bond%expansion = bond%rotation + 1
+        bond%card = section%card
+        bond%line = section%line
+        bond%node = [integer ::]
+        do i = 1, size(directors)
+          bond%node = [bond%node, pack(directors(i)%nodes, directors(i)%nodes > 0 .and. &
+            [(k <= directors(i)%n_outer .or. model%dialect == DIALECT_CALCULIX, k=1, size(directors(i)%nodes))])]
+        end do
+      end associate
+      call hold_drill(model, directors, equations, n)
+    end associate
+  end subroutine add_knot
+
+
+  !> Holds the rotation about fibres that are all parallel, until a step prescribes a rotation that has a part along them.
+  subroutine hold_drill(model, directors, equations, n)
+    type(model_type), intent(in) :: model
+    type(director_type), intent(in) :: directors(:)   !< of a knot
+    type(equation_type), intent(inout) :: equations(:)
+    integer, intent(inout) :: n                  !< number of equations
+    integer :: i, k
+    if (any(directors%n_outer == 4)) return
+    do i = 2, size(directors)
+      if (norm2(cross_product(directors(1)%axes(:, 1), directors(i)%axes(:, 1))) > TOL_PARALLEL) return
+    end do
+    associate (normal => directors(1)%axes(:, 1), section => model%structure%sections(directors(1)%section), &
+      held_from => model%structure%held_from(4:, directors(1)%node))
+      n = n + 1
+      equations(n) = new_equation(spread(model%rotation_of(directors(1)%node), 1, 3), [1, 2, 3], normal, section%card, &
+        section%line)
+      do k = 1, 3
+        if (held_from(k) > 0 .and. abs(normal(k)) > TOL_HELD) equations(n)%last_step = min(equations(n)%last_step, &
+          held_from(k) - 1)
+      end do
+    end associate
+  end subroutine hold_drill
+
+end module amontons_knots

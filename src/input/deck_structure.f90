@@ -1,0 +1,408 @@
+!> SHELL SECTION, BEAM SECTION, NODAL THICKNESS and NORMAL; expansion of shells and beams into solids.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_structure
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_mesh, only: element_draft_type
+  use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, read_real, check_n_fields, nodes_of_field, &
+    elements_of_field, is_card, check_no_data
+  use amontons_expansion, only: expand_structure
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_structural_data, only: structural_section_type, find_node_directors
+  use amontons_text, only: to_text, parse_integer, parse_real, name_key, NUMBER_OK
+  use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, is_structural_family
+  implicit none
+  private
+  public :: read_structural_sections, read_structure, structural_face, is_shell, spread_temperature
+
+contains
+
+  !> Reads all sections of shells and beams. The members of the element sets are indices of drafts here.
+  subroutine read_structural_sections(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model     !< with the element sets of drafts; out: with structure%sections
+    type(element_draft_type), intent(inout) :: draft
+    type(structural_section_type) :: section
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c, set, material
+    allocate (draft%section(draft%n), source=0)
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'BEAMSECTION'))) cycle
+      call open_card(reader, c, parameters, row)
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
+      associate (line => reader%cards%cards(c)%line)
+        if (set == 0 .and. has_parameter(parameters, 'ELSET')) call report_error(reader, line, 'There is no element set ''' // &
+          parameter_text(parameters, 'ELSET') // '''' // reader%element_sets%suggest(parameter_text(parameters, 'ELSET')))
+        if (material == 0 .and. has_parameter(parameters, 'MATERIAL')) call report_error(reader, line, &
+          'There is no material ''' // parameter_text(parameters, 'MATERIAL') // '''' // &
+          reader%materials%suggest(parameter_text(parameters, 'MATERIAL')))
+      end associate
+      section = structural_section_type()
+      section%line = reader%cards%line_number(reader%cards%cards(c)%line)
+      if (is_card(reader, c, 'SHELLSECTION')) then
+        call read_shell_section(reader, c, parameters, row, section)
+      else
+        call read_beam_section(reader, c, parameters, row, section)
+      end if
+      if (set == 0) cycle
+      if (.not. allocated(model%structure)) then
+        allocate (model%structure)
+        allocate (model%structure%sections(0))
+      end if
+      model%structure%sections = [model%structure%sections, section]
+      call assign_section(reader, model, c, set, material, draft)
+    end do
+  end subroutine read_structural_sections
+
+
+  !> Gives the members of a set the last section.
+  subroutine assign_section(reader, model, c, set, material, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c, set, material      !< card, element set, material or 0
+    type(element_draft_type), intent(inout) :: draft
+    type(element_kind_type) :: entry
+    integer :: i, e, family
+    family = model%structure%sections(size(model%structure%sections))%family
+    do i = 1, size(model%mesh%element_sets(set)%members)
+      e = model%mesh%element_sets(set)%members(i)
+      draft%material(e) = merge(material, -1, material > 0)
+      draft%section(e) = size(model%structure%sections)
+      if (draft%kind(e) == 0) cycle
+      entry = element_kind(draft%kind(e))
+      if (entry%family == family) cycle
+      draft%section(e) = 0
+      call report_error(reader, reader%cards%cards(c)%line, 'The element ' // to_text(draft%label(e)) // ' is a ' // &
+        trim(entry%name) // '; *' // model%structure%sections(size(model%structure%sections))%card // ' is for ' // &
+        trim(merge('shells', 'beams ', family == FAMILY_SHELL)) // '.')
+      return
+    end do
+  end subroutine assign_section
+
+
+  !> SHELL SECTION: thickness and number of points, which are those of the solids here.
+  subroutine read_shell_section(reader, c, parameters, row, section)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(data_row_type), intent(inout) :: row
+    type(structural_section_type), intent(inout) :: section
+    logical :: is_ok
+    section%family = FAMILY_SHELL
+    section%card = 'SHELL SECTION'
+    section%has_nodal_thickness = has_parameter(parameters, 'NODAL THICKNESS')
+    section%offset(1) = section_offset(reader, c, parameters, 'OFFSET')
+    is_ok = .true.
+    if (next_row(reader%cards, row)) then
+      call check_n_fields(reader, row, 2)
+      call read_real(reader, row, 1, 'thickness', section%thickness(1), is_ok, 0.0_DP)
+      if (is_ok .and. .not. section%thickness(1) > 0) call report_error(reader, row%line, 'The thickness must be positive.')
+      if (next_row(reader%cards, row)) call check_no_data(reader, row)
+    else if (.not. section%has_nodal_thickness) then
+      call report_error(reader, reader%cards%cards(c)%line, '*SHELL SECTION needs a data line with the thickness.')
+    end if
+  end subroutine read_shell_section
+
+
+  !> BEAM SECTION: dimensions along direction 1 and 2; then the first direction.
+  subroutine read_beam_section(reader, c, parameters, row, section)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(data_row_type), intent(inout) :: row
+    type(structural_section_type), intent(inout) :: section
+    integer :: i
+    logical :: is_ok
+    section%family = FAMILY_BEAM
+    section%card = 'BEAM SECTION'
+    section%offset = [section_offset(reader, c, parameters, 'OFFSET1'), section_offset(reader, c, parameters, 'OFFSET2')]
+    section%direction = [0.0_DP, 0.0_DP, -1.0_DP]
+    is_ok = .true.
+    if (.not. next_row(reader%cards, row)) then
+      call report_error(reader, reader%cards%cards(c)%line, '*BEAM SECTION needs a data line with the dimensions of the section.')
+      return
+    end if
+    call check_n_fields(reader, row, 2)
+    do i = 1, 2
+      call read_real(reader, row, i, 'dimension of the section', section%thickness(i), is_ok)
+    end do
+    if (is_ok .and. .not. all(section%thickness > 0)) call report_error(reader, row%line, 'The dimensions must be positive.')
+    if (.not. next_row(reader%cards, row)) return
+    call check_n_fields(reader, row, 3)
+    do i = 1, 3
+      call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, 0.0_DP)
+    end do
+    if (is_ok .and. .not. norm2(section%direction) > 0) call report_error(reader, row%line, 'The direction must not be zero.')
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
+  end subroutine read_beam_section
+
+
+  !> An offset: a number, or SPOS and SNEG, the nodes lie on the top or the bottom.
+  real(DP) function section_offset(reader, c, parameters, name) result(offset)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name             !< of the parameter
+    character(:), allocatable :: text
+    integer :: status
+    offset = 0
+    if (.not. has_parameter(parameters, name)) return
+    text = name_key(parameter_text(parameters, name))
+    if (text == 'SPOS') offset = 0.5_DP
+    if (text == 'SNEG') offset = -0.5_DP
+    if (text == 'SPOS' .or. text == 'SNEG') return
+    call parse_real(text, offset, status)
+    if (status == NUMBER_OK) return
+    offset = 0
+    call report_error(reader, reader%cards%cards(c)%line, name // ' must be a number, the place of the nodes over the ' // &
+      'thickness from its middle' // trim(merge(', or SPOS or SNEG', '                 ', name == 'OFFSET')) // '; it is ''' // &
+      parameter_text(parameters, name) // '''.')
+  end function section_offset
+
+
+  !> Expands the structural elements of the mesh. Sets, sections and elements must be read.
+  subroutine read_structure(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(element_draft_type), intent(in) :: draft
+    type(element_kind_type) :: entry
+    integer :: e, bad_element
+    if (.not. allocated(model%structure)) return
+    associate (structure => model%structure, mesh => model%mesh)
+      allocate (structure%section(mesh%n_elements), source=0)
+      do e = 1, draft%n
+        if (draft%mesh_index(e) > 0) structure%section(draft%mesh_index(e)) = draft%section(e)
+      end do
+      do e = 1, mesh%n_elements
+        entry = element_kind(mesh%kind(e))
+        if (is_structural_family(entry%family) .and. structure%section(e) == 0) return   ! without a section: its error is reported
+      end do
+      if (any(mesh%nodes < 1)) return            ! so are those of missing nodes
+      structure%kind = mesh%kind
+      structure%first = mesh%first
+      structure%nodes = mesh%nodes
+      call read_nodal_thickness(reader, model)
+      call read_normals(reader, model)
+      call find_turned_nodes(reader, model)
+      call expand_structure(model, bad_element)
+      if (bad_element > 0 .and. reader%messages%n_errors == 0) call report_error(reader, 0, 'The element ' // &
+        to_text(mesh%element_label(bad_element)) // ' has no normal at one of its nodes: it has no area ' // &
+        'there, or the first direction of a beam is along the beam.')
+    end associate
+  end subroutine read_structure
+
+
+  !> NODAL THICKNESS: node or set, thickness, of beams the second too.
+  subroutine read_nodal_thickness(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:)
+    real(DP) :: thickness(2)
+    integer :: c, e, i
+    logical :: is_ok
+    allocate (model%structure%nodal_thickness(2, model%mesh%n_nodes), source=0.0_DP)
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'NODALTHICKNESS')) cycle
+      call open_card(reader, c, parameters, row)
+      do while (next_row(reader%cards, row))
+        is_ok = .true.
+        call check_n_fields(reader, row, 3)
+        call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
+        call read_real(reader, row, 2, 'thickness', thickness(1), is_ok)
+        call read_real(reader, row, 3, 'second thickness', thickness(2), is_ok, thickness(1))
+        if (is_ok .and. .not. all(thickness > 0)) call report_error(reader, row%line, 'The thickness must be positive.')
+        if (is_ok) model%structure%nodal_thickness(:, nodes) = spread(thickness, 2, size(nodes))
+      end do
+    end do
+    do e = 1, model%mesh%n_elements
+      if (model%structure%section(e) == 0) cycle
+      associate (section => model%structure%sections(model%structure%section(e)))
+        if (.not. section%has_nodal_thickness) cycle
+        do i = model%mesh%first(e), model%mesh%first(e + 1) - 1
+          associate (given => model%structure%nodal_thickness(:, model%mesh%nodes(i)))
+            if (given(1) > 0) cycle
+            given = section%thickness            ! the thickness of the section where there is no other
+            if (section%thickness(1) > 0) cycle
+            given = 1
+          end associate
+          call report_error(reader, 0, 'The node ' // to_text(model%mesh%node_label(model%mesh%nodes(i))) // ' has no ' // &
+            'thickness: neither *NODAL THICKNESS nor the section gives one.')
+        end do
+      end associate
+    end do
+  end subroutine read_nodal_thickness
+
+
+  !> NORMAL: element or set, node or set, three components.
+  subroutine read_normals(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: elements(:), nodes(:)
+    real(DP) :: normal(3)
+    integer :: c, i, k
+    logical :: is_ok
+    allocate (model%structure%given_normal(3, size(model%structure%nodes)), source=0.0_DP)
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'NORMAL')) cycle
+      call open_card(reader, c, parameters, row)
+      do while (next_row(reader%cards, row))
+        is_ok = .true.
+        call check_n_fields(reader, row, 5)
+        call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+        call nodes_of_field(reader, model%mesh, row, 2, nodes, is_ok)
+        do i = 1, 3
+          call read_real(reader, row, 2 + i, 'component of the normal', normal(i), is_ok, 0.0_DP)
+        end do
+        if (is_ok .and. .not. norm2(normal) > 0) call report_error(reader, row%line, 'The normal must not be zero.')
+        if (.not. is_ok .or. .not. norm2(normal) > 0) cycle
+        do i = 1, size(elements)
+          do k = model%structure%first(elements(i)), model%structure%first(elements(i) + 1) - 1
+            if (any(nodes == model%structure%nodes(k))) model%structure%given_normal(:, k) = normal / norm2(normal)
+          end do
+        end do
+      end do
+    end do
+  end subroutine read_normals
+
+
+  !> The nodes at which supports, moments, rigid bodies or couplings need rotations.
+  subroutine find_turned_nodes(reader, model)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(inout) :: model
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: c
+    allocate (model%structure%is_turned(model%mesh%n_nodes), source=.false.)
+    allocate (model%structure%held_from(6, model%mesh%n_nodes), source=0)
+    associate (is_turned => model%structure%is_turned)
+      do c = 1, reader%cards%n_cards
+        if (is_card(reader, c, 'RIGIDBODY') .or. is_card(reader, c, 'COUPLING') .or. is_card(reader, c, 'KINEMATICCOUPLING')) then
+          call open_card(reader, c, parameters, row)
+          is_turned(named_nodes(reader, model, parameter_text(parameters, 'REF NODE'))) = .true.
+        else if (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD')) then
+          call open_card(reader, c, parameters, row)
+          do while (next_row(reader%cards, row))
+            call note_dofs(reader, model, c, row)
+          end do
+        end if
+      end do
+    end associate
+  end subroutine find_turned_nodes
+
+
+  !> Marks the nodes of a row of BOUNDARY or CLOAD whose rotations it names, and the degrees of freedom that BOUNDARY prescribes.
+  subroutine note_dofs(reader, model, c, row)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type), intent(in) :: row
+    integer, allocatable :: nodes(:)
+    logical :: is_named(6)
+    integer :: first, last, status, i, k
+    call field_integer(reader%cards, row, 2, first, status)
+    if (status == NUMBER_OK) then
+      last = 0
+      if (is_card(reader, c, 'BOUNDARY')) call field_integer(reader%cards, row, 3, last, status)
+      if (last == 0) last = first
+      is_named = [(k >= first .and. k <= last, k=1, 6)]
+    else
+      is_named = support_dofs(field_text(reader%cards, row, 2))
+    end if
+    nodes = named_nodes(reader, model, field_text(reader%cards, row, 1))
+    if (any(is_named(4:))) model%structure%is_turned(nodes) = .true.
+    if (.not. is_card(reader, c, 'BOUNDARY')) return
+    do i = 1, size(nodes)
+      where (is_named .and. model%structure%held_from(:, nodes(i)) == 0) model%structure%held_from(:, nodes(i)) = &
+        max(1, reader%step_of_card(c))
+    end do
+  end subroutine note_dofs
+
+
+  !> The nodes of a set, or the node of a number; none if the name is unknown.
+  function named_nodes(reader, model, name) result(nodes)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    character(*), intent(in) :: name
+    integer, allocatable :: nodes(:)
+    integer :: set, label, status
+    nodes = [integer ::]
+    set = reader%node_sets%find(name)
+    call parse_integer(name, label, status)
+    if (set > 0) then
+      nodes = model%mesh%node_sets(set)%members
+    else if (status == NUMBER_OK) then
+      nodes = pack([reader%node_labels%find(label)], [reader%node_labels%find(label) > 0])
+    end if
+  end function named_nodes
+
+
+  !> Whether an element of the mesh is the solid of a shell.
+  pure logical function is_shell(model, e)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                     !< element
+    is_shell = .false.
+    if (.not. allocated(model%structure)) return
+    if (model%structure%section(e) > 0) is_shell = model%structure%sections(model%structure%section(e))%family == FAMILY_SHELL
+  end function is_shell
+
+
+  !> The face of the solid of a shell that a label names: P the side from which a positive pressure acts along the normal, SNEG,
+  !! SPOS, En and EDNORn edge n, Sn under the calculix dialect; 0: it names none.
+  pure integer function structural_face(model, e, label) result(face)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                     !< element, a shell
+    character(*), intent(in) :: label            !< squeezed
+    integer :: n_faces
+    type(element_kind_type) :: entry
+    entry = element_kind(model%mesh%kind(e))
+    n_faces = entry%n_faces
+    face = 0
+    select case (label)
+    case ('P', 'PNU', 'SNEG')
+      face = 1
+    case ('SPOS')
+      face = 2
+    case ('E1', 'E2', 'E3', 'E4', 'EDNOR1', 'EDNOR2', 'EDNOR3', 'EDNOR4')
+      face = 2 + iachar(label(len(label):)) - iachar('0')
+    case ('S1', 'S2', 'S3', 'S4', 'S5', 'S6')
+      if (model%dialect == DIALECT_CALCULIX) face = iachar(label(2:)) - iachar('0')
+    end select
+    if (face > n_faces) face = 0
+  end function structural_face
+
+
+  !> The temperatures of nodes and of those into which they expand, from the value at the node and its gradients.
+  subroutine spread_temperature(model, nodes, value, gradient, all_nodes, values)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: nodes(:)
+    real(DP), intent(in) :: value                !< [temperature]
+    real(DP), intent(in) :: gradient(2)          !< along the normal of shells, direction 2 of beams; along direction 1 of beams
+    integer, allocatable, intent(out) :: all_nodes(:)
+    real(DP), allocatable, intent(out) :: values(:)   !< [temperature]
+    real(DP) :: slope(3)
+    integer :: i, k, first, last, n
+    all_nodes = nodes
+    values = spread(value, 1, size(nodes))
+    if (.not. allocated(model%structure)) return
+    do i = 1, size(nodes)
+      call find_node_directors(model%structure, nodes(i), first, last)
+      do k = first, last
+        associate (director => model%structure%directors(k))
+          n = count(director%nodes > 0)
+          all_nodes = [all_nodes, director%nodes(:n)]
+          slope = matmul(director%axes, merge(gradient([2, 1]), [gradient(1), 0.0_DP], director%n_outer == 4))
+          values = [values, value + matmul(slope, model%mesh%coordinates(:, director%nodes(:n)) - &
+            spread(model%mesh%coordinates(:, director%node), 2, n))]
+        end associate
+      end do
+    end do
+  end subroutine spread_temperature
+
+end module amontons_deck_structure

@@ -1,0 +1,97 @@
+"""The benchmark shells of MacNeal and Harder on several meshes: displacement over the published one.
+
+    python -m verify.study.shell_benchmarks [--program bin/amontons] [--dialect abaqus] [--seconds 120]
+
+Scordelis-Lo roof (0.3024), pinched cylinder with diaphragms (1.8248e-5), hemisphere with a hole (0.0930): R. H. MacNeal, R. L. Harder, A proposed
+standard set of problems to test finite element accuracy, Finite Elements in Analysis and Design 1 (1985) 3-20.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from verify.decks.shells import Floats, Shell, held, section, shell
+
+MESHES = [("S4", 8), ("S4", 16), ("S8R", 4), ("S8R", 8), ("S6", 8)]
+
+
+def step(load: str) -> str:
+    """One linear step."""
+    return f"*STEP\n*STATIC\n{load}*END STEP\n"
+
+
+def arc(radius: float, length: float, angle: float) -> Callable[[Floats, Floats], tuple[Floats, Floats, Floats]]:
+    """A part of a cylinder about y, from the top."""
+    return lambda u, v: (radius * np.sin(np.radians(angle * u)), length * v, radius * np.cos(np.radians(angle * u)))
+
+
+def roof(kind: str, n: int) -> tuple[Shell, str, int, int, float]:
+    """Mesh, deck, node, direction and displacement of the roof."""
+    body = shell(kind, (n, n), arc(25, 25, 40))
+    supports = held(body.where(1, 0.0), "1") + held(body.where(1, 0.0), "3") + held(body.where(1, 1.0), "YSYMM") + held(body.where(0, 0.0), "XSYMM")
+    deck = body.cards() + section(4.32e8, 0.0, 0.25, 360.0) + supports + step("*DLOAD\nE, GRAV, 1., 0, 0, -1\n")
+    return body, deck, body.at(1, 1), 2, -0.3024
+
+
+def cylinder(kind: str, n: int) -> tuple[Shell, str, int, int, float]:
+    """The same of the pinched cylinder."""
+    body = shell(kind, (n, n), arc(300, 300, 90))
+    supports = held(body.where(1, 0.0), "1") + held(body.where(1, 0.0), "3") + held(body.where(1, 1.0), "YSYMM")
+    supports += held(body.where(0, 0.0), "XSYMM") + held(body.where(0, 1.0), "ZSYMM")
+    node = body.at(0, 1)
+    return body, body.cards() + section(3e6, 0.3, 3.0) + supports + step(f"*CLOAD\n{node + 1}, 3, -.25\n"), node, 2, -1.8248e-5
+
+
+def hemisphere(kind: str, n: int) -> tuple[Shell, str, int, int, float]:
+    """The same of the hemisphere with a hole of 18 degrees."""
+
+    def place(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        a, b = np.radians(90 * u), np.radians(72 * v)
+        return 10 * np.cos(b) * np.cos(a), 10 * np.cos(b) * np.sin(a), 10 * np.sin(b)
+
+    body = shell(kind, (n, n), place)
+    node = body.at(0, 0)
+    supports = held(body.where(0, 0.0), "YSYMM") + held(body.where(0, 1.0), "XSYMM") + held([node], "3")
+    load = step(f"*CLOAD\n{node + 1}, 1, 1.\n{body.at(1, 0) + 1}, 2, -1.\n")
+    return body, body.cards() + section(6.825e7, 0.3, 0.04) + supports + load, node, 0, 0.0930
+
+
+def ratio(program: str, dialect: str, seconds: float, made: tuple[Shell, str, int, int, float]) -> float:
+    """Displacement over the published one; nan if the job does not finish."""
+    _, deck, node, direction, expected = made
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "shell.inp"
+        path.write_text(deck)
+        done = subprocess.run([program, f"--dialect={dialect}", "--outdir", folder, str(path)], capture_output=True, timeout=seconds, check=False)
+        if done.returncode != 0:
+            return float("nan")
+        with h5py.File(Path(folder) / "shell.vtkhdf") as file:
+            points = int(file["VTKHDF/NumberOfPoints"][0])
+            return float(file["VTKHDF/PointData/U"][-points:][node, direction]) / expected
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--program", default="bin/amontons")
+    parser.add_argument("--dialect", default="abaqus")
+    parser.add_argument("--seconds", type=float, default=120)
+    options = parser.parse_args(arguments)
+    print("| mesh | roof | cylinder | hemisphere |\n|---|---|---|---|")
+    for kind, n in MESHES:
+        row = [ratio(options.program, options.dialect, options.seconds, made(kind, n)) for made in (roof, cylinder, hemisphere)]
+        print(f"| {kind}, {n} x {n} | " + " | ".join(f"{r:.3f}" for r in row) + " |", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

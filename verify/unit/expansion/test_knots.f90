@@ -1,0 +1,71 @@
+!> Unit test of amontons_knots: rigid motions and stretches satisfy all ties and knots; knots appear where they must.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_knots
+  use amontons_kinds, only: DP
+  use amontons_deck, only: read_deck_text
+  use amontons_errors, only: diagnostic_list_type, error_type
+  use amontons_text, only: NEWLINE
+  use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_constraints, only: constraint_row_type
+  use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_MEAN_ROTATION
+  use amontons_nonlinear_mpc, only: evaluate_mpc_rows, rotation_matrix
+  use check, only: suite_type
+  implicit none
+  character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,1,0,1;6,1,1,1;*MATERIAL, NAME=M;*ELASTIC;' // &
+    '100.,0.3;*ELEMENT, TYPE=S4, ELSET=E;1,1,2,3,4;*SHELL SECTION, ELSET=E, MATERIAL=M;.1;'
+  character(*), parameter :: STEP_PART = '*STEP;*STATIC;*END STEP;'
+  character(*), parameter :: WALL = '*ELEMENT, TYPE=S4, ELSET=W;2,2,5,6,3;*SHELL SECTION, ELSET=W, MATERIAL=M;.2;'
+  type(suite_type) :: suite
+  type(model_type) :: model
+  call expect_read('', model)
+  call suite%that('ties alone', size(model%nonlinear_mpcs) == 0 .and. size(model%equations) == 12)
+  call check_motion('ties')
+  call expect_read('*BOUNDARY;1,4,5;', model)
+  call suite%that('a turned fibre', size(model%nonlinear_mpcs) == 1 .and. model%nonlinear_mpcs(1)%kind == MPC_RIGID_BODY)
+  call suite%that('its drill is held', size(model%equations) == 3 * 3 + 1)
+  call check_motion('fibre')
+  call expect_read('*BOUNDARY;1,4,5;', model, DIALECT_CALCULIX)
+  call suite%that('mean rotations about x and y', size(model%nonlinear_mpcs) == 2 .and. &
+    all(model%nonlinear_mpcs%kind == MPC_MEAN_ROTATION))
+  call expect_read(WALL, model)
+  call suite%that('knots at the edge', size(model%nonlinear_mpcs) == 2 .and. all(model%nonlinear_mpcs%reference == [2, 3]))
+  call suite%that('free to drill', size(model%equations) == 4 * 3)
+  call check_motion('edge')
+  call expect_read('*BOUNDARY;1,1,1;', model, DIALECT_CALCULIX)
+  call suite%that('linear: no inner nodes to hold', size(model%equations) == 12)
+  call expect_message('*BOUNDARY;9,1,1;', 'There is no node')
+  call suite%finish()
+
+contains
+
+  !> A finite rotation about an axis through the origin, with a shift, satisfies every row.
+  subroutine check_motion(name)
+    character(*), intent(in) :: name
+    type(constraint_row_type), allocatable :: rows(:)
+    real(DP), parameter :: W(3) = [0.3_DP, -0.2_DP, 0.0_DP]
+    real(DP) :: u(3, model%mesh%n_nodes), R(3, 3), dR(3, 3, 3), largest
+    integer :: i, k
+    call rotation_matrix(W, R, dR)
+    u = matmul(R, model%mesh%coordinates) - model%mesh%coordinates + spread([0.1_DP, 0.2_DP, 0.3_DP], 2, model%mesh%n_nodes)
+    do i = 1, size(model%nonlinear_mpcs)
+      u(:, model%nonlinear_mpcs(i)%rotation) = W
+      u(:, model%nonlinear_mpcs(i)%expansion) = 0
+    end do
+    largest = 0
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        largest = max(largest, abs(sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, &
+          size(equation%node))])))
+      end associate
+    end do
+    do i = 1, size(model%nonlinear_mpcs)
+      call evaluate_mpc_rows(model%nonlinear_mpcs(i), model%mesh%coordinates, u, .true., rows)
+      largest = max(largest, maxval(abs(rows%rhs)))
+    end do
+    call suite%near(name // ': a rotation violates nothing', largest, 0.0_DP, 1.0e-14_DP)
+  end subroutine check_motion
+
+
+  include 'sample_deck.inc'
+
+end program test_knots
