@@ -57,6 +57,8 @@ contains
         n = n + 1
         frames(:, :, n) = axes_at(rule, model%mesh%coordinates(:, nodes(i)))
         model%frame_of(nodes(i)) = n
+        if (.not. allocated(model%rotation_of)) cycle   ! else: nodes of shells and beams, whose rotations have these directions too
+        if (model%rotation_of(nodes(i)) > 0) model%frame_of(model%rotation_of(nodes(i))) = n
       end do
       call move_alloc(frames, model%frames)
     end do
@@ -471,6 +473,9 @@ contains
     bond%is_bound = is_bound(:3)
     bond%node = pack(model%surfaces(surface)%nodes, model%surfaces(surface)%nodes /= reference)
     if (allocated(model%structure)) then         ! with the rotations of shells and beams
+      if (any(is_bound(4:)) .and. .not. all(is_bound(4:)) .and. &
+        size(expanded_nodes(model%structure, bond%node)) > size(bond%node)) call report_error(reader, &
+        reader%cards%cards(c)%line, 'Of the rotations of shells and beams a coupling binds all three (1, 6) or none (1, 3).')
       if (all(is_bound(4:))) bond%node = expanded_nodes(model%structure, bond%node)
     end if
     model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]

@@ -15,7 +15,7 @@ module amontons_deck_loads
   use amontons_loads, only: prescribed_type, has_integral, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, &
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type
-  use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: find_node_directors, force_weights, MAX_DIRECTOR_NODES
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
@@ -239,11 +239,14 @@ contains
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude
     type(active_loads_type), intent(inout) :: active_loads
-    real(DP) :: weight(MAX_DIRECTOR_NODES), direction(3)
-    integer :: first, last, i, k
+    real(DP) :: weight(MAX_DIRECTOR_NODES)
+    integer :: first, last, i
+    logical :: is_turned
     last = 0
     first = 1
-    if (allocated(model%structure)) call find_node_directors(model%structure, node, first, last)
+    is_turned = .false.                          ! a transformed node: its loads are kept by its directions
+    if (allocated(model%frame_of)) is_turned = model%frame_of(node) > 0
+    if (allocated(model%structure) .and. .not. is_turned) call find_node_directors(model%structure, node, first, last)
     if (last == first) then
       weight = force_weights(model%structure%directors(first), model%dialect == DIALECT_CALCULIX)
       if (model%rotation_of(node) > 0 .and. model%dialect /= DIALECT_CALCULIX) weight = 0   ! a knot
@@ -252,13 +255,10 @@ contains
       call add_load(3 * node - 3 + dof, value, amplitude, active_loads%step, active_loads%is_step, active_loads%cloads)
       return
     end if
-    direction = dof_direction(model, node, dof)
     associate (nodes => model%structure%directors(first)%nodes)
       do i = 1, count(nodes > 0)
-        do k = 1, 3
-          if (abs(weight(i) * direction(k)) > 0) call add_load(3 * nodes(i) - 3 + k, value * weight(i) * direction(k), amplitude, &
-            active_loads%step, active_loads%is_step, active_loads%cloads)
-        end do
+        if (abs(weight(i)) > 0) call add_load(3 * nodes(i) - 3 + dof, value * weight(i), amplitude, active_loads%step, &
+          active_loads%is_step, active_loads%cloads)
       end do
     end associate
   end subroutine add_node_force

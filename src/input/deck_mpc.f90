@@ -7,6 +7,7 @@ module amontons_deck_mpc
     check_no_data
   use amontons_mesh, only: append_node
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
+  use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: is_one_of, name_key, to_text, NUMBER_OK, parse_integer
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
@@ -133,6 +134,10 @@ contains
     if (kind == 'PLANE') call order_spanning_nodes(model, nodes)
     bond%card = 'MPC'
     bond%line = reader%cards%line_number(line)
+    if (allocated(model%structure) .and. is_one_of(kind, 'BEAM|TIE')) then
+      if (size(expanded_nodes(model%structure, nodes)) > size(nodes)) call report_error(reader, line, 'The MPC ' // kind // &
+        ' binds rotations; at nodes of shells and beams write *COUPLING with *KINEMATIC, 1, 6, or *MPC, PIN for a hinge.')
+    end if
     select case (kind)
     case ('PLANE', 'STRAIGHT')
       bond%kind = merge(MPC_PLANE, MPC_STRAIGHT, kind == 'PLANE')

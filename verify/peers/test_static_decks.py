@@ -42,7 +42,11 @@ NOT_JUDGED = {
 
 # What is not there yet, so that these decks run but do not agree (or do not run): listed in the table, expected to fail. A deck that
 # begins to agree shows as XPASS and leaves this list.
-UNFINISHED: dict[str, str] = {}
+UNFINISHED: dict[str, str] = {
+    "beamtor": "agrees but for the lateral displacement, which is rounding of CalculiX's iteration: 0 by symmetry, 5 % of the largest there",
+    "shellbeam": "the knot of a shell and a beam has one stretch here, more there: 0.4 % in displacements, 9 % in a stress beside it",
+    "simplebeam": "B32R is integrated at 27 points, in CalculiX at 50, two along the beam",
+}
 
 # Decks in which CalculiX cut its first increment back by itself and printed where it then came by. Amontons needs no cut-back
 # and would print the end of the step alone: these decks are given CalculiX's increments, and nothing else is changed.
@@ -59,7 +63,7 @@ NOTES = {
 # Fields of .frd, and what they are called in the result file.
 FIELDS = {"DISP": ["U"], "STRESS": ["S"], "TOSTRAIN": ["E", "LE"]}
 
-FOLDERS = [folder for folder in ("static", "contact") if (DECKS / folder).is_dir()]
+FOLDERS = [folder for folder in ("static", "contact", "shells") if (DECKS / folder).is_dir()]
 FILES = [deck for folder in FOLDERS for deck in sorted((DECKS / folder).glob("*.inp"))]
 SLOW = {"hueeber1", "hueeber3_mortar", "hueeber4", "hueeber4_mortar", "cubef2f1", "cubef2f2", "cubef2f3", "metalforming"}
 

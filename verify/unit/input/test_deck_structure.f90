@@ -18,6 +18,7 @@ program test_deck_structure
   call check_sections()
   call check_surfaces()
   call check_loads()
+  call check_transforms()
   call check_temperatures()
   call check_errors()
   call suite%finish()
@@ -60,6 +61,17 @@ contains
   end subroutine check_loads
 
 
+  !> TRANSFORM: the rotations of a node have its directions too; a force at it stays there.
+  subroutine check_transforms()
+    call expect_read(SHELL // BEAM // '*NSET, NSET=T;1;*TRANSFORM, NSET=T;0,1,0,-1,0,0;*BOUNDARY;1,4,4;', model, &
+      step='*STEP;*STATIC;*CLOAD;1,1,3.;2,1,4.;*END STEP;')
+    call suite%that('a rotation node', model%rotation_of(1) > 0)
+    call suite%that('its directions', model%frame_of(model%rotation_of(1)) == model%frame_of(1) .and. model%frame_of(1) > 0)
+    call suite%that('forces', count(model%steps(1)%concentrated%node == 1) == 1 .and. &
+      size(model%steps(1)%concentrated) == 3)
+  end subroutine check_transforms
+
+
   !> A gradient through the thickness.
   subroutine check_temperatures()
     call expect_read(SHELL // BEAM // '*INITIAL CONDITIONS, TYPE=TEMPERATURE;N,10.,100.;', model)
@@ -88,6 +100,10 @@ contains
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, NODAL THICKNESS;*NODAL THICKNESS;1,.1;2,.1;3,.1;' // BEAM, &
       'The node 4 has no thickness')
     call expect_message(SHELL // BEAM // '*SURFACE, NAME=A;B,SPOS;', 'have no face SPOS')
+    call expect_message(SHELL // BEAM // '*MPC;BEAM,1,5;', 'binds rotations')
+    call expect_message(SHELL // BEAM // '*MPC;TIE,1,5;', 'binds rotations')
+    call expect_message('*NODE;9,9,9,9;' // SHELL // BEAM // '*SURFACE, NAME=A, TYPE=NODE;1;2;*COUPLING, REF NODE=9, ' // &
+      'SURFACE=A, CONSTRAINT NAME=C;*KINEMATIC;1,4;', 'binds all three')
     call expect_message(SHELL // BEAM, 'take no load P1', step='*STEP;*STATIC;*DLOAD;E,P1,2.;*END STEP;')
   end subroutine check_errors
 
