@@ -113,9 +113,9 @@ contains
           names(i) = model%materials(i)%name
         end do
       case ('QUANTITIES')
-        names = [character(LENGTH) :: NUMBER_QUANTITIES, FIELD_QUANTITIES, POINT_COLUMNS%name, POINT_QUANTITIES, &
+        names = [character(LENGTH) :: NUMBER_QUANTITIES, FIELD_QUANTITIES, POINT_COLUMNS%name, &
+          pack(POINT_QUANTITIES, index(POINT_QUANTITIES, ' SDV') == 0 .or. any(model%materials%n_statev > 0)), &
           PAIR_COLUMNS(PAIR_SUMS)%name]
-        if (.not. any(model%materials%n_statev > 0)) names = pack(names, index(names, ' SDV') == 0)
       case default
         call set_error(error, EXIT_USAGE, 'There are no names of ' // kind // '; NODE SETS, ELEMENT SETS, SURFACES, ' // &
           'PAIRS, INTERACTIONS, MATERIALS and QUANTITIES have some.')

@@ -11,21 +11,12 @@ from pathlib import Path
 import pytest
 
 from verify.conftest import ROOT, Run
+from verify.decks.solids import UNIT_CUBE
 
-DECK = """*HEADING
+DECK = f"""*HEADING
 explained
 *NODE, NSET=ALL
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 1., 1., 0.
-4, 0., 1., 0.
-5, 0., 0., 1.
-6, 1., 0., 1.
-7, 1., 1., 1.
-8, 0., 1., 1.
-*ELEMENT, TYPE=C3D8H, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*MATERIAL, NAME=STEEL
+{UNIT_CUBE.replace('C3D8', 'C3D8H')}*MATERIAL, NAME=STEEL
 *ELASTIC
 210000., .3
 *CONDUCTIVITY

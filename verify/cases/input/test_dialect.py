@@ -12,20 +12,13 @@ from pathlib import Path
 import pytest
 
 from verify.conftest import Run
+from verify.decks.solids import UNIT_CUBE
 
 DIGITS = 2e-6  # seven digits are printed
 
-BRICK = """*PART, NAME=Brick
+BRICK = f"""*PART, NAME=Brick
 *NODE
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
-*ELEMENT, TYPE=C3D8
+{UNIT_CUBE.partition("*ELEMENT")[0]}*ELEMENT, TYPE=C3D8
 1, 1, 2, 3, 4,
 5, 6, 7, 8
 *NSET, NSET=Low
