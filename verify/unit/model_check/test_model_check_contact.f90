@@ -75,7 +75,12 @@ contains
     model%surfaces(1)%face = spread(2, 1, 9)
     model%surfaces(1)%nodes = model%surfaces(1)%nodes + 16
     call start_blocks(model, system, state)
-    call expect('the same way', 1, 0, 'None of the 16 slave nodes')
+    call expect('the same way, apart', 1, 0, 'None of the 16 slave nodes')
+    call two_blocks(model, 0.3_DP, -1.0_DP, [0.0_DP, 0.0_DP, -0.1_DP])
+    model%surfaces(2)%face = spread(1, 1, 4)       ! both lower sides, in one plane
+    model%surfaces(2)%nodes = model%surfaces(2)%nodes - 9
+    call start_blocks(model, system, state)
+    call expect('the same way, in one plane', 1, 0, 'face the same way at 16 of 16 slave nodes')
   end subroutine check_direction
 
 
