@@ -67,9 +67,9 @@ contains
     call suite%that('started', .not. allocated(error) .and. .not. is_at_end(analysis) .and. analysis%is_step_start)
     do i = 1, 6
       call advance_analysis(analysis, logger, is_done, error)
-      call suite%that('the end is told', is_done .eqv. i == 6)
+      call suite%that('the end is reported', is_done .eqv. i == 6)
       call expect_place('increment', analysis, merge(0.25_DP * real(i, DP), real(i - 3, DP), i <= 4))
-      call suite%that('the end of a step is told', analysis%is_step_start .eqv. (i == 4 .or. i == 6))
+      call suite%that('the end of a step is reported', analysis%is_step_start .eqv. (i == 4 .or. i == 6))
       call suite%near('work', analysis%state%old%external_work, 500 * (0.01_DP * analysis%stepper%total_time)**2, TOL)
     end do
     call suite%that('records', analysis%n_records == 6 .and. analysis%n_committed == 6)

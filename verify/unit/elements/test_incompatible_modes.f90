@@ -57,7 +57,7 @@ contains
   end subroutine check_gradients
 
 
-  !> A quadratic energy is at its least after one correction, and then the next is rounding. A singular block is told.
+  !> A quadratic energy is at its least after one correction, and then the next is rounding. A singular block is reported.
   subroutine check_correction()
     real(DP) :: K(N_DOF, N_DOF), force(3, MAX_ELEMENT_NODES), u(3, N + N_MODES), f(LAST)
     type(mode_iteration_type) :: iteration

@@ -49,7 +49,7 @@ contains
   end subroutine make
 
 
-  !> The parts of the points add up to the volume; an element inside out is told.
+  !> The parts of the points add up to the volume; an element inside out is reported.
   subroutine check_volume(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry

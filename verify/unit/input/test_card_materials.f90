@@ -69,7 +69,7 @@ contains
     type(cards_type) :: cards
     type(parameter_type), allocatable :: parameters(:)
     type(deck_messages_type) :: messages
-    character(:), allocatable :: told
+    character(:), allocatable :: reported
     integer :: entry, line
     logical :: is_warning, is_abbreviated
     call open_cards_text(text, 'deck', cards, messages)
@@ -77,10 +77,10 @@ contains
     call find_entry(table, cards%cards(1)%key, entry, is_abbreviated)
     if (entry == 0) error stop 'a card is not in the table'
     call match_parameters(table%entries(entry), parameters, 1, .false., messages)
-    told = ''
-    if (messages%n > 0) call messages%get(1, line, is_warning, told)
-    call suite%that(text // ': counts; ' // told, messages%n_errors == n_errors .and. messages%n == n_errors + n_notes)
-    call suite%that(text // ': ' // told, index(told, piece) > 0 .or. piece == '')
+    reported = ''
+    if (messages%n > 0) call messages%get(1, line, is_warning, reported)
+    call suite%that(text // ': counts; ' // reported, messages%n_errors == n_errors .and. messages%n == n_errors + n_notes)
+    call suite%that(text // ': ' // reported, index(reported, piece) > 0 .or. piece == '')
   end subroutine expect
 
 end program test_card_materials

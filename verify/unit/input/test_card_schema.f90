@@ -97,10 +97,10 @@ contains
     logical, intent(in), optional :: is_lenient
     type(parameter_type), allocatable :: parameters(:)
     type(deck_messages_type) :: messages
-    character(:), allocatable :: told
-    call match(text, parameters, messages, told, is_lenient)
-    call suite%that(text // ': counts; ' // told, messages%n_errors == n_errors .and. messages%n == n_errors + n_notes)
-    call suite%that(text // ': ' // told, index(told, piece) > 0 .or. piece == '')
+    character(:), allocatable :: reported
+    call match(text, parameters, messages, reported, is_lenient)
+    call suite%that(text // ': counts; ' // reported, messages%n_errors == n_errors .and. messages%n == n_errors + n_notes)
+    call suite%that(text // ': ' // reported, index(reported, piece) > 0 .or. piece == '')
   end subroutine expect
 
 
@@ -132,9 +132,9 @@ contains
   subroutine check_names()
     type(parameter_type), allocatable :: parameters(:)
     type(deck_messages_type) :: messages
-    character(:), allocatable :: told
-    call match('NAME=Part 1,FAC=3.,TYP=FOR', parameters, messages, told)
-    call suite%that('three abbreviations: ' // told, messages%n == 3 .and. messages%n_errors == 0)
+    character(:), allocatable :: reported
+    call match('NAME=Part 1,FAC=3.,TYP=FOR', parameters, messages, reported)
+    call suite%that('three abbreviations: ' // reported, messages%n == 3 .and. messages%n_errors == 0)
     call suite%that('expanded', has_parameter(parameters, 'FACTOR') .and. parameter_word(parameters, 'TYPE', 'X') == 'FORCE')
     call suite%that('as written', parameter_text(parameters, 'NAME') == 'Part 1' .and. parameter_text(parameters, 'LIMIT') == '')
     call suite%that('default', parameter_word(parameters, 'SWITCH', 'ON') == 'ON' .and. .not. has_parameter(parameters, 'SWITCH'))

@@ -217,7 +217,7 @@ contains
     call write_file(folder // '/amontons_cards_a.inp', '*INCLUDE, INPUT=amontons_cards_b.inp' // NL)
     call write_file(folder // '/amontons_cards_b.inp', '*INCLUDE, INPUT=amontons_cards_a.inp' // NL)
     call open_cards(folder // '/amontons_cards_a.inp', cards, messages, error)
-    call suite%that('a circle is told once', messages%n_errors == 3 .and. .not. allocated(error))
+    call suite%that('a circle is reported once', messages%n_errors == 3 .and. .not. allocated(error))
     call delete_file(folder // '/amontons_cards_a.inp')
     call delete_file(folder // '/amontons_cards_b.inp')
   end subroutine test_include_trouble

@@ -189,13 +189,13 @@ contains
     type(cards_type) :: cards
     type(deck_messages_type) :: messages
     type(label_scope_type) :: scope
-    character(:), allocatable :: told
+    character(:), allocatable :: reported
     logical :: is_warning
     integer :: line, c
     call expand(text, cards, messages, scope)
-    told = 'none'
-    if (messages%n > 0) call messages%get(1, line, is_warning, told)
-    call suite%that(piece // ': ' // told, messages%n_errors == 1 .and. messages%n == 1 .and. index(told, piece) > 0)
+    reported = 'none'
+    if (messages%n > 0) call messages%get(1, line, is_warning, reported)
+    call suite%that(piece // ': ' // reported, messages%n_errors == 1 .and. messages%n == 1 .and. index(reported, piece) > 0)
     call suite%that('the deck stays, for ' // piece, any([(index('NGEN|NFILL|NCOPY|ELGEN|ELCOPY', cards%cards(c)%key) > 0, &
       c=1, cards%n_cards)]))
   end subroutine expect_error

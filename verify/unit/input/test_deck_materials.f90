@@ -73,14 +73,14 @@ contains
     type(model_type) :: model
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
-    logical :: is_told
+    logical :: is_reported
     integer :: i
     call read(text, model, diagnostics, error, DIALECT_ABAQUS)
-    is_told = .false.
+    is_reported = .false.
     do i = 1, diagnostics%n_items
-      if (.not. diagnostics%items(i)%is_warning) is_told = is_told .or. index(diagnostics%items(i)%text, piece) > 0
+      if (.not. diagnostics%items(i)%is_warning) is_reported = is_reported .or. index(diagnostics%items(i)%text, piece) > 0
     end do
-    call suite%that('refused: ' // piece, allocated(error) .and. is_told)
+    call suite%that('refused: ' // piece, allocated(error) .and. is_reported)
   end subroutine bad
 
 

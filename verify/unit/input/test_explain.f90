@@ -70,7 +70,7 @@ contains
     call expect('*PREPRINT: ignored. ')
     call expect('    data: 210.,.25', after='*ELASTIC: used')
     call expect('by default: TYPE=ISOTROPIC')
-    call suite%that('a default that is given is not told again', index(text, 'by default: NLGEOM') == 0)
+    call suite%that('a default that is given is not reported again', index(text, 'by default: NLGEOM') == 0)
     call expect('    data: 1,1' // NEWLINE // '    data: 2,1' // NEWLINE // '    data: 3,1' // NEWLINE // &
       '    and 2 data lines more')
     call suite%that('only three rows', index(text, 'data: 4,1') == 0)

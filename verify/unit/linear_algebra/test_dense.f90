@@ -99,7 +99,7 @@ contains
     real(DP) :: hilbert(20, 20), x(20), y(2)
     integer :: status, i, j
     call solve_small(reshape([1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], [2, 2]), [1.0_DP, 1.0_DP], y, status)
-    call suite%that('singular: told', status == DENSE_SINGULAR)
+    call suite%that('singular: reported', status == DENSE_SINGULAR)
     call suite%that('singular: x is 0', all(abs(y) <= 0))
     hilbert = reshape([((1 / real(i + j - 1, DP), i=1, 20), j=1, 20)], [20, 20])
     call solve_small(hilbert, [(1.0_DP, i=1, 20)], x, status)

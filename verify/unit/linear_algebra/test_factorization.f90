@@ -183,7 +183,7 @@ contains
       associate (diagonal => matrix%value(matrix%first(order(k))))
         diagonal = -diagonal
         call factorise(factor, matrix, status, error=error)
-        call suite%that('broken: told', status == FACTOR_NOT_POSITIVE .and. .not. factor%is_ready)
+        call suite%that('broken: reported', status == FACTOR_NOT_POSITIVE .and. .not. factor%is_ready)
         call suite%that('broken: where', factor%min_pivot_unknown == order(k))
         diagonal = -diagonal
       end associate
@@ -287,7 +287,7 @@ contains
     good = matrix%value(matrix%first(333))
     matrix%value(matrix%first(333)) = -100
     call factorise(factor, matrix, status, error=error)
-    call suite%that('indefinite: told', status == FACTOR_NOT_POSITIVE .and. .not. allocated(error))
+    call suite%that('indefinite: reported', status == FACTOR_NOT_POSITIVE .and. .not. allocated(error))
     call suite%that('indefinite: not ready', .not. factor%is_ready)
     call suite%that('indefinite: where', factor%min_pivot_unknown == 333)
     matrix%value(matrix%first(333)) = good
@@ -304,15 +304,15 @@ contains
     type(cholesky_type) :: factor
     type(error_type), allocatable :: error
     integer :: status, k
-    logical :: is_told
-    is_told = .true.
+    logical :: is_reported
+    is_reported = .true.
     do k = 1, 10
       call laplacian(4, .false., matrix)
       call analyse(factor, matrix, error=error)
       call factorise(factor, matrix, status, error=error)
-      is_told = is_told .and. (status == FACTOR_NEARLY_SINGULAR .or. status == FACTOR_NOT_POSITIVE)
+      is_reported = is_reported .and. (status == FACTOR_NEARLY_SINGULAR .or. status == FACTOR_NOT_POSITIVE)
     end do
-    call suite%that('singular: told ten times', is_told)
+    call suite%that('singular: reported ten times', is_reported)
     call sparse_from_triplets(2, 2, [1, 2], [1, 2], [1.0e12_DP, 1.0e-12_DP], matrix, error)
     call analyse(factor, matrix, error=error)
     call factorise(factor, matrix, status, error=error)
@@ -336,12 +336,12 @@ contains
     call analyse(factor, matrix, error=error)
     matrix%value(20) = ieee_value(1.0_DP, ieee_quiet_nan)
     call factorise(factor, matrix, status, error=error)
-    call suite%that('NaN: told', status == FACTOR_NOT_FINITE .and. .not. factor%is_ready .and. .not. allocated(error))
+    call suite%that('NaN: reported', status == FACTOR_NOT_FINITE .and. .not. factor%is_ready .and. .not. allocated(error))
     call lu_factorise(lu, matrix, status, error)
-    call suite%that('NaN: told by LU', status == FACTOR_NOT_FINITE .and. .not. lu%is_ready .and. .not. allocated(error))
+    call suite%that('NaN: reported by LU', status == FACTOR_NOT_FINITE .and. .not. lu%is_ready .and. .not. allocated(error))
     matrix%value(20) = ieee_value(1.0_DP, ieee_positive_inf)
     call factorise(factor, matrix, status, error=error)
-    call suite%that('infinity: told', status == FACTOR_NOT_FINITE)
+    call suite%that('infinity: reported', status == FACTOR_NOT_FINITE)
   end subroutine test_not_finite
 
 
@@ -391,7 +391,7 @@ contains
     character(*), intent(in) :: what
     integer, intent(in) :: code
     type(error_type), allocatable, intent(in) :: error
-    call suite%that('error told: ' // what, allocated(error))
+    call suite%that('error reported: ' // what, allocated(error))
     if (allocated(error)) call suite%that('code of the error: ' // what, error%code == code)
   end subroutine expect_error
 
@@ -415,7 +415,7 @@ contains
       call lu_solve(lu, b, x)
       call suite%near('lu: ratio', ratio(full, x, b), 0.0_DP, 10.0_DP)
     end do
-    call suite%that('lu: memory told', lu%megabytes > 0)
+    call suite%that('lu: memory reported', lu%megabytes > 0)
     call lu_factorise(lu, transposed(full), status, error)
     call lu_solve(lu, b, x)
     call suite%near('lu: another pattern or matrix, ratio', ratio(transposed(full), x, b), 0.0_DP, 10.0_DP)
@@ -443,10 +443,10 @@ contains
     integer :: status
     call sparse_from_triplets(2, 2, [1, 1, 2, 2], [1, 2, 1, 2], [1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
-    call suite%that('lu: singular told', status == FACTOR_NEARLY_SINGULAR .and. .not. lu%is_ready)
+    call suite%that('lu: singular reported', status == FACTOR_NEARLY_SINGULAR .and. .not. lu%is_ready)
     call sparse_from_triplets(2, 2, [1, 2], [1, 1], [1.0_DP, 2.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
-    call suite%that('lu: an empty column told', status == FACTOR_NEARLY_SINGULAR .and. .not. allocated(error))
+    call suite%that('lu: an empty column reported', status == FACTOR_NEARLY_SINGULAR .and. .not. allocated(error))
     call sparse_from_triplets(2, 2, [1, 2], [2, 1], [4.0_DP, 2.0_DP], matrix, error)
     call lu_factorise(lu, matrix, status, error)
     call lu_solve(lu, [4.0_DP, 6.0_DP], x)

@@ -287,16 +287,16 @@ contains
     b(10) = 1
     x = 0
     call gmres(a, identity, b, x, krylov_options_type(), report, error)
-    call suite%that('singular, b not in the range: told', report%status == KRYLOV_STAGNATED)
+    call suite%that('singular, b not in the range: reported', report%status == KRYLOV_STAGNATED)
     call suite%near('singular: the least residual', report%residual, sqrt(0.1_DP), 1.0e-6_DP)
     call suite%that('singular: finite', all(ieee_is_finite(x)))
     a%a = 0
     x = 0
     call gmres(a, identity, b, x, krylov_options_type(), report, error)
-    call suite%that('A = 0: told', report%status == KRYLOV_STAGNATED .and. all(abs(x) <= 0))
+    call suite%that('A = 0: reported', report%status == KRYLOV_STAGNATED .and. all(abs(x) <= 0))
     x = 0
     call conjugate_gradients(a, identity, b, x, krylov_options_type(), report)
-    call suite%that('A = 0: told by gradients', report%status == KRYLOV_INDEFINITE .and. all(abs(x) <= 0))
+    call suite%that('A = 0: reported by gradients', report%status == KRYLOV_INDEFINITE .and. all(abs(x) <= 0))
   end subroutine test_singular
 
 
@@ -325,13 +325,13 @@ contains
     a%a(3, 3) = ieee_value(1.0_DP, ieee_quiet_nan)
     x = 0
     call gmres(a, identity, b, x, krylov_options_type(), report, error)
-    call suite%that('gmres: NaN told', report%status == KRYLOV_NOT_FINITE .and. all(ieee_is_finite(x)))
+    call suite%that('gmres: NaN reported', report%status == KRYLOV_NOT_FINITE .and. all(ieee_is_finite(x)))
     x = 0
     call conjugate_gradients(a, identity, b, x, krylov_options_type(), report)
-    call suite%that('gradients: NaN told', report%status == KRYLOV_NOT_FINITE .and. all(ieee_is_finite(x)))
+    call suite%that('gradients: NaN reported', report%status == KRYLOV_NOT_FINITE .and. all(ieee_is_finite(x)))
     b(1) = ieee_value(1.0_DP, ieee_quiet_nan)
     call gmres(a, identity, b, x, krylov_options_type(), report, error)
-    call suite%that('gmres: NaN in b told', report%status == KRYLOV_NOT_FINITE .and. all(ieee_is_finite(x)))
+    call suite%that('gmres: NaN in b reported', report%status == KRYLOV_NOT_FINITE .and. all(ieee_is_finite(x)))
   end subroutine test_exits
 
 end program test_krylov

@@ -207,7 +207,7 @@ contains
     call suite%that('interleaved groups: a permutation', is_permutation(order, 3 * N_NODES))
     call suite%that('interleaved groups: together', all(group(order(1::3)) == group(order(3::3))))
     call order_unknowns(matrix, group, N_NODES - 1, order, error)
-    call suite%that('groups that do not fit: told', allocated(error))
+    call suite%that('groups that do not fit: reported', allocated(error))
     if (allocated(error)) call suite%that('groups that do not fit: internal', error%code == EXIT_INTERNAL)
   end subroutine test_groups
 

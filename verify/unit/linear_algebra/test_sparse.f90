@@ -269,7 +269,7 @@ contains
   subroutine expect_error(what, error)
     character(*), intent(in) :: what
     type(error_type), allocatable, intent(in) :: error
-    call suite%that('error told: ' // what, allocated(error))
+    call suite%that('error reported: ' // what, allocated(error))
     if (allocated(error)) call suite%that('internal: ' // what, error%code == EXIT_INTERNAL)
   end subroutine expect_error
 

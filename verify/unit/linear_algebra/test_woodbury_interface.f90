@@ -87,7 +87,7 @@ contains
     integer, intent(in) :: n, m
     real(DP), intent(in) :: stiffness              !< of the springs over that of the body [-]
     real(DP), intent(in), optional :: size         !< of the body's [force/length]; 1 without it
-    type(woodbury_type) :: sprung
+    type(woodbury_type) :: woodbury
     type(contact_springs_type) :: springs
     type(error_type), allocatable :: error
     real(DP) :: triangle(n, n), shift(n), J(n, n), r(n), x(n), exact(n), unit
@@ -107,13 +107,13 @@ contains
     r = r / norm2(r)
     call solve_small(J, r, exact, status)
     call suite%that(name // ': the matrix is regular', status == DENSE_OK)
-    call invert_interface_stiffness(sprung, triangle, shift, error)
-    call suite%that(name // ': inverted', sprung%has_inverse .and. .not. allocated(error))
-    call factorise_spring_coupling(sprung, springs, is_fit, error)
+    call invert_interface_stiffness(woodbury, triangle, shift, error)
+    call suite%that(name // ': inverted', woodbury%has_inverse .and. .not. allocated(error))
+    call factorise_spring_coupling(woodbury, springs, is_fit, error)
     call suite%that(name // ': coupled', is_fit .and. .not. allocated(error))
     do i = 1, 3
       x = r
-      call solve_woodbury(sprung, triangle, shift, ALLOWED(i), x, error)
+      call solve_woodbury(woodbury, triangle, shift, ALLOWED(i), x, error)
       call suite%near(name // ': the residual', norm2(matmul(J, x) - r), 0.0_DP, 1.01_DP * ALLOWED(i))
     end do
     call suite%near(name // ': the solution', norm2(x - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
@@ -123,7 +123,7 @@ contains
   !> An unsupported body has no inverse; springs of ten thousand times its stiffness exceed single precision.
   subroutine test_limits()
     integer, parameter :: N = 30
-    type(woodbury_type) :: sprung
+    type(woodbury_type) :: woodbury
     type(contact_springs_type) :: springs
     type(error_type), allocatable :: error
     real(DP) :: triangle(N, N), shift(N)
@@ -131,15 +131,15 @@ contains
     call make_body(N, 1.0_DP, triangle, shift)
     triangle(N, :) = triangle(N - 1, :)
     shift = 0.0_DP
-    call invert_interface_stiffness(sprung, triangle, shift, error)
-    call suite%that('a mechanism has no inverse', .not. (sprung%has_inverse .or. allocated(error)))
+    call invert_interface_stiffness(woodbury, triangle, shift, error)
+    call suite%that('a mechanism has no inverse', .not. (woodbury%has_inverse .or. allocated(error)))
     call make_body(N, 1.0_DP, triangle, shift)
-    call invert_interface_stiffness(sprung, triangle, shift, error)
+    call invert_interface_stiffness(woodbury, triangle, shift, error)
     call make_springs(N, 8, 1.0e5_DP, springs)
-    call factorise_spring_coupling(sprung, springs, is_fit, error)
+    call factorise_spring_coupling(woodbury, springs, is_fit, error)
     call suite%that('springs that are too stiff', .not. (is_fit .or. allocated(error)))
     call make_springs(N, 8, 1.0_DP, springs)
-    call factorise_spring_coupling(sprung, springs, is_fit, error)
+    call factorise_spring_coupling(woodbury, springs, is_fit, error)
     call suite%that('soft ones after them', is_fit)
   end subroutine test_limits
 
@@ -148,7 +148,7 @@ contains
   subroutine test_threads()
     use omp_lib, only: omp_set_num_threads, omp_get_max_threads
     integer, parameter :: N = 900, M = 170
-    type(woodbury_type), allocatable :: sprung
+    type(woodbury_type), allocatable :: woodbury
     type(contact_springs_type) :: springs
     type(error_type), allocatable :: error
     real(DP), allocatable :: triangle(:, :), shift(:), r(:), x(:), first(:)
@@ -161,14 +161,14 @@ contains
     before = omp_get_max_threads()
     do n_threads = 1, 3
       call omp_set_num_threads(n_threads)
-      allocate (sprung)
-      call invert_interface_stiffness(sprung, triangle, shift, error)
-      call factorise_spring_coupling(sprung, springs, is_fit, error)
+      allocate (woodbury)
+      call invert_interface_stiffness(woodbury, triangle, shift, error)
+      call factorise_spring_coupling(woodbury, springs, is_fit, error)
       x = r
-      call solve_woodbury(sprung, triangle, shift, 1.0e-6_DP, x, error)
+      call solve_woodbury(woodbury, triangle, shift, 1.0e-6_DP, x, error)
       if (n_threads == 1) first = x
       call suite%that('threads: the same bits', is_fit .and. all(abs(x - first) <= 0.0_DP))
-      deallocate (sprung)
+      deallocate (woodbury)
     end do
     call omp_set_num_threads(before)
   end subroutine test_threads

@@ -174,7 +174,7 @@ contains
   end subroutine check_initial
 
 
-  !> A file that is not there is told, and a closed library has nothing.
+  !> A file that is not there is reported, and a closed library has nothing.
   subroutine check_missing()
     type(material_type) :: other
     type(error_type), allocatable :: error

@@ -166,7 +166,7 @@ contains
   end subroutine check_initial_tangent
 
 
-  !> A line that is turned inside out, and one that is not a number, are told.
+  !> A line that is turned inside out, and one that is not a number, are reported.
   subroutine check_failure()
     type(material_point_type) :: point
     real(DP) :: H(3, 3)

@@ -18,7 +18,7 @@ contains
 
   !> Three nodes: the second alternates between stick and slip, the third also changes its facet every third iteration.
   subroutine check_cycle()
-    type(active_set_history_type) :: forensics
+    type(active_set_history_type) :: history
     type(slave_state_type) :: slaves(3)
     integer :: i
     slaves%pair = 1
@@ -27,50 +27,50 @@ contains
     do i = 1, 6
       slaves(2)%status = merge(STATUS_STICK, STATUS_SLIP, mod(i, 2) == 0)
       slaves(2)%scenario = 2
-      call record_active_set(forensics, slaves, 1.0_DP)
+      call record_active_set(history, slaves, 1.0_DP)
     end do
-    call suite%that('flip: of length 2', find_cycle(forensics) == 2)
-    call suite%that('flip: one node', size(cycling_slaves(forensics, 2)) == 1)
-    call suite%that('flip: the second', all(cycling_slaves(forensics, 2) == 2))
-    call suite%that('flip: stick and slip alone', is_stick_slip_flip(forensics, 2, cycling_slaves(forensics, 2)))
-    call suite%that('flip: its story', status_trace(forensics, 2) == 'stick-II slip-II stick-II slip-II stick-II' .or. &
-      status_trace(forensics, 2) == 'slip-II stick-II slip-II stick-II slip-II')
-    forensics = active_set_history_type()
+    call suite%that('flip: of length 2', find_cycle(history) == 2)
+    call suite%that('flip: one node', size(cycling_slaves(history, 2)) == 1)
+    call suite%that('flip: the second', all(cycling_slaves(history, 2) == 2))
+    call suite%that('flip: stick and slip alone', is_stick_slip_flip(history, 2, cycling_slaves(history, 2)))
+    call suite%that('flip: its story', status_trace(history, 2) == 'stick-II slip-II stick-II slip-II stick-II' .or. &
+      status_trace(history, 2) == 'slip-II stick-II slip-II stick-II slip-II')
+    history = active_set_history_type()
     do i = 1, 8
       slaves(2)%status = STATUS_STICK
       slaves(3)%facet = 6 + mod(i, 3)
-      call record_active_set(forensics, slaves, 1.0_DP)
+      call record_active_set(history, slaves, 1.0_DP)
     end do
-    call suite%that('cycle: of length 3', find_cycle(forensics) == 3)
-    call suite%that('cycle: the third node', all(cycling_slaves(forensics, 3) == 3))
-    call suite%that('cycle: no flip', .not. is_stick_slip_flip(forensics, 3, [3]))
+    call suite%that('cycle: of length 3', find_cycle(history) == 3)
+    call suite%that('cycle: the third node', all(cycling_slaves(history, 3) == 3))
+    call suite%that('cycle: no flip', .not. is_stick_slip_flip(history, 3, [3]))
   end subroutine check_cycle
 
 
   !> Neither a constant active set nor one that never recurs is a cycle; the facet of an open node does not count.
   subroutine check_settled()
-    type(active_set_history_type) :: forensics
+    type(active_set_history_type) :: history
     type(slave_state_type) :: slaves(2)
     integer :: i
     slaves%pair = 1
     do i = 1, 5
       slaves%facet = i
-      call record_active_set(forensics, slaves, 1.0_DP)
+      call record_active_set(history, slaves, 1.0_DP)
     end do
-    call suite%that('settled: open nodes wander', find_cycle(forensics) == 0)
-    forensics = active_set_history_type()
+    call suite%that('settled: open nodes wander', find_cycle(history) == 0)
+    history = active_set_history_type()
     slaves%status = STATUS_SLIP
     do i = 1, 5
       slaves%facet = i
-      call record_active_set(forensics, slaves, 1.0_DP)
+      call record_active_set(history, slaves, 1.0_DP)
     end do
-    call suite%that('never back', find_cycle(forensics) == 0)
+    call suite%that('never back', find_cycle(history) == 0)
   end subroutine check_settled
 
 
   !> Nodes that leave their master and nodes with a penetration jump.
   subroutine check_nodes()
-    type(active_set_history_type) :: forensics
+    type(active_set_history_type) :: history
     type(slave_state_type) :: before(3), after(3)
     before%pair = 1
     before%facet = 1
@@ -80,13 +80,13 @@ contains
     call suite%that('left: the closed one', all(slaves_off_master(before, after) == [1]) .and. size(slaves_off_master(before, &
       after)) == 1)
     before%gap = [0.1_DP, -0.3_DP, 0.0_DP]
-    call record_active_set(forensics, before, 1.0_DP)
-    call suite%that('jump: needs two iterations', size(suddenly_deep_slaves(forensics, before, [1.0_DP])) == 0)
+    call record_active_set(history, before, 1.0_DP)
+    call suite%that('jump: needs two iterations', size(suddenly_deep_slaves(history, before, [1.0_DP])) == 0)
     after%facet = 1
     after%gap = [-0.7_DP, -0.7_DP, -0.2_DP]
-    call record_active_set(forensics, after, 1.0_DP)
-    call suite%that('jump: the first', all(suddenly_deep_slaves(forensics, after, [1.0_DP]) == [1]))
-    call suite%that('jump: alone', size(suddenly_deep_slaves(forensics, after, [1.0_DP])) == 1)
+    call record_active_set(history, after, 1.0_DP)
+    call suite%that('jump: the first', all(suddenly_deep_slaves(history, after, [1.0_DP]) == [1]))
+    call suite%that('jump: alone', size(suddenly_deep_slaves(history, after, [1.0_DP])) == 1)
   end subroutine check_nodes
 
 end program test_active_set_history

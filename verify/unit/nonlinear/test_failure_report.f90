@@ -186,7 +186,7 @@ contains
     after%old%slaves(2)%overrides%edge = NODE_OVERRIDE_EXTENDED
     after%new%slaves(3)%facet = 0
     lines = describe_edge_events(model, after)
-    call suite%that('edges: one of before is not told again; one ran off', size(lines) == 1)
+    call suite%that('edges: one of before is not reported again; one ran off', size(lines) == 1)
     call suite%that('edges: the label of that', index(lines(1), '121') > 0 .and. index(lines(1), 'ran off') > 0)
   end subroutine check_edges
 
