@@ -769,7 +769,7 @@ contains
     has_profile = partner > data%n_groups
     if (size(masters) == 0 .and. .not. has_profile) return
     pair%is_general = .true.
-    pair%is_mortar = .not. has_profile
+    pair%is_mortar = model%general_contact%is_mortar .and. .not. has_profile
     g = data%group(slaves(1))
     call make_surface(model, exterior, data, slaves, slave)
     slave%name = body_name(model, exterior, exterior%body(slaves(1)))

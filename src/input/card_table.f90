@@ -237,7 +237,9 @@ contains
   subroutine describe_general_contact(table)
     type(card_table_type), intent(inout) :: table
     call table%card('CONTACT', SCOPE_MODEL, 'Starts general contact: the faces that may touch are found from the ' // &
-      'geometry, and become contact pairs, surface to surface. CONTACT INCLUSIONS and the assignments follow.')
+      'geometry, and become contact pairs. CONTACT INCLUSIONS and the assignments follow.')
+    call table%option('TYPE', VALUE_WORD, 'How contact is enforced, as in CONTACT PAIR (our own parameter).', &
+      allowed='NODE TO SURFACE|SURFACE TO SURFACE', default='SURFACE TO SURFACE')
     call table%option('OP', VALUE_TEXT, 'General contact holds for all steps.', status=ENTRY_REJECTED)
     call table%option('REACH', VALUE_REAL, 'How far bodies travel towards each other in the job (our own parameter); by ' // &
       'default the largest prescribed displacements of NLGEOM steps, and a twentieth of the extent of the mesh where forces act.')
@@ -462,8 +464,8 @@ contains
     call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
     call describe_load_case(table)
     call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=ENTRY_IGNORED)
-    call table%option('FOLLOWER', VALUE_NONE, 'Forces keep their direction; a pressure on faces turns with them.', &
-      status=ENTRY_REJECTED)
+    call table%option('FOLLOWER', VALUE_NONE, 'Without NLGEOM it has no effect; with it it is refused: forces keep their ' // &
+      'direction, a pressure on faces turns with them.')
     call table%option('USER', VALUE_NONE, 'Give the forces an AMPLITUDE; it may be by the routine UAMP.', status=ENTRY_REJECTED)
     call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the forces themselves.', &
       status=ENTRY_REJECTED)

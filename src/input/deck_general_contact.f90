@@ -34,7 +34,7 @@ contains
       if (is_card(reader, c, 'CONTACT')) then
         line = reader%cards%cards(c)%line
         rules%line = reader%cards%line_number(line)
-        call read_reach(reader, c, rules)
+        call read_contact_parameters(reader, c, rules)
       else if (is_card(reader, c, 'CONTACTINCLUSIONS')) then
         n = n + 1
         call read_inclusions(reader, model, c, rules)
@@ -54,8 +54,8 @@ contains
   end subroutine read_general_contact
 
 
-  !> The parameter REACH of CONTACT.
-  subroutine read_reach(reader, c, rules)
+  !> The parameters TYPE and REACH of CONTACT.
+  subroutine read_contact_parameters(reader, c, rules)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(general_contact_type), intent(inout) :: rules
@@ -63,11 +63,12 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer :: status
     call open_card(reader, c, parameters, row)
+    rules%is_mortar = parameter_word(parameters, 'TYPE', 'SURFACETOSURFACE') == 'SURFACETOSURFACE'
     if (.not. has_parameter(parameters, 'REACH')) return
     call parse_real(parameter_text(parameters, 'REACH'), rules%reach, status)
     if (status == NUMBER_OK .and. rules%reach >= 0.0_DP) return
     call report_error(reader, reader%cards%cards(c)%line, 'REACH must be a distance that is not negative.')
-  end subroutine read_reach
+  end subroutine read_contact_parameters
 
 
   !> CONTACT INCLUSIONS: the whole exterior, or pairs of surfaces.

@@ -46,6 +46,7 @@ module amontons_deck_steps
     logical :: is_open = .false.
     integer :: interaction = 0                   !< interaction of the last CHANGE card
     integer :: material = 0                      !< copy made by the last CHANGE MATERIAL
+    integer :: follower_line = 0                 !< of the last *CLOAD, FOLLOWER; 0: none
   end type step_reader_type
 
 contains
@@ -209,6 +210,9 @@ contains
       'This step has no *STATIC or *VISCO card.')
     call get_step_loads(progress%active_loads, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
+    if (progress%step%is_nlgeom .and. progress%follower_line > 0) call report_error(reader, progress%follower_line, &
+      'FOLLOWER turns a force with its node under NLGEOM, which a node of a solid cannot: forces keep their direction. Leave ' // &
+      'out FOLLOWER, or give a pressure on faces, which turns with them.')
     if (progress%step%is_nlgeom .and. any(progress%step%distributed%is_follower)) call report_error(reader, &
       reader%cards%cards(k)%line, 'Under NLGEOM a traction keeps its direction and its size per undeformed area: its card ' // &
       'needs FOLLOWER=NO, CONSTANT RESULTANT=YES.')
@@ -223,6 +227,19 @@ contains
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step
+
+
+  !> CLOAD: notes a force with FOLLOWER, which persists in later steps until OP=NEW.
+  subroutine note_follower(reader, c, line)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(inout) :: line               !< of the last one; 0: none
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') line = 0
+    if (has_parameter(parameters, 'FOLLOWER')) line = reader%cards%cards(c)%line
+  end subroutine note_follower
 
 
   !> One card of a step.
@@ -254,6 +271,7 @@ contains
         call read_boundary(reader, model, c, progress%n, progress%active_loads)
       case ('CLOAD')
         call read_cload(reader, model, c, progress%active_loads)
+        call note_follower(reader, c, progress%follower_line)
       case ('TEMPERATURE')
         call read_temperature(reader, model, c, progress%thermal)
       case ('DLOAD', 'DSLOAD')

@@ -65,16 +65,17 @@ contains
   end subroutine find_balancing_supports
 
 
-  !> 'degrees of freedom 1 and 2 of node 7 and 3 of node 9'.
+  !> 'node 7 along x, node 7 along y and node 9 along z'.
   function node_list(model, supports) result(text)
     type(model_type), intent(in) :: model
     type(balancing_support_type), intent(in) :: supports(:)
     character(:), allocatable :: text
+    character(1), parameter :: AXES(3) = ['x', 'y', 'z']
     integer :: i
     text = ''
     do i = 1, size(supports)
       text = join_item(text, 'node ' // to_text(model%mesh%node_label(supports(i)%node)) // ' along ' // &
-        'xyz'(supports(i)%dof:supports(i)%dof), i == size(supports))
+        AXES(supports(i)%dof), i == size(supports))
     end do
   end function node_list
 

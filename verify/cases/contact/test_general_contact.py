@@ -27,11 +27,11 @@ def split_cards(deck: str) -> list[str]:
     return KEYWORD.split(deck)
 
 
-def with_pairs(deck: str) -> str:
-    """The deck with surface-to-surface pairs and without what names a pair."""
+def with_pairs(deck: str, form: str = "SURFACE") -> str:
+    """The deck with pairs of a kind and without what names a pair."""
     cards = [card for card in split_cards(deck) if not card.startswith("*CONTACT INTERFERENCE")]
     plain = [re.sub(r", TYPE=(NODE|SURFACE) TO SURFACE", "", card) if card.startswith("*CONTACT PAIR") else card for card in cards]
-    typed = [re.sub(r"(\*CONTACT PAIR[^\n]*)", r"\1, TYPE=SURFACE TO SURFACE", card, count=1) for card in plain]
+    typed = [re.sub(r"(\*CONTACT PAIR[^\n]*)", rf"\1, TYPE={form} TO SURFACE", card, count=1) for card in plain]
     return "".join(re.sub(r"(\*CONTACT PRINT)[^\n]*", r"\1", card) for card in typed)
 
 
@@ -113,6 +113,14 @@ def test_input_decks(run: Run, root: Path, tmp_path: Path, name: str) -> None:
         (tmp_path / mesh.name).write_text(mesh.read_text())
     deck = (root / "input" / f"{name}.inp").read_text()
     compare(run, tmp_path, with_pairs(deck), with_general_contact(deck))
+
+
+@pytest.mark.parametrize("name", ["block-cpe4", "block-cpe8", "corner-cpe4", "stack-cpe4"])
+def test_node_to_surface(run: Run, tmp_path: Path, name: str) -> None:
+    """The same with contact at the nodes of the slave."""
+    deck = DECKS[name]()
+    general = with_general_contact(deck).replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n")
+    assert "General contact: " in compare(run, tmp_path, with_pairs(deck, "NODE"), general)
 
 
 @pytest.mark.parametrize("name", DECKS)

@@ -65,6 +65,11 @@ contains
     call suite%that('too far', size(found%pairs) == 0 .and. index(text, '0 pairs of 2') > 0)
     call find(two_blocks(-0.2_DP, 100.0_DP, 100.0_DP) // GENERAL // LINEAR_STEP)
     call suite%that('overlapping', size(found%pairs) == 1)
+    call find(two_blocks(0.0_DP, 100.0_DP, 100.0_DP) // '*CONTACT, TYPE=NODE TO SURFACE;*CONTACT INCLUSIONS, ALL EXTERIOR;' // &
+      LINEAR_STEP)
+    call suite%that('node to surface', .not. found%pairs(1)%is_mortar)
+    call find(two_blocks(12.0_DP, 100.0_DP, 100.0_DP) // '*CONTACT, REACH=20.;*CONTACT INCLUSIONS, ALL EXTERIOR;' // LINEAR_STEP)
+    call suite%that('within REACH', size(found%pairs) > 0)
     call find(two_blocks(0.0_DP, 100.0_DP, 100.0_DP) // LINEAR_STEP)
     call suite%that('no general contact', size(found%pairs) == 0 .and. text == '')
   end subroutine check_two_blocks

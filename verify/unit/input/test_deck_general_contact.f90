@@ -35,6 +35,7 @@ contains
       call suite%that('one interaction by default', all(rules%assigned == reshape([0, 0, 2], [3, 1])))
       call suite%that('exact, frictionless', model%interactions(2)%behavior == BEHAVIOR_HARD .and. &
         .not. model%interactions(2)%friction > 0)
+      call suite%that('surface to surface, no reach', rules%is_mortar .and. rules%reach < 0)
       call suite%that('its line', rules%line == 1 + count([(MODEL_PART(i:i) == ';', i=1, len(MODEL_PART))]))
     end associate
     call expect_read('*CONTACT;*CONTACT INCLUSIONS;UP, LOW;UP;,LOW;*CONTACT EXCLUSIONS;LOW, UP;' // PROPERTY // &
@@ -64,6 +65,8 @@ contains
     call expect_message(GENERAL // '*CONTACT FORMULATION, TYPE=EDGE TO EDGE;', 'write MASTER SLAVE ROLES')
     call expect_message(GENERAL // '*SURFACE PROPERTY ASSIGNMENT, PROPERTY=THICKNESS;UP, 0.5;', 'have no thickness')
     call expect_message(GENERAL // '*SURFACE PROPERTY ASSIGNMENT, PROPERTY=OFFSET FRACTION;UP, 0.5;', 'lie where the mesh is')
+    call expect_message('*CONTACT, REACH=-1.;*CONTACT INCLUSIONS, ALL EXTERIOR;', 'REACH must be a distance')
+    call expect_message('*CONTACT, TYPE=MORTAR;*CONTACT INCLUSIONS, ALL EXTERIOR;', 'MORTAR')
     call expect_message('*CONTACT, OP=NEW;*CONTACT INCLUSIONS, ALL EXTERIOR;', 'holds for all steps')
   end subroutine check_refusals
 
