@@ -26,7 +26,7 @@ module amontons_deck
   use amontons_deck_mpc, only: read_distributing_couplings, read_cyclic_symmetry
   use amontons_deck_springs, only: read_springs, read_distance_limits
   use amontons_deck_sets, only: read_sets
-  use amontons_deck_structure, only: read_structural_sections, read_structure
+  use amontons_deck_structure, only: read_structural_sections, read_structure, free_slave_nodes
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_deck_traps, only: report_traps
@@ -150,6 +150,7 @@ contains
     call read_general_contact(reader, model)
     call read_transforms(reader, model)
     call read_couplings(reader, model)
+    call free_slave_nodes(reader, model)
     call read_distributing_couplings(reader, model)
     call read_cyclic_symmetry(reader, model)
     call read_clearances(reader, model)

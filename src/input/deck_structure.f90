@@ -5,16 +5,16 @@ module amontons_deck_structure
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_mesh, only: element_draft_type
-  use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, read_real, check_n_fields, nodes_of_field, &
-    elements_of_field, is_card, check_no_data
+  use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
+    nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, find_node_directors
-  use amontons_text, only: to_text, parse_integer, parse_real, name_key, NUMBER_OK
+  use amontons_text, only: plural, to_text, parse_integer, parse_real, name_key, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, is_structural_family
   implicit none
   private
-  public :: read_structural_sections, read_structure, structural_face, is_shell, spread_temperature
+  public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature
 
 contains
 
@@ -193,6 +193,40 @@ contains
         'there, or the first direction of a beam is along the beam.')
     end associate
   end subroutine read_structure
+
+
+  !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. Knots make
+  !! all their nodes dependent: a note tells how many of them are slaves. Pairs and couplings must be read.
+  subroutine free_slave_nodes(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    logical, allocatable :: is_slave(:), is_bound(:)
+    integer, allocatable :: order(:)
+    integer :: i, k
+    if (.not. allocated(model%structure) .or. size(model%pairs) == 0) return
+    allocate (is_slave(model%mesh%n_nodes), is_bound(model%mesh%n_nodes), source=.false.)
+    do i = 1, size(model%pairs)
+      is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
+    end do
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        if (equation%card /= 'SHELL SECTION' .and. equation%card /= 'BEAM SECTION') cycle
+        order = [pack([(k, k=1, size(equation%node))], .not. is_slave(equation%node)), &
+          pack([(k, k=1, size(equation%node))], is_slave(equation%node))]
+        equation%node = equation%node(order)
+        equation%dof = equation%dof(order)
+        equation%coefficient = equation%coefficient(order)
+        if (count(is_slave(equation%node)) == size(equation%node) - 1 .and. size(order) > 2) is_bound(equation%node(2)) = &
+          any(model%structure%held_from(:3, min(equation%node(1), model%structure%n_deck_nodes)) > 0)
+      end associate
+    end do
+    do i = 1, size(model%nonlinear_mpcs)
+      if (model%nonlinear_mpcs(i)%expansion > 0) is_bound(model%nonlinear_mpcs(i)%node) = .true.
+    end do
+    if (any(is_slave .and. is_bound)) call report_note(reader, 0, plural(count(is_slave .and. is_bound), 'slave node') // &
+      ' belong to knots of shells or beams (edges between plates, nodes whose rotations are held or loaded): contact does not ' // &
+      'act there. Make this surface the master if they may touch.')
+  end subroutine free_slave_nodes
 
 
   !> NODAL THICKNESS: node or set, thickness, of beams the second too.

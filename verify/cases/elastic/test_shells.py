@@ -142,3 +142,48 @@ def test_twisted_beam(proof: Proof, kind: str, n: int, direction: int, expected:
     case.near("end", float(job.last("U")[body.at(1, 0.5), direction - 1]), expected, 0.02, why="2 % is the usual demand", place="the end",
               time="the end")  # fmt: skip
     case.done()
+
+
+@pytest.mark.parametrize(("kind", "n", "allowed"), [("S4", 16, 0.002), ("S8R", 8, 0.0005)])
+def test_roll_up(proof: Proof, kind: str, n: int, allowed: float) -> None:
+    """A strip rolled up to a quarter of a circle."""
+    case = proof(
+        f"shell-roll-up-{kind.lower()}",
+        title=f"A strip of {kind} rolled up to a quarter of a circle",
+        model=f"The strip 10 x 1, thickness 0.1, E = 1.2e6, nu = 0, clamped at x = 0; a moment at x = 10 grows to pi E I / 2 L in 20 increments, NLGEOM; {n} cells.",
+        formula="The strip is an arc of radius R = E I / M = 2 L / pi: its end is at x = z = R.",
+        source="Euler's elastica; K. Y. Sze, X. H. Liu, S. H. Lo, Finite Elements in Analysis and Design 40 (2004) 1551-1569, case 1",
+        proves="Finite rotations of fibres: moments on knots turn them.",
+    )
+    body = shell(kind, (n, 1), flat)
+    moment = np.pi / 2 * 1.2e6 * (0.1**3 / 12) / 10
+    load = "*CLOAD\n" + "".join(f"{i + 1}, 5, {-moment * w:.15g}\n" for i, w in body.edge_weights(0, 1.0).items())
+    deck = body.cards() + section(1.2e6, 0.0, 0.1) + held(body.where(0, 0.0), "ENCASTRE")
+    job = case.run(deck + f"*STEP, NLGEOM, INC=200\n*STATIC\n.05, 1., , .05\n{load}*END STEP\n", kind, requested=20)
+    u = job.last("U")[body.at(1, 0.5)]
+    case.near("x", float(u[0]), 20 / np.pi - 10, allowed, why="the error of the mesh in the length of the arc", place="the end", time="the end")
+    case.near("z", float(u[2]), 20 / np.pi, allowed, why="the same", place="the end", time="the end")
+    case.done()
+
+
+def test_contact_sees_thickness(proof: Proof) -> None:
+    """Two parallel plates meet by their faces, not by their middles."""
+    case = proof(
+        "shell-contact",
+        title="Two plates touch by SPOS and SNEG",
+        model="Two plates 1 x 1 of thickness 0.2, middles 1 apart, E = 1000, nu = 0; the lower is held at its nodes, the upper is moved down by 0.801 at its nodes; "
+        "one cell, four cells, frictionless.",
+        formula="Faces touch after 0.8. A force F at the middle is shared by both faces: each plate gives way by F t / (4 E A), F = 2 E A 0.001 / t = 10.",
+        source="Equilibrium of the faces",
+        proves="Contact surfaces SPOS and SNEG lie half a thickness off the nodes.",
+    )
+    rows = ["*NODE, NSET=LOW\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*NODE, NSET=UP\n"]
+    rows += [f"{11 + i + 3 * j}, {i / 2}, {j / 2}, 1.\n" for j in range(3) for i in range(3)]
+    rows.append("*ELEMENT, TYPE=S4, ELSET=A\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=S4, ELSET=B\n")
+    rows += [f"{2 + i + 2 * j}, {11 + i + 3 * j}, {12 + i + 3 * j}, {15 + i + 3 * j}, {14 + i + 3 * j}\n" for j in range(2) for i in range(2)]
+    rows.append("*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*SHELL SECTION, ELSET=A, MATERIAL=M\n.2\n*SHELL SECTION, ELSET=B, MATERIAL=M\n.2\n"
+                "*SURFACE, NAME=TOP\nA, SPOS\n*SURFACE, NAME=UNDER\nB, SNEG\n*SURFACE INTERACTION, NAME=I\n*CONTACT PAIR, INTERACTION=I\nUNDER, TOP\n"
+                "*BOUNDARY\nLOW, 1, 3\nUP, 1, 2\n*STEP\n*STATIC\n.1, 1., , .1\n*BOUNDARY\nUP, 3, 3, -0.801\n*END STEP\n")  # fmt: skip
+    job = case.run("".join(rows), "plates", requested=10)
+    case.near("force", float(np.sum(job.last("RF")[:4, 2])), 10.0, 1e-6, why="exact for these elements", place="the lower plate", time="the end")
+    case.done()

@@ -18,6 +18,7 @@ program test_deck_structure
   call check_sections()
   call check_surfaces()
   call check_loads()
+  call check_contact()
   call check_transforms()
   call check_temperatures()
   call check_errors()
@@ -59,6 +60,23 @@ contains
       call suite%near('pressures', sum(abs(loads%end - [2.0_DP, 30.0_DP])), 0.0_DP, 1.0e-14_DP)
     end associate
   end subroutine check_loads
+
+
+  !> In ties slave nodes are eliminated last; slave nodes of knots are told.
+  subroutine check_contact()
+    character(*), parameter :: PAIR = '*NODE;21,0,0,.2;22,1,0,.2;23,1,1,.2;24,0,1,.2;*ELEMENT, TYPE=S4, ELSET=U;' // &
+      '21,21,22,23,24;*SHELL SECTION, ELSET=U, MATERIAL=M;.1;*SURFACE, NAME=A;U,SNEG;*SURFACE, NAME=C;E,SPOS;' // &
+      '*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, INTERACTION=I;A,C;'
+    integer :: i
+    call expect_read(SHELL // BEAM // PAIR, model)
+    do i = 1, size(model%equations)
+      associate (last => model%equations(i)%node(size(model%equations(i)%node)))
+        if (model%mesh%node_label(model%equations(i)%node(1)) < 21) cycle
+        call suite%that('the slave comes last', any(model%surfaces(1)%nodes == last))
+      end associate
+    end do
+    call expect_message(SHELL // BEAM // PAIR // '*BOUNDARY;21,1,6;', '1 slave node', is_note=.true.)
+  end subroutine check_contact
 
 
   !> TRANSFORM: the rotations of a node have its directions too; a force at it stays there.
