@@ -239,6 +239,7 @@ doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, 
 	$(PYTHON) -m verify.tools.module_table > doc/developer/modules.md
 	$(Q)NO_MKDOCS_2_WARNING=1 $(VENV)-doc/bin/mkdocs build
 	@$(MAKE) api
+	@$(PYTHON) -m verify.tools.site_weight build/site
 	@echo "The site is build/site/index.html."
 
 api: $(VENV)-api/installed $(VENV)-doc/installed ## Build the pages of the source (FORD) into build/site/api

@@ -19,11 +19,13 @@ import pytest
 from verify.cases.output.test_report import BROWSER, open_in_browser
 from verify.conftest import ROOT, Run
 from verify.tools.card_reference import page_of
+from verify.tools import site_weight
 from verify.tools.module_table import page as modules_page
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
 FORD = Path(os.environ.get("AMONTONS_FORD", ROOT / ".venv-api" / "bin" / "ford"))
 LINK = re.compile(r'(?:href|src)="([^"]*)"')
+MOST_BYTES = 30e6  #: of the whole site on a disk with blocks of 4 kB
 WRITTEN_LATER = "/api/index.html"  #: by FORD, which `make doc` runs after mkdocs
 
 
@@ -87,8 +89,15 @@ def test_pages_of_the_source(site: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     assert broken_links(site, "api") == []
     assert fetched(site / "api") == set()
+    text = (site / "manual" / "first_job.html").read_text()
+    code = re.findall(r"<pre\b.*?</pre>", text, re.DOTALL)
+    site_weight.lighten(site)
+    assert broken_links(site, "") == []
+    assert re.findall(r"<pre\b.*?</pre>", (site / "manual" / "first_job.html").read_text(), re.DOTALL) == code != []
+    assert sum(4096 * -(-path.stat().st_size // 4096) for path in site.rglob("*") if path.is_file()) < MOST_BYTES
     first = re.match(r"!> ([\w :]+)", (ROOT / "src" / "contact_laws" / "slip_scenarios.f90").read_text())
     assert first and f"<p>{first[1]}" in (site / "api" / "module" / "amontons_slip_scenarios.html").read_text()
+    assert 'src/slip_scenarios.f90' in (site / "api" / "module" / "amontons_slip_scenarios.html").read_text()
 
 
 @pytest.mark.skipif(BROWSER is None, reason="Chromium is not installed (.ci/deps browser)")

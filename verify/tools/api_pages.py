@@ -4,7 +4,9 @@
 
 FORD takes `Slip: how` at the start of a docstring for a setting, and shows the marks of the lines that follow; so it gets a copy of the
 source. It loads Bootstrap and MathJax from a server: Bootstrap comes from mkdocs instead, which is installed for the rest of the site, and the
-docstrings hold no formula to set. Links to parts of a page that FORD does not write lead to the page.
+docstrings hold no formula to set. Links to parts of a page that FORD does not write lead to the page. A procedure has its arguments on the
+page of its module, so that pages of single procedures, and the source in colours beside the source itself, are left out: links to them lead
+there.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -24,6 +26,8 @@ BOOTSTRAP = {"css": "bootstrap.min.css", "js": "bootstrap.bundle.min.js"}
 FETCHED = re.compile(r'https://cdn\.jsdelivr\.net/npm/bootstrap@[^"]*/(css|js)/[^"/]*(?:\.css|\.js)')
 SEALED = re.compile(r'\s(?:integrity|crossorigin)="[^"]*"')
 MATHJAX = re.compile(r'<!-- MathJax -->\s*<script type="text/x-mathjax-config">.*?</script>\s*<script[^>]*MathJax\.js[^>]*></script>', re.S)
+SINGLE = re.compile(r"""href=(["'])([^"'#]*?)(proc|sourcefile)/([^"'/#]+)\.html(?:#[^"']*)?\1""")
+HOME = re.compile(r"""href='\.\./((?:module|program)/[^']+)'>[^<]*</a></li>\s*<li class="breadcrumb-item active\"""")
 LINK = re.compile(r'href="([^":#]*)#([^"]+)"')
 
 
@@ -55,11 +59,30 @@ def without_fetching(text: str, top: str) -> str:
     return SEALED.sub("", FETCHED.sub(lambda match: f"{top}{match[1]}/{BOOTSTRAP[match[1]]}", text))
 
 
+def leave_out_single_pages(folder: Path) -> None:
+    """Links to a procedure lead to its part of the page of its module, links to a file to the file; their own pages go."""
+    homes = {page.stem: HOME.search(page.read_text()) for page in (folder / "proc").glob("*.html")}
+    homeless = [name for name, home in homes.items() if home is None]
+    assert not homeless, f"procedures without a module: {homeless}"
+
+    def leading(match: re.Match[str]) -> str:
+        quote, up, kind, name = match.groups()
+        place = f"src/{name}" if kind == "sourcefile" else f"{homes[name][1]}#proc-{name}" if name in homes else f"{kind}/{name}.html"
+        return f"href={quote}{up}{place}{quote}"
+
+    for kind in ("proc", "sourcefile"):
+        shutil.rmtree(folder / kind)
+    for page in folder.rglob("*.html"):
+        page.write_text(SINGLE.sub(leading, page.read_text()))
+    (folder / "modules.json").unlink(missing_ok=True)
+
+
 def put_in_order(folder: Path, theme: Path) -> None:
     """All pages of the folder; `theme` is the folder of that theme of mkdocs which has Bootstrap."""
     for kind, name in BOOTSTRAP.items():
         (folder / kind).mkdir(exist_ok=True)
         shutil.copy(theme / kind / name, folder / kind)
+    leave_out_single_pages(folder)
     texts = {page.resolve(): page.read_text() for page in folder.rglob("*.html")}
     parts = {page: set(re.findall(r'\bid="([^"]+)"', text)) for page, text in texts.items()}
     for page, text in texts.items():
