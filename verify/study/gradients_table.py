@@ -1,0 +1,232 @@
+"""Conjugate gradients over contact problems: lengths of the slave nodes ALL, NONE, GLOBAL, NODAL, by preconditioner, friction, increments.
+
+    python -m verify.study.gradients_table [--runs gradients.csv] [--preconditioners NODAL FACTOR] [--modes ALL NODAL]
+        [--only ball] [--sizes 20 5 1] [--program bin/amontons] [--outdir DIR] [--seconds 60]
+    python -m verify.study.gradients_table --show doc/study/gradients.csv [--figure doc/study/gradients.png]
+
+The problems are those of contact_table.py, all steps with SOLVER=CONJUGATE GRADIENTS. A run counts its rounds, its iterations and its
+evaluations of the residual, failed attempts included, and the processor's seconds, and compares the displacements at its end with those of
+Newton's method. One that fails, makes more than ten times the requested increments and forty, or takes longer than allowed does not
+finish. Each run is a row of the file of runs, which is kept: runs that are made again take the place of the old ones.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from verify.study.contact_table import FRICTIONS, PROBLEMS, SIZES, head
+from verify.study.ironing_table import ROOT, count_rows
+
+MODES = ("ALL", "NONE", "GLOBAL", "NODAL")
+PRECONDITIONERS = ("NODAL", "FACTOR")
+KRYLOV, ROUNDS = 18, 22  #: columns of .cvg
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run, as it stands in the file of runs."""
+
+    preconditioner: str
+    problem: str
+    mu: float
+    size: int  #: requested increments in a step
+    mode: str
+    requested: int  #: requested increments in all
+    is_done: int
+    failed: int  #: attempts
+    rounds: int
+    iterations: int  #: of conjugate gradients, those of failed attempts included
+    evaluations: int  #: of the residual
+    seconds: float  #: of the processor
+    difference: float  #: of the displacements from Newton's method, over the largest; -1: one of both does not finish
+
+    @property
+    def case(self) -> tuple[str, str, float, int]:
+        """What is run, but for the lengths."""
+        return self.preconditioner, self.problem, self.mu, self.size
+
+
+def displacements(file: Path) -> np.ndarray:
+    """At the end of a run."""
+    with h5py.File(file) as results:
+        start, n = results["VTKHDF/Steps/PointDataOffsets/U"][-1], results["VTKHDF/NumberOfPoints"][0]
+        return np.asarray(results["VTKHDF/PointData/U"][start : start + n])
+
+
+def execute(program: Path, folder: Path, name: str, deck: str, seconds: float) -> tuple[bool, float]:
+    """Runs a deck; whether it finishes, and the processor's seconds."""
+    (folder / f"{name}.inp").write_text(deck)
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
+
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    command = [program, "--quiet", "--no-checkpoint", "--outdir", folder, folder / f"{name}.inp"]
+    done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit, env={**os.environ, "OMP_NUM_THREADS": "1"})  # noqa: PLW1509 (no threads here)
+    return done.returncode == 0, resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: str, seconds: float) -> Run:
+    """Runs one deck, and once for all modes the same by Newton's method."""
+    preconditioner, problem, mu, size = case
+    make_deck, n_steps = PROBLEMS[problem]
+    exact = f"newton_{problem}_{mu:g}_{size}".replace(" ", "_")
+    if not (folder / f"{exact}.sta").exists():
+        execute(program, folder, exact, make_deck(mu, "AUTO", size), seconds)
+    cards = f"*SOLVER CONTROLS, PRECONDITIONER={preconditioner}\n*STATIC, SOLVER=CONJUGATE GRADIENTS"
+    name = f"{mode}_{preconditioner}_{problem}_{mu:g}_{size}".replace(" ", "_").lower()
+    is_done, spent = execute(program, folder, name, re.sub(r"^\*STATIC", cards, make_deck(mu, mode, size), flags=re.M), seconds)
+    o = count_rows(folder / f"{name}.sta", n_steps * size, is_done)
+    rows = [line.split() for line in (folder / f"{name}.cvg").read_text().splitlines() if re.match(r"\s*\d+\s+\d+\s+\d+\s+\d", line)]
+    difference = -1.0
+    if is_done and count_rows(folder / f"{exact}.sta", n_steps * size, True).made > 0:
+        try:
+            u, v = displacements(folder / f"{exact}.vtkhdf"), displacements(folder / f"{name}.vtkhdf")
+            difference = float(np.abs(u - v).max() / np.abs(u).max())
+        except (OSError, KeyError, IndexError):
+            difference = -1.0
+    (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
+    return Run(
+        preconditioner, problem, mu, size, mode, o.requested, int(o.is_done), o.failed, len(rows), sum(int(w[KRYLOV]) for w in rows),
+        sum(int(w[ROUNDS]) for w in rows), round(spent, 2), float(f"{difference:.2g}"),
+    )
+
+
+def read_runs(file: Path) -> list[Run]:
+    """The runs of a file."""
+    kinds = {"str": str, "float": float, "int": int}
+    with file.open(newline="") as rows:
+        return [Run(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(Run)}) for row in csv.DictReader(rows)]
+
+
+def write_runs(file: Path, runs: Iterable[Run]) -> None:
+    """In the order of the tables."""
+
+    def place(r: Run) -> tuple[int, ...]:
+        return PRECONDITIONERS.index(r.preconditioner), list(PROBLEMS).index(r.problem), FRICTIONS.index(r.mu), SIZES.index(r.size), MODES.index(r.mode)
+
+    with file.open("w", newline="") as rows:
+        table = csv.DictWriter(rows, [f.name for f in fields(Run)], lineterminator="\n")
+        table.writeheader()
+        table.writerows(asdict(r) for r in sorted(runs, key=place))
+
+
+def by_case(runs: Iterable[Run], preconditioner: str) -> dict[tuple[str, str, float, int], dict[str, Run]]:
+    """The runs of a preconditioner by case and mode."""
+    table: dict[tuple[str, str, float, int], dict[str, Run]] = {}
+    for r in runs:
+        if r.preconditioner == preconditioner:
+            table.setdefault(r.case, {})[r.mode] = r
+    return table
+
+
+def cell(r: Run | None) -> str:
+    """One run in few characters."""
+    if r is None:
+        return ""
+    return f"{r.iterations / r.requested:.0f} ({r.rounds / r.requested:.1f}; {r.failed})" if r.is_done else "-"
+
+
+def cases_table(runs: list[Run], preconditioner: str) -> Iterator[str]:
+    """Iterations, rounds and failed attempts of each run."""
+    yield from head("problem", "mu", "increments a step", *MODES)
+    for (_, problem, mu, size), row in by_case(runs, preconditioner).items():
+        yield f"| {problem} | {mu:g} | {size} | " + " | ".join(cell(row.get(mode)) for mode in MODES) + " |"
+
+
+def common(runs: list[Run], preconditioner: str) -> list[dict[str, Run]]:
+    """The cases that were run with every mode."""
+    return [row for row in by_case(runs, preconditioner).values() if all(mode in row for mode in MODES)]
+
+
+def sums_table(runs: list[Run]) -> Iterator[str]:
+    """Runs finished over the cases run with all modes; iterations over those that all of them finish."""
+    yield from head("preconditioner", "", *MODES)
+    for preconditioner in PRECONDITIONERS:
+        rows = common(runs, preconditioner)
+        both = [row for row in rows if all(r.is_done for r in row.values())]
+        for words, kept, value in (
+            (f"runs finished, of {len(rows)}", rows, "is_done"), (f"iterations, {len(both)} cases", both, "iterations"),
+            (f"evaluations, {len(both)} cases", both, "evaluations"), (f"seconds, {len(both)} cases", both, "seconds"),
+        ):
+            yield f"| {preconditioner} | {words} | " + " | ".join(f"{sum(getattr(row[mode], value) for row in kept):.0f}" for mode in MODES) + " |"
+
+
+def draw(runs: list[Run], file: Path) -> None:
+    """Runs finished, and iterations over the cases that all modes finish, over those of ALL."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.5, 3.2))
+    left, right = figure.subplots(1, 2)
+    for i, preconditioner in enumerate(PRECONDITIONERS):
+        rows = common(runs, preconditioner)
+        both = [row for row in rows if all(r.is_done for r in row.values())]
+        places = np.arange(len(MODES)) + 0.4 * (i - 0.5)
+        left.bar(places, [100 * sum(row[mode].is_done for row in rows) / max(len(rows), 1) for mode in MODES], 0.4, label=preconditioner)
+        right.bar(places, [sum(row[mode].iterations for row in both) / max(1, sum(row["ALL"].iterations for row in both)) for mode in MODES], 0.4)
+    left.set(ylabel="runs finished [%]")
+    right.set(ylabel="iterations over those of ALL")
+    for axes in (left, right):
+        axes.set_xticks(range(len(MODES)), MODES, fontsize=8)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.legend(*left.get_legend_handles_labels(), ncols=2, fontsize=8, frameon=False, loc="upper center")
+    figure.tight_layout(rect=(0, 0, 1, 0.93))
+    figure.savefig(file, dpi=110, metadata={"Software": None})
+
+
+def show(runs: list[Run]) -> str:
+    """All tables, as they stand in doc/study/line_search.md."""
+    parts = [sums_table(runs), *(cases_table(runs, p) for p in PRECONDITIONERS)]
+    worst = max((r.difference for r in runs), default=-1)
+    return "\n\n".join("\n".join(part) for part in parts) + f"\n\nLargest difference from Newton's method: {worst:.2g}"
+
+
+def main() -> int:
+    """Runs the requested cases, or shows the tables of a file of runs."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--outdir", type=Path)
+    parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
+    parser.add_argument("--runs", type=Path, default=Path("gradients.csv"), help="where the runs are kept")
+    parser.add_argument("--preconditioners", nargs="+", choices=PRECONDITIONERS, default=PRECONDITIONERS)
+    parser.add_argument("--modes", nargs="+", choices=MODES, default=MODES)
+    parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=SIZES)
+    parser.add_argument("--only", choices=PROBLEMS, help="one problem")
+    parser.add_argument("--seconds", type=float, default=60.0, help="most time of a processor for one run")
+    parser.add_argument("--show", type=Path, metavar="FILE", help="print the tables of a file of runs")
+    parser.add_argument("--figure", type=Path)
+    options = parser.parse_args()
+    if options.show:
+        runs = read_runs(options.show)
+        print(show(runs))
+        if options.figure:
+            draw(runs, options.figure)
+        return 0
+    folder = options.outdir or Path(tempfile.mkdtemp())
+    folder.mkdir(parents=True, exist_ok=True)
+    kept = {(*r.case, r.mode): r for r in read_runs(options.runs)} if options.runs.exists() else {}
+    cases = [(p, q, mu, n) for p in options.preconditioners for q in PROBLEMS if options.only in (None, q) for mu in FRICTIONS for n in options.sizes]
+    for case in cases:
+        for mode in options.modes:
+            r = kept[*case, mode] = run(options.program, folder, case, mode, options.seconds)
+            print(*case, mode, cell(r), f"{r.seconds:.1f} s", r.difference, flush=True)
+        write_runs(options.runs, kept.values())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
