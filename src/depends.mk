@@ -108,9 +108,9 @@ uses_master_symmetry_planes = kinds steps model facets surface_projection
 uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 
 # contact_laws
-uses_slip_scenarios = kinds
-uses_pressure_overclosure = kinds surfaces slip_scenarios
-uses_local_equilibrium = kinds tensor surfaces slip_scenarios pressure_overclosure
+uses_friction_slip_scenarios = kinds
+uses_pressure_overclosure = kinds surfaces friction_slip_scenarios
+uses_local_equilibrium = kinds tensor surfaces friction_slip_scenarios pressure_overclosure
 uses_node_overrides = kinds
 
 # mortar
@@ -123,7 +123,7 @@ uses_segment_derivatives = kinds tensor dense topology shape_functions facets du
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions slip_scenarios node_overrides
+uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions friction_slip_scenarios node_overrides
 uses_model_change = mesh model state
 uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
 
@@ -143,11 +143,11 @@ uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data 
 uses_slave_nodes = kinds surfaces local_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds facets node_overrides state
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
-uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas friction_slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
 uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_integration_points mortar state contact_pairs
-uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
+uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
 
@@ -157,7 +157,7 @@ uses_skin_tiles = kinds containers errors blas sparse
 uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
+uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
 uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
@@ -173,10 +173,10 @@ uses_model_check = kinds text containers errors loads topology steps model eleme
 # nonlinear
 uses_active_set_history = kinds state
 uses_active_set_cycling = kinds controls surfaces surface_projection node_overrides state contact_pairs active_set_history
-uses_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows slip_scenarios node_overrides state contact_pairs equilibrium gradient_preconditioner
+uses_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios node_overrides state contact_pairs equilibrium gradient_preconditioner
 uses_convergence = kinds controls
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
-uses_line_search = kinds sparse surfaces steps model slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
+uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
 uses_contact_rounds = kinds errors iteration_records anderson controls surfaces steps model node_overrides state contact_pairs equilibrium newton_step gradient_preconditioner conjugate_gradients convergence line_search
 uses_contact_subproblem = kinds errors controls steps model state equilibrium newton_step active_set_history active_set_cycling line_search
 uses_failure_words = text failure
@@ -206,6 +206,6 @@ uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
 uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
-uses_library = kinds text errors posix logger sparse model slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
+uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
 uses_main = errors posix logger version model card_table deck model_setup analysis

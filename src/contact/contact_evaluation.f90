@@ -15,7 +15,7 @@ module amontons_contact_evaluation
   use amontons_sparse, only: multiply
   use amontons_shared_slave_nodes, only: free_projector, support_free_projector, is_friction_in_other_pair, MIN_FREE_PART
   use amontons_facets, only: is_line_facet
-  use amontons_slip_scenarios, only: trial_traction_type, evaluate_trial_traction, slip_state_type, friction_limit, &
+  use amontons_friction_slip_scenarios, only: trial_traction_type, evaluate_trial_traction, slip_state_type, friction_limit, &
     NO_FRICTION_LIMIT
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_local_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem

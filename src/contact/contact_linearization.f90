@@ -13,7 +13,7 @@ module amontons_contact_linearization
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, ROW_CONFLICT
   use amontons_surface_projection, only: evaluate_gap_derivatives, gap_derivatives_type, evaluate_vertex_derivative
-  use amontons_slip_scenarios, only: friction_limit, is_friction_capped
+  use amontons_friction_slip_scenarios, only: friction_limit, is_friction_capped
   use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_segment_derivatives, only: facet_derivatives_type

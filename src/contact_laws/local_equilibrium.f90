@@ -8,7 +8,7 @@ module amontons_local_equilibrium
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_TIED
-  use amontons_slip_scenarios, only: is_friction_capped
+  use amontons_friction_slip_scenarios, only: is_friction_capped
   use amontons_pressure_overclosure, only: evaluate_pressure_overclosure, find_activation_gap, find_shear_limit
   implicit none
   private

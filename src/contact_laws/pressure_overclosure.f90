@@ -5,7 +5,7 @@
 !! user's manual, "Node-to-face penalty contact"): the same deck gives the same results. h is the overclosure, minus the gap.
 module amontons_pressure_overclosure
   use amontons_kinds, only: DP, PI
-  use amontons_slip_scenarios, only: friction_limit
+  use amontons_friction_slip_scenarios, only: friction_limit
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   implicit none
   private

@@ -18,7 +18,7 @@ module amontons_library
   use amontons_unsymmetric_tangent, only: combine_with_skew
   use amontons_sparse, only: sparse_type, full_from_upper, multiply_transpose
   use amontons_state, only: state_type
-  use amontons_slip_scenarios, only: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
+  use amontons_friction_slip_scenarios, only: classify_slip_scenarios, friction_limit, slip_state_type, slip_controls_type, &
     slip_result_type, &
     STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
   use amontons_user_routine_setup, only: close_user_routines

@@ -32,7 +32,7 @@ module amontons_equilibrium
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row
   use amontons_contact_evaluation, only: evaluate_contact
   use amontons_slave_nodes, only: rounding_force
-  use amontons_slip_scenarios, only: slip_state_type
+  use amontons_friction_slip_scenarios, only: slip_state_type
   use amontons_contact_initialization, only: initialize_contact
   use amontons_contact_integration_points, only: update_points
   use amontons_contact_constraint_rows, only: contact_row_type
@@ -600,7 +600,8 @@ contains
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         if (slave%facet == 0) cycle
-        if (slave%gap > system%controls%interface%max_gap * system%contact%edge(slave%pair) .and. .not. includes_far_nodes) cycle
+        if (slave%gap > system%controls%contact_interface%max_gap * system%contact%edge(slave%pair) .and. &
+          .not. includes_far_nodes) cycle
         call current_row(system%contact, slave, row)
         is_near(row%nodes) = .true.
         is_near(row%imbalance_nodes) = .true.

@@ -344,8 +344,8 @@ contains
     if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
     is_skin_chosen = step%interface == INTERFACE_SKIN
     if (is_skin_chosen .or. .not. allocated(system%is_interface_unknown)) return
-    is_skin_chosen = count(system%is_interface_unknown) > system%controls%interface%max_unknowns .or. &
-      system%reduced_system%is_iterative .or. is_skin_cheaper(system, system%controls%interface%usual_skin_iterations)
+    is_skin_chosen = count(system%is_interface_unknown) > system%controls%contact_interface%max_unknowns .or. &
+      system%reduced_system%is_iterative .or. is_skin_cheaper(system, system%controls%contact_interface%usual_skin_iterations)
   end function is_skin_chosen
 
 
@@ -353,7 +353,7 @@ contains
   pure logical function is_skin_cheaper(system, n_iterations)
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: n_iterations
-    associate (limits => system%controls%interface)
+    associate (limits => system%controls%contact_interface)
       is_skin_cheaper = limits%dense_work_ratio * real(count(system%is_interface_unknown), DP)**3 * limits%usual_skin_iterations > &
         n_iterations * real(system%base%n_free, DP)
     end associate
@@ -374,7 +374,7 @@ contains
     call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
       imbalance_tangent, displacement_tangent)
     if (any(model%pairs%has_point_contact)) system%skin%memory%is_near = &   ! points change
-      find_near(system%contact, state%new, step%controls%interface%max_gap)
+      find_near(system%contact, state%new, step%controls%contact_interface%max_gap)
     call skin_rows(system%contact, state%new, system%skin%memory%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
     call master_shares(system%contact_tangents, model%mesh%n_nodes, shares, error)
     if (allocated(error)) return
@@ -432,7 +432,7 @@ contains
     call partition_skin(system%skin, model%mesh%coordinates, pack([(i, i=1, size(is_slave))], is_slave), &
       system%controls%skin%slaves_per_tile)
     if (.not. is_resumed .or. .not. allocated(system%skin%memory%is_near)) then
-      system%skin%memory%is_near = find_near(system%contact, fields, system%controls%interface%max_gap)
+      system%skin%memory%is_near = find_near(system%contact, fields, system%controls%contact_interface%max_gap)
       call robin_springs(system%controls%skin, system%contact, fields, system%skin%memory%is_near, system%contact_tangents, &
         system%base%n_unknowns, system%skin%memory%springs, error)
       if (allocated(error)) return
@@ -541,7 +541,7 @@ contains
     system%is_schur_allowed = .false.
     if (system%base%n_free == 0) return            ! all unknowns are prescribed
     if (.not. is_analysis_valid(system%schur_interface, system%base)) then
-      if (count(system%is_interface_unknown) > system%controls%interface%max_unknowns) return
+      if (count(system%is_interface_unknown) > system%controls%contact_interface%max_unknowns) return
       call analyse_bulk(system%schur_interface, system%assembly%stiffness, system%base, system%is_interface_unknown, error)
       if (allocated(error) .or. .not. system%schur_interface%is_analysed) return
     end if
@@ -690,7 +690,7 @@ contains
     associate (memory => system%skin%memory)
       if (n_iterations > system%controls%skin%slow_iterations * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
       if (memory%n_slow <= memory%slow_limit .and. .not. is_lost) return
-      memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%interface%max_unknowns .and. &
+      memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%contact_interface%max_unknowns .and. &
         .not. system%skin%robin%is_iterative .and. &
         (is_lost .or. (memory%slow_limit > system%controls%skin%max_slow_solves .and. .not. is_skin_cheaper(system, n_iterations)))
       if (is_lost .and. .not. memory%is_abandoned) return

@@ -248,27 +248,27 @@ module amontons_controls
     type(cycling_controls_type) :: cycling
     type(increment_controls_type) :: increments
     type(krylov_controls_type) :: krylov
-    type(interface_controls_type) :: interface
-      type(skin_controls_type) :: skin
-      type(linear_solver_controls_type) :: linear_solver
-      type(gradient_controls_type) :: gradients   ! SOLVER CONTROLS
-      end type controls_type
+    type(interface_controls_type) :: contact_interface
+    type(skin_controls_type) :: skin
+    type(linear_solver_controls_type) :: linear_solver
+    type(gradient_controls_type) :: gradients   ! SOLVER CONTROLS
+  end type controls_type
 
-    contains
+contains
 
-      !> The defaults of CalculiX, for the calculix dialect.
-      pure function calculix_controls() result(controls)
-        type(controls_type) :: controls
-        controls%i_0 = 4
-        controls%i_r = 8
-        controls%i_p = 9
-        controls%i_c = 16
-        controls%i_l = 10
-        controls%i_g = 4
-        controls%i_a = 5
-        controls%r_n = 0.0005_DP                     ! CalculiX: 0.005 of the mean force, which is far below the largest
-        controls%c_n = 0.01_DP
-        controls%r_p = 0.02_DP
-      end function calculix_controls
+  !> The defaults of CalculiX, for the calculix dialect.
+  pure function calculix_controls() result(controls)
+    type(controls_type) :: controls
+    controls%i_0 = 4
+    controls%i_r = 8
+    controls%i_p = 9
+    controls%i_c = 16
+    controls%i_l = 10
+    controls%i_g = 4
+    controls%i_a = 5
+    controls%r_n = 0.0005_DP                     ! CalculiX: 0.005 of the mean force, which is far below the largest
+    controls%c_n = 0.01_DP
+    controls%r_p = 0.02_DP
+  end function calculix_controls
 
-      end module amontons_controls
+end module amontons_controls

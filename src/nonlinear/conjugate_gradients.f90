@@ -20,7 +20,7 @@ module amontons_conjugate_gradients
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_contact_pairs, only: current_row
   use amontons_sparse, only: multiply, multiply_transpose
-  use amontons_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenarios, &
+  use amontons_friction_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenarios, &
     find_bounded_step_length
   use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, residual_above_rounding, OUTCOME_OK, OUTCOME_ELEMENT, &
     OUTCOME_NOT_FINITE

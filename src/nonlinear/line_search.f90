@@ -15,7 +15,8 @@ module amontons_line_search
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_surfaces, only: is_compliant
   use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
-  use amontons_slip_scenarios, only: slip_result_type, slip_controls_type, classify_slip_scenarios, find_bounded_step_length, &
+  use amontons_friction_slip_scenarios, only: slip_result_type, slip_controls_type, classify_slip_scenarios, &
+    find_bounded_step_length, &
     STATUS_BALANCED
   use amontons_newton_step, only: solve_roughly
   use amontons_tunnelling_check, only: largest_sliding

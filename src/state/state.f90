@@ -10,7 +10,7 @@ module amontons_state
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
   use amontons_node_overrides, only: node_overrides_type
   use amontons_shape_functions, only: shape_functions, quadrature
-  use amontons_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
   use amontons_topology, only: KIND_C3D8I, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS

@@ -39,7 +39,7 @@ CHAPTERS = {
     "Contact: pressure and partial slip": (
         "test_contact_patch", "test_hertz", "test_plane_contact", "test_partial_slip", "test_plane_friction", "test_circular_contact",
     ),
-    "Contact: sliding, free bodies, several pairs": ("test_sliding", "test_free_bodies", "test_shared_slave_nodes"),
+    "Contact: sliding, free bodies, several pairs": ("test_sliding", "test_free_bodies", "test_loose_bodies", "test_shared_slave_nodes"),
     "Rigid masters": ("test_analytic_masters", "test_rigid_masters"),
     "Surface-to-surface contact": ("test_mortar",),
     "Default settings": ("test_default_settings",),

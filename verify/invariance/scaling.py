@@ -42,13 +42,14 @@ UNITS = {
     "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "": "S1"},
     "HYPERELASTIC": RUBBER, "HYPERFOAM": {**{f",N={n}": n * "S1" + n * "1" + "1" for n in range(1, 7)}, "": "S111"},
     "DENSITY": "R1", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
+    "SHELL SECTION": "L1", "BEAM SECTION": {r"\|-?[0-9.]+,-?[0-9.]+,": "1", "": "L"}, "NODAL THICKNESS": "1L", "NORMAL": "1",
     "SOLID SECTION": {"@": "A", "": "L"}, "MASS": "Q", "GAP": "L1111QF", "SPRING": {"NONLINEAR": "FL1Q", "": "Q1"},
     "INITIAL CONDITIONS": {r"STRESS.*\|([^,]*,){7}[^,]": "11S", "STRESS": "1S", r"HARDENING.*\|([^,]*,){8}[^,]": "111S", "HARDENING": "11S",
                            "TEMPERATURE|PLASTICSTRAIN|DISPLACEMENT": "1"},
     "FRICTION": "1K", "CONTACT INTERFERENCE": "11L",
     "SURFACE BEHAVIOR": {"EXPONENTIAL": "LS", "TABULAR": "SL", "LINEAR": "KSL", "": "K"},
     "BOUNDARY": {r"\|[^,]*,[456]\b|@": "1", "": "111L"}, "CLOAD": {r"\|[^,]*,[456],|@": "11M", "": "11F"},
-    "DLOAD": {",GRAV,": "11L1", ",CENTRIF,": "111LLL1", ",B[XYZ],": "11K", "": "11S1"}, "DSLOAD": "11S1",
+    "DLOAD": {",GRAV,": "11L1", ",CENTRIF,": "111LLL1", ",B[XYZ],": "11K", ",EDNOR": "11Q1", "": "11S1"}, "DSLOAD": "11S1",
     "AMPLITUDE": {"PERIODIC": "111X1111X", "MODULATED": "XX1", "DECAY": "XX1", "EQUALLYSPACED": "X", "": "1X1X1X1X"},
 }  # fmt: skip
 #: Defaults that are numbers without a unit: thickness and area, stiffness and force of a gap.

@@ -221,7 +221,7 @@ def test_sets_of_the_geometry_of_gmsh(run_deck: Run, tmp_path: Path) -> None:
 
 def test_explanation_of_what_is_refused(run_deck: Run) -> None:
     """The value that an error names is not called used."""
-    done = run_deck(deck_with("*ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4", "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8"), "--explain")
+    done = run_deck(deck_with("*ELEMENT, TYPE=S99, ELSET=E\n1, 1, 2, 3, 4", "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8"), "--explain")
     assert done.returncode == 3
-    assert "TYPE=S4: refused, see the error below." in done.stdout
+    assert "TYPE=S99: refused, see the error below." in done.stdout
     assert "ELSET=E: used." in done.stdout

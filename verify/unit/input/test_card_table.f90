@@ -72,7 +72,7 @@ contains
     call expect('STATIC', SCOPE_STEP, ENTRY_SUPPORTED)
     call expect('DYNAMIC', SCOPE_BOTH, ENTRY_REJECTED)
     call expect('FREQUENCY', SCOPE_BOTH, ENTRY_REJECTED)
-    call expect('SHELLSECTION', SCOPE_BOTH, ENTRY_REJECTED)
+    call expect('MEMBRANESECTION', SCOPE_BOTH, ENTRY_REJECTED)
     call expect('PREPRINT', SCOPE_BOTH, ENTRY_IGNORED)
     call suite%that('variables of prints', is_one_of('RF', NODE_VARIABLES) .and. is_one_of('PEEQ', ELEMENT_VARIABLES) .and. &
       is_one_of('CSTR', CONTACT_VARIABLES) .and. is_one_of('SOF', SECTION_VARIABLES))

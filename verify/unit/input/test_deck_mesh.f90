@@ -122,7 +122,7 @@ contains
   !> Types that are not supported, each with its replacement; empty decks.
   subroutine check_errors()
     call expect_message(SOLID // '*ELEMENT, TYPE=C3D8P, ELSET=F;11,1,2,3,4,5,6,7,8;', 'Use C3D8, which has a mean dilatation')
-    call expect_message(SOLID // '*NODE;20,9,9,9;*ELEMENT, TYPE=S4R, ELSET=F;11,1,2,3,20;', 'Shells, beams and membranes')
+    call expect_message(SOLID // '*NODE;20,9,9,9;*ELEMENT, TYPE=S4R, ELSET=F;11,1,2,3,20;', 'have no section')
     call expect_message(SOLID // '*ELEMENT, TYPE=CPE5, ELSET=F;11,1,2,3,4,5;*SOLID SECTION, ELSET=F, MATERIAL=M;', &
       'Plane kinds have')
     call expect_message(SOLID // '*ELEMENT, TYPE=GAPCYL, ELSET=F;11,1,7;', 'Use GAPUNI')

@@ -1,8 +1,8 @@
 !> Tests of the slip scenarios: trial traction, and the scenario table row by row with its angles, safeguards, cut and bounds.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_slip_scenarios
+program test_friction_slip_scenarios
   use amontons_kinds, only: DP, PI
-  use amontons_slip_scenarios, only: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type, &
+  use amontons_friction_slip_scenarios, only: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type, &
     split_nodal_imbalance, &
     evaluate_trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, find_bounded_step_length, STATUS_OPEN, &
     STATUS_STICK, &
@@ -497,4 +497,4 @@ contains
     t = cos(angle) * e + sin(angle) * f
   end function in_plane
 
-end program test_slip_scenarios
+end program test_friction_slip_scenarios

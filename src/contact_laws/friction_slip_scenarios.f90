@@ -15,7 +15,7 @@
 !!     L      friction limit min(mu max(N, 0), TAUMAX A), the largest friction force [force]
 !!     DR     |Rt| - L, signed excess over the friction limit [force]
 !!     u, ud  configurations of the iterate and after the full search direction d
-module amontons_slip_scenarios
+module amontons_friction_slip_scenarios
   use amontons_kinds, only: DP
   implicit none
   private
@@ -317,4 +317,4 @@ contains
     if (becomes_stick) alpha = length / projected_slip_change
   end subroutine limit_to_zero_slip
 
-end module amontons_slip_scenarios
+end module amontons_friction_slip_scenarios
