@@ -604,6 +604,7 @@ contains
     type(integration_points_type), intent(inout) :: points
     integer :: n, m, p, k, nodes(MAX_ELEMENT_NODES)
     points%section_value = model%mesh%section_value(e)
+    if (allocated(model%mesh%is_shell)) points%is_shell = model%mesh%is_shell(e)
     points%directions = model%mesh%directions(:, e)
     if (allocated(model%mesh%spring)) call load_spring(model, state, e, points)
     if (model%materials(element_material(model, state%new%step, e))%is_linear_isotropic) return

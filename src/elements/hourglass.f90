@@ -27,9 +27,14 @@ module amontons_hourglass
   implicit none
   private
   public :: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  public :: add_thickness_stabilization
 
   integer, parameter :: MAX_ELEMENT_CORNERS = 8, MAX_MODES = 4
   real(DP), parameter :: ARTIFICIAL_HOURGLASS_FACTOR = 0.0005_DP      !< of CalculiX's hourglass stiffness [-]
+  real(DP), parameter :: THICKNESS_FACTOR = 1.0e-3_DP   !< of the thickness stabilization, over the stiffness of the material [-]
+
+  !> Nodes at the bottom and top of the fibres of a C3D20: corners, then mid-sides.
+  integer, parameter :: FIBRE(2, 8) = reshape([1, 5, 2, 6, 3, 7, 4, 8, 9, 13, 10, 14, 11, 15, 12, 16], [2, 8])
 
   ! Signs of the corners: xi, eta, zeta.
   real(DP), parameter :: CORNER_SIGNS(3, 8) = reshape([real(DP) :: &
@@ -305,5 +310,77 @@ contains
       end do
     end associate
   end subroutine add_stiffness
+
+
+
+  !> Thickness stabilization of a shell of one layer of C3D20R. The four points of each half see a thickness strain s that is bilinear
+  !! along the middle surface; the mid-side fibres can add modes without energy that neighbours share. With g = s at a mid-side fibre
+  !! minus the mean of s at the corner fibres beside it, W = k/2 sum g^2 with k = THICKNESS_FACTOR c V / 4. s is Green's strain of the
+  !! fibre, (|d|^2 - |D|^2) / (2 |D|^2), linearised without NLGEOM.
+  pure subroutine add_thickness_stabilization(X, u, is_nlgeom, c, volume, energy, force, stiffness)
+    real(DP), intent(in) :: X(:, :)                !< (3, 20) reference coordinates [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, 20) displacements [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(in) :: c(6, 6)                !< elastic tangent at rest [stress]
+    real(DP), intent(in) :: volume                 !< [length^3]
+    real(DP), intent(out) :: energy                !< W [energy]
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES) !< [force]
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< [force/length]
+    real(DP) :: D(3, 8), change(3, 8), length(8), strain(8), slope(3, 8), weight(8), g, k
+    integer :: i, side
+    D = X(:, FIBRE(2, :)) - X(:, FIBRE(1, :))
+    change = u(:, FIBRE(2, :)) - u(:, FIBRE(1, :))
+    length = norm2(D, 1)
+    do i = 1, 8
+      strain(i) = dot_product(D(:, i), change(:, i)) / length(i)**2
+      if (is_nlgeom) strain(i) = strain(i) + 0.5_DP * dot_product(change(:, i), change(:, i)) / length(i)**2
+      slope(:, i) = D(:, i) / length(i)**2
+      if (is_nlgeom) slope(:, i) = slope(:, i) + change(:, i) / length(i)**2
+    end do
+    k = THICKNESS_FACTOR * (c(1, 1) + c(2, 2) + c(3, 3)) / 3.0_DP * volume / 4.0_DP
+    energy = 0
+    do side = 1, 4
+      weight = 0
+      weight([side, 1 + mod(side, 4), 4 + side]) = [-0.5_DP, -0.5_DP, 1.0_DP]
+      g = dot_product(weight, strain)
+      energy = energy + 0.5_DP * k * g**2
+      do i = 1, 8
+        force(:, FIBRE(1, i)) = force(:, FIBRE(1, i)) - k * g * weight(i) * slope(:, i)
+        force(:, FIBRE(2, i)) = force(:, FIBRE(2, i)) + k * g * weight(i) * slope(:, i)
+      end do
+      if (present(stiffness)) call add_fibre_stiffness(k, merge(k * g, 0.0_DP, is_nlgeom) * weight / length**2, &
+        spread(weight, 1, 3) * slope, stiffness)
+    end do
+  end subroutine add_thickness_stabilization
+
+
+  !> k dg dg' + k g d2g of one side, to both sides of the diagonal.
+  pure subroutine add_fibre_stiffness(k, geometric, slope, stiffness)
+    real(DP), intent(in) :: k                      !< [energy]
+    real(DP), intent(in) :: geometric(8)           !< k g times the second derivative of g by the fibres [force/length]
+    real(DP), intent(in) :: slope(3, 8)            !< of g by the fibres [1/length]
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP) :: gradient(48)                       ! the middles of the corner fibres, 49 to 60, take no part
+    integer :: i, j, row, column
+    do i = 1, 8
+      do j = 1, 3
+        gradient(3 * FIBRE(1, i) - 3 + j) = -slope(j, i)
+        gradient(3 * FIBRE(2, i) - 3 + j) = slope(j, i)
+      end do
+    end do
+    do column = 1, 48
+      stiffness(:48, column) = stiffness(:48, column) + k * (gradient * gradient(column))
+    end do
+    do i = 1, 8
+      do j = 1, 3
+        row = 3 * FIBRE(1, i) - 3 + j
+        column = 3 * FIBRE(2, i) - 3 + j
+        stiffness(row, row) = stiffness(row, row) + geometric(i)
+        stiffness(column, column) = stiffness(column, column) + geometric(i)
+        stiffness(row, column) = stiffness(row, column) - geometric(i)
+        stiffness(column, row) = stiffness(column, row) - geometric(i)
+      end do
+    end do
+  end subroutine add_fibre_stiffness
 
 end module amontons_hourglass

@@ -10,7 +10,8 @@ module amontons_solid_elements
   use amontons_zero_stress_condition, only: evaluate_initial_tangent, CONDITION_NONE
   use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
     halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES
-  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
+    add_thickness_stabilization
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: material_point_type, update_material_point
   use amontons_integration_points, only: integration_points_type, set_point_input, store_point_history, &
@@ -22,7 +23,7 @@ module amontons_solid_elements
     MAX_DISPLACEMENT_GRADIENT
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, determinant_minus_one, invert, pack_voigt
   use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D20, N_SOLID_KINDS
+    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_SOLID_KINDS
   implicit none
   private
   public :: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, set_solid_temperature_weights
@@ -78,8 +79,26 @@ contains
       call evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
     case default
       call evaluate_kernel(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+      if (kind == KIND_C3D20R .and. points%is_shell .and. status == ELEMENT_OK) call stabilize_thickness(material, X, u, &
+        is_nlgeom, force, points, stiffness)
     end select
   end subroutine evaluate_solid_element
+
+
+  !> Adds the thickness stabilization of a shell of C3D20R; its energy is spread over the points.
+  pure subroutine stabilize_thickness(material, X, u, is_nlgeom, force, points, stiffness)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :), u(:, :)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type), intent(inout) :: points
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP) :: c(6, 6), volume, energy
+    call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 20, points, c)
+    volume = sum(points%volume(:8))
+    call add_thickness_stabilization(X, u, is_nlgeom, c, volume, energy, force, stiffness)
+    points%energy(:8) = points%energy(:8) + energy / volume
+  end subroutine stabilize_thickness
 
 
   !> The volume of each integration point.

@@ -30,6 +30,7 @@ contains
     integer :: e, n
     call create_nodes(mesh, structure)
     allocate (first(mesh%n_elements + 1), nodes(20 * mesh%n_elements))
+    allocate (mesh%is_shell(mesh%n_elements), source=.false.)
     first(1) = 1
     do e = 1, mesh%n_elements
       associate (from => structure%first(e), to => structure%first(e + 1) - 1)
@@ -40,6 +41,7 @@ contains
           if (structure%directors(structure%director_of(from))%n_outer == 4) then
             solid = beam_nodes(structure%directors(structure%director_of(from:to)))
           else
+            mesh%is_shell(e) = .true.
             solid = shell_nodes(structure%directors(structure%director_of(from:to)))
           end if
         end if

@@ -24,6 +24,7 @@ module amontons_integration_points
   type :: integration_points_type
     ! input: section, committed history, temperature
     real(DP) :: section_value                            !< thickness [length], cross-section [length^2], spring constant
+    logical :: is_shell = .false.                  !< the solid is one layer of an expanded shell
     integer :: directions(2)                       !< of SPRING1, SPRING2
     type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant
     logical :: has_frame                           !< frame is set; else the axes are the global ones

@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_hourglass
   use amontons_elasticity, only: isotropic_tangent
-  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
+    add_thickness_stabilization
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
   use amontons_topology, only: MAX_ELEMENT_NODES
@@ -27,6 +28,8 @@ program test_hourglass
     end do
   end do
   call check_bending()
+  call check_thickness(.false.)
+  call check_thickness(.true.)
   call suite%finish()
 
 contains
@@ -126,6 +129,60 @@ contains
     end do
     call suite%that('symmetric', all(K == transpose(K)) .and. norm2(K) > 1.0e-4_DP)
   end subroutine check_derivatives
+
+
+  !> Thickness stabilization of a C3D20R shell: no energy where the thickness strain is bilinear, nor in a finite rotation; the mode
+  !! s = eta^2 - 1/3, that two by two points do not see, has some; force and stiffness are derivatives.
+  subroutine check_thickness(is_nlgeom)
+    logical, intent(in) :: is_nlgeom
+    real(DP), parameter :: XI(2, 8) = reshape([real(DP) :: -1, -1, 1, -1, 1, 1, -1, 1, 0, -1, 1, 0, 0, 1, -1, 0], [2, 8])
+    real(DP), parameter :: STEP = 1.0e-5_DP, ANGLE = 0.7_DP
+    integer, parameter :: BOTTOM(8) = [1, 2, 3, 4, 9, 10, 11, 12], TOP(8) = [5, 6, 7, 8, 13, 14, 15, 16]
+    real(DP) :: X(3, 20), u(3, 20), v(3, 20), c(6, 6), energy, plus, minus, R(3, 3)
+    real(DP), dimension(3, MAX_ELEMENT_NODES) :: force, other, before
+    real(DP) :: K(N_DOF, N_DOF)
+    integer :: a, i
+    c = isotropic_tangent(3.0_DP, 2.0_DP)
+    X = 0
+    X(:2, BOTTOM) = XI
+    X(:2, TOP) = XI
+    X(3, TOP) = 0.1_DP
+    force = 0
+    u = 0
+    u(3, TOP) = 0.01_DP * (1 + XI(1, :)) * (2 - XI(2, :))
+    call add_thickness_stabilization(X, u, .false., c, 0.4_DP, energy, force)
+    call suite%near('bilinear: energy', energy, 0.0_DP, 1.0e-25_DP)
+    call suite%near('bilinear: force', norm2(force), 0.0_DP, 1.0e-12_DP)
+    if (is_nlgeom) then
+      R = reshape([1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, cos(ANGLE), sin(ANGLE), 0.0_DP, -sin(ANGLE), cos(ANGLE)], [3, 3])
+      u = matmul(R, X) - X
+      call add_thickness_stabilization(X, u, .true., c, 0.4_DP, energy, force)
+      call suite%near('rotated: energy', energy, 0.0_DP, 1.0e-25_DP)
+    end if
+    u = 0
+    u(3, TOP) = 0.01_DP * (XI(2, :)**2 - 1.0_DP / 3)
+    call add_thickness_stabilization(X, u, .false., c, 0.4_DP, energy, force)
+    call suite%near('eta^2 - 1/3: energy', energy, 0.5_DP * 1.0e-3_DP * 7 * 0.1_DP * 2 * 0.1_DP**2, 1.0e-15_DP)   ! c33 = 7, g = 0.1
+    call random_number(u)
+    force = 1
+    K = 0
+    call add_thickness_stabilization(X, u, is_nlgeom, c, 0.4_DP, energy, force, K)
+    do a = 1, 20
+      do i = 1, 3
+        v = u
+        v(i, a) = u(i, a) + STEP
+        other = 0
+        call add_thickness_stabilization(X, v, is_nlgeom, c, 0.4_DP, plus, other)
+        v(i, a) = u(i, a) - STEP
+        before = 0
+        call add_thickness_stabilization(X, v, is_nlgeom, c, 0.4_DP, minus, before)
+        call suite%near('thickness: force', force(i, a) - 1, (plus - minus) / (2 * STEP), 1.0e-6_DP)
+        call suite%near('thickness: stiffness', norm2(reshape(K(3 * a - 3 + i, :60), [3, 20]) - (other(:, :20) - before(:, :20)) &
+          / (2 * STEP)), 0.0_DP, 1.0e-6_DP)
+      end do
+    end do
+    call suite%that('thickness: symmetric', all(K == transpose(K)) .and. norm2(K) > 1.0e-4_DP)
+  end subroutine check_thickness
 
 
   !> Bending of a cube, u_x = xi eta: the strain xx = eta has the energy E/2 times the integral of eta^2.
