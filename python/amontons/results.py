@@ -96,7 +96,7 @@ class Results:
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
-        """Reads the model; fields are read when they are asked for."""
+        """Reads the model; fields are read at their first use."""
         path = Path(path)
         self.path = path if path.suffix == ".vtkhdf" else path.with_name(path.name + ".vtkhdf")
         self.name = self.path.stem

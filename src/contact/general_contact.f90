@@ -4,7 +4,7 @@
 !! Two faces of different bodies are *near* if their normals oppose, the distance of their boxes is within the reach, and neither
 !! lies behind the other by more than the elements below them are deep. (Faces on the far sides of two sheets that touch oppose each
 !! other too, one behind the other by both thicknesses.) The reach is the search radius of contact pairs and the way that the
-!! bodies can travel in the steps: a small one widens the comparison face by face; a large one adds the faces of whole patches.
+!! bodies can move in the steps: a small one widens the comparison face by face; a large one adds the faces of whole patches.
 !!
 !! A pair has the near faces of one smooth patch as slave, so that the sides of a corner belong to different pairs, and all near
 !! faces of another body as master. Around both come the faces of the patch that share a node with them, which complete the normals.
@@ -31,7 +31,7 @@ module amontons_general_contact
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
-  real(DP), parameter :: LOAD_TRAVEL_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
+  real(DP), parameter :: LOAD_MOTION_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
   real(DP), parameter :: DISTINCT_STIFFNESS_RATIO = 1.5_DP !< bodies with a smaller ratio of their moduli are alike [-]
   real(DP), parameter :: DISTINCT_MESH_RATIO = 1.1_DP      !< the same for the mean edges [-]
   real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP         !< a normal with a smaller free part is held by supports [-]
@@ -88,7 +88,7 @@ contains
     type(exterior_type) :: exterior
     type(face_data_type) :: data
     type(near_faces_type) :: near
-    real(DP) :: travel
+    real(DP) :: motion
     integer :: no_twins(2, 0)
     text = ''
     allocate (found%pairs(0), found%surfaces(0))
@@ -99,9 +99,9 @@ contains
       call build_exterior(model%mesh, absent_elements(model, 1), no_twins, exterior)
     end if
     call collect_face_data(model, exterior, data)
-    travel = find_travel(model)
-    call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, travel, near)
-    call find_faces_near_profiles(model, exterior, data, travel, near)
+    motion = estimate_motion(model)
+    call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, motion, near)
+    call find_faces_near_profiles(model, exterior, data, motion, near)
     if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
     text = 'General contact: ' // plural(size(found%pairs), 'pair') // ' of ' // to_text(exterior%n_bodies) // &
       ' meshed bodies' // merge(':', '.', size(found%pairs) > 0) // text
@@ -272,25 +272,25 @@ contains
   end function is_of
 
 
-  !> How far bodies can travel in the steps: zero without NLGEOM, where contact follows the positions at the start; else the sum of
+  !> How far bodies can move in the steps: zero without NLGEOM, where contact follows the positions at the start; else the sum of
   !! the largest prescribed displacements, rotations by half the extent of the mesh, and a share of the extent where forces act.
-  pure real(DP) function find_travel(model) result(travel)
+  pure real(DP) function estimate_motion(model) result(motion)
     type(model_type), intent(in) :: model
     integer :: i
-    travel = max(0.0_DP, model%general_contact%reach)
+    motion = max(0.0_DP, model%general_contact%reach)
     if (model%general_contact%reach >= 0.0_DP) return
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
         if (.not. step%is_nlgeom) cycle
-        travel = travel + largest_motion(model, step%prescribed)
-        if (size(step%concentrated) + size(step%distributed) > 0) travel = max(travel, LOAD_TRAVEL_SHARE * mesh_extent(model%mesh))
+        motion = motion + largest_motion(model, step%prescribed)
+        if (size(step%concentrated) + size(step%distributed) > 0) motion = max(motion, LOAD_MOTION_SHARE * mesh_extent(model%mesh))
       end associate
     end do
-  end function find_travel
+  end function estimate_motion
 
 
   !> Whether bodies that travelled farther than the search looked touch each other without a pair, or may do so in an increment
-  !! like the last one: message says which faces. Displacements that differ by less than the travel cost nothing.
+  !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing.
   subroutine find_unpaired_contact(model, u, du, message)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -305,7 +305,7 @@ contains
     message = ''
     if (.not. allocated(model%general_contact)) return
     span = displacement_span(model, u)
-    if (span <= find_travel(model)) return
+    if (span <= estimate_motion(model)) return
     if (allocated(model%twins)) then
       call build_exterior(model%mesh, absent_elements(model, 1), model%twins, exterior)
     else
@@ -405,27 +405,27 @@ contains
 
 
   !> Finds the near faces of all groups.
-  subroutine find_near_faces(rules, exterior, data, radius, travel, near)
+  subroutine find_near_faces(rules, exterior, data, radius, motion, near)
     type(general_contact_type), intent(in) :: rules
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
-    real(DP), intent(in) :: radius                 !< of the search without travel, over the edge [-]
-    real(DP), intent(in) :: travel                 !< [length]
+    real(DP), intent(in) :: radius                 !< of the search without motion, over the edge [-]
+    real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
     type(facets_type) :: facets
     type(facet_search_type) :: search
     logical, allocatable :: is_active(:)
     integer, allocatable :: list(:), active(:), seen(:)
-    real(DP) :: largest_edge, near_travel
+    real(DP) :: largest_edge, near_motion
     integer :: i, j, k, n, f, g
     if (exterior%n == 0) return
     largest_edge = maxval(exterior%edge_length)
-    near_travel = merge(travel, 0.0_DP, travel <= SEARCH_RADIUS_RATIO * largest_edge)
-    call find_active_faces(exterior, SEARCH_RADIUS_RATIO * largest_edge + travel, is_active)
+    near_motion = merge(motion, 0.0_DP, motion <= SEARCH_RADIUS_RATIO * largest_edge)
+    call find_active_faces(exterior, SEARCH_RADIUS_RATIO * largest_edge + motion, is_active)
     active = pack([(f, f=1, exterior%n)], is_active)
     if (size(active) == 0) return
     call list_facets(size(active), facets)
-    call build_facet_search(facets, exterior_positions(exterior, active), (SEARCH_RADIUS_RATIO + 1) * largest_edge + near_travel, &
+    call build_facet_search(facets, exterior_positions(exterior, active), (SEARCH_RADIUS_RATIO + 1) * largest_edge + near_motion, &
       search)
     allocate (seen(data%n_groups), source=0)
     do i = 1, size(active)
@@ -435,14 +435,14 @@ contains
         j = active(list(k))
         g = data%group(j)
         if (seen(g) == f .or. exterior%body(j) == exterior%body(f)) cycle
-        if (.not. are_near(exterior, f, j, radius, near_travel)) cycle
+        if (.not. are_near(exterior, f, j, radius, near_motion)) cycle
         if (find_interaction(rules, data, data%group(f), g, 0) == 0 .or. (data%is_rigid(f) .and. data%is_rigid(j))) cycle
         seen(g) = f
         call near%face%add(f)
         call near%partner%add(g)
       end do
     end do
-    if (travel > near_travel) call add_reachable_faces(rules, exterior, data, active, travel, near)
+    if (motion > near_motion) call add_reachable_faces(rules, exterior, data, active, motion, near)
   end subroutine find_near_faces
 
 
@@ -498,34 +498,34 @@ contains
 
 
   !> Whether two faces of different bodies are near each other.
-  pure logical function are_near(exterior, f, m, radius, travel)
+  pure logical function are_near(exterior, f, m, radius, motion)
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: f, m                    !< faces
     real(DP), intent(in) :: radius                 !< over the edge [-]
-    real(DP), intent(in) :: travel                 !< [length]
+    real(DP), intent(in) :: motion                 !< [length]
     real(DP) :: between(3), lateral, front, cosine
     are_near = .false.
     cosine = dot_product(exterior%normal(:, f), exterior%normal(:, m))
     if (cosine > -MIN_FACING_COSINE) return
-    if (box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > travel + radius &
+    if (box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > motion + radius &
       * max(exterior%edge_length(f), exterior%edge_length(m))) return
     between = exterior%centre(:, m) - exterior%centre(:, f)
     front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))
     lateral = norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f))
-    if (lateral > MAX_LATERAL_OFFSET * (exterior%edge_length(f) + exterior%edge_length(m)) + travel) return
+    if (lateral > MAX_LATERAL_OFFSET * (exterior%edge_length(f) + exterior%edge_length(m)) + motion) return
     if (cosine > -0.5_DP) front = front + lateral * sqrt(1 - cosine**2)   ! inclined: the centres do not show which is in front
-    are_near = front >= -MAX_DEPTH_SHARE * min(exterior%depth(f), exterior%depth(m)) - travel
+    are_near = front >= -MAX_DEPTH_SHARE * min(exterior%depth(f), exterior%depth(m)) - motion
   end function are_near
 
 
   !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, and of them the
   !! faces within the way of the other group's box.
-  subroutine add_reachable_faces(rules, exterior, data, active, travel, near)
+  subroutine add_reachable_faces(rules, exterior, data, active, motion, near)
     type(general_contact_type), intent(in) :: rules
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
     integer, intent(in) :: active(:)               !< faces
-    real(DP), intent(in) :: travel                 !< [length]
+    real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
     real(DP) :: box(3, 2, data%n_groups)
     integer, allocatable :: key(:), order(:)
@@ -553,28 +553,28 @@ contains
         if (first(g) == first(g + 1) .or. first(h) == first(h + 1)) cycle
         if (exterior%body(data%member(g)) == exterior%body(data%member(h))) cycle
         if (data%is_rigid(data%member(g)) .and. data%is_rigid(data%member(h))) cycle
-        if (box_distance(box(:, :, g), box(:, :, h)) > travel) cycle
+        if (box_distance(box(:, :, g), box(:, :, h)) > motion) cycle
         if (find_interaction(rules, data, g, h, 0) == 0) cycle
         call add_opposing_faces(exterior, order(first(g):first(g + 1) - 1), order(first(h):first(h + 1) - 1), box(:, :, h), h, &
-          travel, near)
+          motion, near)
       end do
     end do
   end subroutine add_reachable_faces
 
 
   !> Adds the faces of a group within the way of another group's box that oppose one of its faces.
-  subroutine add_opposing_faces(exterior, own, other, box, h, travel, near)
+  subroutine add_opposing_faces(exterior, own, other, box, h, motion, near)
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: own(:), other(:)        !< faces of the group and of the other group
     real(DP), intent(in) :: box(3, 2)              !< of the other group [length]
     integer, intent(in) :: h                       !< the other group
-    real(DP), intent(in) :: travel                 !< [length]
+    real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
     integer, parameter :: MAX_SAMPLES = 200
     integer :: i, stride
     stride = 1 + size(other) / MAX_SAMPLES
     do i = 1, size(own)
-      if (box_distance(exterior%box(:, :, own(i)), box) > travel) cycle
+      if (box_distance(exterior%box(:, :, own(i)), box) > motion) cycle
       if (minval(matmul(exterior%normal(:, own(i)), exterior%normal(:, other(::stride)))) > 0.0_DP) cycle
       call near%face%add(own(i))
       call near%partner%add(h)
@@ -583,11 +583,11 @@ contains
 
 
   !> Adds the faces near analytic surfaces; partners are n_groups + the index of the surface. On a long way all faces count.
-  subroutine find_faces_near_profiles(model, exterior, data, travel, near)
+  subroutine find_faces_near_profiles(model, exterior, data, motion, near)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
-    real(DP), intent(in) :: travel                 !< [length]
+    real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
     type(facets_type) :: facets
     type(projection_type) :: projection
@@ -598,8 +598,8 @@ contains
       do f = 1, exterior%n
         if (data%is_rigid(f)) cycle
         if (find_interaction(model%general_contact, data, data%group(f), 0, s) == 0) cycle
-        reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + travel
-        if (travel <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
+        reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + motion
+        if (motion <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
           call build_profile_facets(model%surfaces(s)%profile, exterior%edge_length(f), facets)
           call find_profile_projection(facets, model%mesh%coordinates, exterior%centre(:, f), reach, projection)
           if (projection%status /= PROJECTION_INSIDE .or. projection%gap > reach .or. projection%gap < -exterior%depth(f)) cycle

@@ -45,7 +45,7 @@ contains
 
 
   !> Builds the grid again if a facet has moved farther than `slack` since it was built. A grid with the margin reach + slack thus
-  !! misses no facet within the reach, however far the surface travels. Cost otherwise: one comparison for each node.
+  !! misses no facet within the reach, however far the surface moves. Cost otherwise: one comparison for each node.
   subroutine renew_facet_search(facets, x, slack, search)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]

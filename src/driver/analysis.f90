@@ -43,7 +43,7 @@ module amontons_analysis
   use amontons_text_output, only: print_iteration, print_increment
   use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state
   use amontons_restart_file, only: read_restart_state
-  use amontons_driven_loads, only: start_loads, begin_loads, list_driven, restore_driven
+  use amontons_driven_loads, only: create_driven_loads, select_step_loads, list_driven, restore_driven
   use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, &
     describe_result_files
   use amontons_dense, only: solve_symmetric_eigen
@@ -87,7 +87,7 @@ contains
     if (.not. analysis%options%is_check) call log_threads(analysis%options%n_threads, logger)
     call set_up_model(analysis%model, options, logger, error)
     if (allocated(error)) return
-    call start_loads(analysis%driven_loads, analysis%model)
+    call create_driven_loads(analysis%driven_loads, analysis%model)
     call reserve_matrices(analysis%model, error)
     if (allocated(error)) return
     call create_equilibrium(analysis%system, analysis%model, analysis%state, error)
@@ -285,7 +285,7 @@ contains
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has started
     call begin_stepping(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
     analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
-    call begin_loads(analysis%driven_loads, analysis%model, analysis%stepper%step)
+    call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepper%step)
     call activate_elements(analysis%model, analysis%stepper%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
   end subroutine enter_step
@@ -405,7 +405,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%n_records = analysis%n_committed
     analysis%n_iterations = 0
-    call begin_loads(analysis%driven_loads, analysis%model, max(1, analysis%snapshot%stepper%step))
+    call select_step_loads(analysis%driven_loads, analysis%model, max(1, analysis%snapshot%stepper%step))
     call restore_snapshot(analysis%snapshot, analysis%model, analysis%driven_loads%step, analysis%state, analysis%system, &
       analysis%newton, &
       analysis%stepper, analysis%is_step_start, error)

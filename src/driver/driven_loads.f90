@@ -17,7 +17,7 @@ module amontons_driven_loads
   use amontons_model, only: model_type, load_now
   implicit none
   private
-  public :: driven_loads_type, start_loads, begin_loads, set_driven, friction_now, set_friction, current_loads, &
+  public :: driven_loads_type, create_driven_loads, select_step_loads, set_driven, friction_now, set_friction, current_loads, &
     activate_driven, finish_driven, list_driven, restore_driven
   public :: DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, DRIVEN_TEMPERATURE
 
@@ -53,22 +53,22 @@ module amontons_driven_loads
 
 contains
 
-  !> Before the first step: sets its loads.
-  subroutine start_loads(driven_loads, model)
+  !> The driven loads of a job, with the amplitudes of users and the loads of the first step.
+  subroutine create_driven_loads(driven_loads, model)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     if (any(model%amplitudes%is_user)) call own_amplitudes(driven_loads, model)
-    if (size(model%steps) > 0) call begin_loads(driven_loads, model, 1)
-  end subroutine start_loads
+    if (size(model%steps) > 0) call select_step_loads(driven_loads, model, 1)
+  end subroutine create_driven_loads
 
 
-  !> Makes a step the current one.
-  subroutine begin_loads(driven_loads, model, i_step)
+  !> Makes a step the current one, with its loads.
+  subroutine select_step_loads(driven_loads, model, i_step)
     type(driven_loads_type), intent(inout) :: driven_loads
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
     driven_loads%step = driven_step(driven_loads, model, i_step)
-  end subroutine begin_loads
+  end subroutine select_step_loads
 
 
   !> A step of the model with the driven loads.
@@ -130,7 +130,7 @@ contains
         entry%is_active = .false.
       end associate
     end do
-    if (has_new) call begin_loads(driven_loads, model, driven_loads%step%number)
+    if (has_new) call select_step_loads(driven_loads, model, driven_loads%step%number)
   end subroutine set_driven
 
 
@@ -152,7 +152,7 @@ contains
     real(DP), intent(in) :: mu                     !< [-]
     if (.not. allocated(driven_loads%friction)) allocate (driven_loads%friction(size(model%interactions)), source=-1.0_DP)
     driven_loads%friction(i) = mu
-    if (size(model%steps) > 0) call begin_loads(driven_loads, model, driven_loads%step%number)
+    if (size(model%steps) > 0) call select_step_loads(driven_loads, model, driven_loads%step%number)
   end subroutine set_friction
 
 

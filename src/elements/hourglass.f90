@@ -312,11 +312,10 @@ contains
   end subroutine add_stiffness
 
 
-
-  !> Thickness stabilization of a shell of one layer of C3D20R. The four points of each half see a thickness strain s that is bilinear
-  !! along the middle surface; the mid-side fibres can add modes without energy that neighbours share. With g = s at a mid-side fibre
-  !! minus the mean of s at the corner fibres beside it, W = k/2 sum g^2 with k = THICKNESS_FACTOR c V / 4. s is Green's strain of the
-  !! fibre, (|d|^2 - |D|^2) / (2 |D|^2), linearised without NLGEOM.
+  !> Thickness stabilization of a shell of one layer of C3D20R. The four points of each half see a thickness strain s that is
+  !! bilinear along the middle surface; the mid-side fibres can add modes without energy that neighbours share. With g = s at a
+  !! mid-side fibre minus the mean of s at the corner fibres beside it, W = k/2 sum g^2 with k = THICKNESS_FACTOR c V / 4. s is
+  !! Green's strain of the fibre, (|d|^2 - |D|^2) / (2 |D|^2), linearised without NLGEOM.
   pure subroutine add_thickness_stabilization(X, u, is_nlgeom, c, volume, energy, force, stiffness)
     real(DP), intent(in) :: X(:, :)                !< (3, 20) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, 20) displacements [length]

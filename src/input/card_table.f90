@@ -241,7 +241,7 @@ contains
     call table%option('TYPE', VALUE_WORD, 'How contact is enforced, as in CONTACT PAIR (our own parameter).', &
       allowed='NODE TO SURFACE|SURFACE TO SURFACE', default='SURFACE TO SURFACE')
     call table%option('OP', VALUE_TEXT, 'General contact holds for all steps.', status=ENTRY_REJECTED)
-    call table%option('REACH', VALUE_REAL, 'How far bodies travel towards each other in the job (our own parameter); by ' // &
+    call table%option('REACH', VALUE_REAL, 'How far bodies move towards each other in the job (our own parameter); by ' // &
       'default the largest prescribed displacements of NLGEOM steps, and a twentieth of the extent of the mesh where forces act.')
     call table%card('CONTACT INCLUSIONS', SCOPE_MODEL, 'The faces that may touch each other.', parent='CONTACT', &
       data='surface, surface (none: the first again); a first one that is left out is the whole exterior')
@@ -556,7 +556,7 @@ contains
       allowed='AUTO|DENSE|SKIN', default='AUTO')
 
     call table%card('SOLVER CONTROLS', SCOPE_STEP, 'The solver STATIC, SOLVER=CONJUGATE GRADIENTS, in this step and all later ' // &
-      'ones; no other solver uses it.', data='residual of a round over that at its start until contact settles, most ' // &
+      'ones; no other solver uses it.', data='residual of a round over that at its start while statuses change, most ' // &
       'iterations of an increment, most rounds; a blank field keeps its value')
     call table%option('PRECONDITIONER', VALUE_WORD, 'NODAL (specific to Amontons, as the others): the stiffness of each node; ' // &
       'DIAGONAL: its diagonal; neither assembles a matrix. TWO LEVEL: incomplete factor and rigid motions of parts; FACTOR: ' // &

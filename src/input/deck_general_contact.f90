@@ -39,7 +39,7 @@ contains
         n = n + 1
         call read_inclusions(reader, model, c, rules)
       else if (is_card(reader, c, 'CONTACTEXCLUSIONS')) then
-        call read_exclusions(reader, model, c, rules)
+        call read_surface_pairs(reader, model, c, '*CONTACT EXCLUSIONS needs data lines: surface, surface.', rules%excluded)
       else if (is_card(reader, c, 'CONTACTPROPERTYASSIGNMENT')) then
         call read_assignments(reader, model, c, rules)
       else if (is_card(reader, c, 'CONTACTFORMULATION')) then
@@ -79,35 +79,25 @@ contains
     type(general_contact_type), intent(inout) :: rules
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    integer :: pair(2), n
-    logical :: is_ok
     call open_card(reader, c, parameters, row)
-    n = 0
-    do while (next_row(reader%cards, row))
-      n = n + 1
-      if (has_parameter(parameters, 'ALL EXTERIOR')) then
-        call report_error(reader, row%line, 'With ALL EXTERIOR *CONTACT INCLUSIONS takes no data lines; leave out one of both.')
-        return
-      end if
-      call check_n_fields(reader, row, 2)
-      call read_surfaces(reader, model, row, pair, is_ok)
-      if (is_ok) rules%included = reshape([rules%included, pair], [2, size(rules%included, 2) + 1])
-    end do
-    if (has_parameter(parameters, 'ALL EXTERIOR')) then
+    if (.not. has_parameter(parameters, 'ALL EXTERIOR')) then
+      call read_surface_pairs(reader, model, c, '*CONTACT INCLUSIONS needs ALL EXTERIOR, or data lines: surface, surface.', &
+        rules%included)
+    else if (next_row(reader%cards, row)) then
+      call report_error(reader, row%line, 'With ALL EXTERIOR *CONTACT INCLUSIONS takes no data lines; leave out one of both.')
+    else
       rules%included = reshape([rules%included, 0, 0], [2, size(rules%included, 2) + 1])
-    else if (n == 0) then
-      call report_error(reader, reader%cards%cards(c)%line, '*CONTACT INCLUSIONS needs ALL EXTERIOR, or data lines: surface, ' // &
-        'surface.')
     end if
   end subroutine read_inclusions
 
 
-  !> CONTACT EXCLUSIONS: pairs of surfaces.
-  subroutine read_exclusions(reader, model, c, rules)
+  !> Appends the pairs of surfaces of a card.
+  subroutine read_surface_pairs(reader, model, c, needs, pairs)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    integer, intent(in) :: c
-    type(general_contact_type), intent(inout) :: rules
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: needs            !< message where it has no data lines
+    integer, allocatable, intent(inout) :: pairs(:, :)   !< (2, pairs) surfaces
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: pair(2), n
@@ -118,10 +108,10 @@ contains
       n = n + 1
       call check_n_fields(reader, row, 2)
       call read_surfaces(reader, model, row, pair, is_ok)
-      if (is_ok) rules%excluded = reshape([rules%excluded, pair], [2, size(rules%excluded, 2) + 1])
+      if (is_ok) pairs = reshape([pairs, pair], [2, size(pairs, 2) + 1])
     end do
-    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT EXCLUSIONS needs data lines: surface, surface.')
-  end subroutine read_exclusions
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, needs)
+  end subroutine read_surface_pairs
 
 
   !> CONTACT PROPERTY ASSIGNMENT: pairs of surfaces and their interaction.

@@ -76,7 +76,7 @@ module amontons_surfaces
     integer, allocatable :: assigned(:, :)      !< (3, :) two surfaces and the index of their interaction
     integer, allocatable :: roles(:, :)         !< (2, :) slave and master surface, where the deck says so
     logical :: is_mortar = .true.               !< its pairs are surface to surface
-    real(DP) :: reach = -1                      !< REACH: how far bodies travel in the job; negative: it is estimated [length]
+    real(DP) :: reach = -1                      !< REACH: how far bodies move in the job; negative: it is estimated [length]
     integer :: line = 0                         !< line of the card in the deck, for messages
   end type general_contact_type
 

@@ -331,14 +331,14 @@ contains
     real(DP), intent(in) :: depth                  !< over the edge [-]
     real(DP), intent(inout) :: longest             !< along du [-]
     type(contact_row_type) :: row
-    real(DP) :: approach, room
+    real(DP) :: approach, clearance
     integer :: s
     do s = 1, size(slaves)
       if (slaves(s)%facet == 0 .or. slaves(s)%status /= STATUS_OPEN .or. gives_way(slaves(s)%overrides)) cycle
       call current_row(system%contact, slaves(s), row)
       approach = -dot_product(slaves(s)%normal, evaluate_relative_position(row, du))
-      room = slaves(s)%gap + tried * approach + depth * system%contact%edge(slaves(s)%pair)
-      if (approach > 0.0_DP .and. room > 0.0_DP) longest = min(longest, room / approach)
+      clearance = slaves(s)%gap + tried * approach + depth * system%contact%edge(slaves(s)%pair)
+      if (approach > 0.0_DP .and. clearance > 0.0_DP) longest = min(longest, clearance / approach)
     end do
   end subroutine limit_penetration
 

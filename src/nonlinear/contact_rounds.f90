@@ -87,7 +87,8 @@ contains
   end subroutine perform_round
 
 
-  !> The residual at which a round ends, over the largest force: a fraction of that at its start, smaller once contact has settled.
+  !> The residual at which a round ends, over the largest force: a fraction of that at its start, smaller once
+  !! the statuses no longer change.
   pure real(DP) function find_reduction(rounds, step, measures, is_origin_set) result(reduction)
     type(contact_rounds_type), intent(in) :: rounds
     type(step_type), intent(in) :: step

@@ -83,9 +83,10 @@ def test_study_figure_comes_from_its_table(tmp_path: Path) -> None:
 
 def test_study_tables_come_from_its_runs(tmp_path: Path) -> None:
     """Each table over all contact cases in doc/study/line_search.md, and its figure, are those of doc/study/runs.csv."""
-    from verify.study.contact_table import DIRECTIONS, FRICTIONS, MODES, PROBLEMS, SIZES, draw, read_runs, show
+    from verify.study.contact_table import DIRECTIONS, FRICTIONS, MODES, PROBLEMS, SIZES, Run, draw, show
+    from verify.study.runs import read_runs
 
-    runs = read_runs(ROOT / "doc" / "study" / "runs.csv")
+    runs = read_runs(ROOT / "doc" / "study" / "runs.csv", Run)
     assert len(runs) == len(DIRECTIONS) * len(PROBLEMS) * len(FRICTIONS) * len(SIZES) * len(MODES)
     page = (ROOT / "doc" / "study" / "line_search.md").read_text()
     for table in show(runs).split("\n\n"):

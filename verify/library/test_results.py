@@ -61,15 +61,15 @@ def test_pair_sums_of_a_job(cubes: Path) -> None:  # noqa: F811
 
 
 @pytest.mark.parametrize(
-    ("quantity", "where", "told"),
+    ("quantity", "where", "words"),
     [("S_MISE", "", "did you mean S_mises?"), ("U", "TABLE_TOPP", "did you mean TABLE_TOP?"), ("CFNN", "", "did you mean CFN?"),
      ("CFN", "CUBE_SOL", "there is only CUBE_SOLE/TABLE_TOP"), ("POINT S", "CUBES", "did you mean CUBE?")],
 )  # fmt: skip
-def test_nearest_names_are_told(cubes: Path, quantity: str, where: str, told: str) -> None:  # noqa: F811
+def test_nearest_names_are_reported(cubes: Path, quantity: str, where: str, words: str) -> None:  # noqa: F811
     """A slip of the pen is answered by the name that was meant."""
     with amontons.Job(cubes) as job, pytest.raises(amontons.UsageError) as error:
         job.get(quantity, where)
-    assert told in str(error.value)
+    assert words in str(error.value)
 
 
 def test_a_slave_of_two_pairs_needs_both_names() -> None:
@@ -122,7 +122,7 @@ def test_tables(results: amontons.Results) -> None:
 
 
 def test_tables_without_pandas(results: amontons.Results, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is told what to install."""
+    """The message says what to install."""
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"pip install pandas"):
         results._table("steps")
@@ -172,7 +172,7 @@ def test_fields(results: amontons.Results) -> None:
 
 
 def test_names_that_are_not_there(results: amontons.Results, tmp_path: Path) -> None:
-    """The nearest is told; a file that is none of ours is refused."""
+    """The nearest name is reported; a file of another program is refused."""
     with pytest.raises(amontons.UsageError, match=r"no field named S_MISE; did you mean S_mises\?"):
         results.field("S_MISE")
     with pytest.raises(amontons.UsageError, match="no node set named QQQ; there are "):

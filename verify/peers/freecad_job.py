@@ -66,9 +66,9 @@ job.setup_working_dir(str(folder))
 missing = job.check_prerequisites()
 job.write_inp_file()
 code = job.ccx_run()
-told = {"missing": missing, "code": code, "stderr": job.ccx_stderr, "deck": job.inp_file_name}
+report = {"missing": missing, "code": code, "stderr": job.ccx_stderr, "deck": job.inp_file_name}
 if code == 0:
     job.load_results()
     (result,) = [one for one in analysis.Group if one.isDerivedFrom("Fem::FemResultObject")]
-    told |= {"nodes": list(result.NodeNumbers), "U": [list(v) for v in result.DisplacementVectors], "mises": list(result.vonMises)}
-(folder / "told.json").write_text(json.dumps(told))
+    report |= {"nodes": list(result.NodeNumbers), "U": [list(v) for v in result.DisplacementVectors], "mises": list(result.vonMises)}
+(folder / "report.json").write_text(json.dumps(report))

@@ -39,7 +39,7 @@ def folder(command: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     own = {name: value for name, value in own.items() if name not in ("PYTHONPATH", "LD_LIBRARY_PATH", "VIRTUAL_ENV")}
     done = subprocess.run([str(FREECAD), str(HERE / "freecad_job.py")], cwd=folder, env=own, stdin=subprocess.DEVNULL, capture_output=True,
                           text=True, timeout=300, check=False)  # fmt: skip
-    assert (folder / "told.json").exists(), done.stdout[-3000:] + done.stderr[-3000:]
+    assert (folder / "report.json").exists(), done.stdout[-3000:] + done.stderr[-3000:]
     return folder
 
 
@@ -50,15 +50,15 @@ def forces(text: str) -> np.ndarray:
 
 def test_freecad_reads_our_results(folder: Path) -> None:
     """No complaint; the displacements and stresses in FreeCAD are those of the result file, to the digits of the .frd file."""
-    told = json.loads((folder / "told.json").read_text())
-    assert (told["missing"], told["code"], told["stderr"]) == ("", 0, "")
-    results = amontons.read(Path(told["deck"]).with_suffix(""))
+    report = json.loads((folder / "report.json").read_text())
+    assert (report["missing"], report["code"], report["stderr"]) == ("", 0, "")
+    results = amontons.read(Path(report["deck"]).with_suffix(""))
     row = {label: i for i, label in enumerate(results.node_labels)}
-    rows = [row[label] for label in told["nodes"]]
+    rows = [row[label] for label in report["nodes"]]
     assert len(rows) == len(set(rows)) > 500
     u, mises = results.field("U")[rows], results.field("S_mises")[rows]
-    assert np.abs(np.array(told["U"]) - u).max() < 1e-5 * np.abs(u).max()
-    assert np.abs(np.array(told["mises"]) - mises).max() < 1e-4 * mises.max()
+    assert np.abs(np.array(report["U"]) - u).max() < 1e-5 * np.abs(u).max()
+    assert np.abs(np.array(report["mises"]) - mises).max() < 1e-4 * mises.max()
     assert u[:, 2].min() == pytest.approx(-0.03, rel=1e-6)
 
 

@@ -17,14 +17,10 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import argparse
-import csv
-import os
-import resource
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +29,7 @@ from verify.decks.make_decks import Floats, _named_grid, block
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import between, fix, pair, sheet, solid_deck
 from verify.study.ironing_table import ROOT, count_rows
+from verify.study.runs import execute, read_runs, write_runs
 
 MODES = ("NONE", "ALL", "GLOBAL", "NODAL", "AUTO")
 DIRECTIONS = ("EXACT", "LAGGED", "SYMMETRIC")
@@ -145,37 +142,15 @@ def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: st
     direction, problem, mu, size = case
     deck, n_steps = PROBLEMS[problem]
     name = f"{mode}_{direction}_{problem}_{mu:g}_{size}".replace(" ", "_").lower()
-    (folder / f"{name}.inp").write_text(deck(mu, f"{mode}, DIRECTION={direction}", size))
-    command = [program, "--quiet", "--no-checkpoint", "--outdir", folder, folder / f"{name}.inp"]
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit, env={**os.environ, "OMP_NUM_THREADS": "1"})  # noqa: PLW1509 (no threads here)
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    is_done, spent = execute(program, folder, name, deck(mu, f"{mode}, DIRECTION={direction}", size), seconds)
     (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
-    o = count_rows(folder / f"{name}.sta", n_steps * size, done.returncode == 0)
+    o = count_rows(folder / f"{name}.sta", n_steps * size, is_done)
     return Run(direction, problem, mu, size, mode, o.requested, int(o.is_done), o.made, o.failed, o.iterations, round(spent, 2))
 
 
-def read_runs(file: Path) -> list[Run]:
-    """The runs of a file."""
-    kinds = {"str": str, "float": float, "int": int}
-    with file.open(newline="") as rows:
-        return [Run(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(Run)}) for row in csv.DictReader(rows)]
-
-
-def write_runs(file: Path, runs: Iterable[Run]) -> None:
-    """In the order of the tables."""
-
-    def place(r: Run) -> tuple[int, ...]:
-        return DIRECTIONS.index(r.direction), list(PROBLEMS).index(r.problem), FRICTIONS.index(r.mu), SIZES.index(r.size), MODES.index(r.mode)
-
-    with file.open("w", newline="") as rows:
-        table = csv.DictWriter(rows, [f.name for f in fields(Run)], lineterminator="\n")
-        table.writeheader()
-        table.writerows(asdict(r) for r in sorted(runs, key=place))
+def place(r: Run) -> tuple[int, ...]:
+    """Of a run in the file of runs: the order of the tables."""
+    return DIRECTIONS.index(r.direction), list(PROBLEMS).index(r.problem), FRICTIONS.index(r.mu), SIZES.index(r.size), MODES.index(r.mode)
 
 
 def head(*words: str) -> Iterator[str]:
@@ -277,20 +252,20 @@ def main() -> int:
     parser.add_argument("--figure", type=Path)
     options = parser.parse_args()
     if options.show:
-        runs = read_runs(options.show)
+        runs = read_runs(options.show, Run)
         print(show(runs))
         if options.figure:
             draw(runs, options.figure)
         return 0
     folder = options.outdir or Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
-    kept = {(*r.case, r.mode): r for r in read_runs(options.runs)} if options.runs.exists() else {}
+    kept = {(*r.case, r.mode): r for r in read_runs(options.runs, Run)} if options.runs.exists() else {}
     cases = [(d, p, mu, n) for d in options.directions for p in PROBLEMS if options.only in (None, p) for mu in FRICTIONS for n in SIZES]
     for case in cases:
         for mode in options.modes:
             r = kept[*case, mode] = run(options.program, folder, case, mode, options.seconds)
             print(*case, mode, f"{r.per_requested:.1f} ({r.failed})" if r.is_done else "-", f"{r.seconds:.1f} s", flush=True)
-        write_runs(options.runs, kept.values())
+        write_runs(options.runs, sorted(kept.values(), key=place))
     return 0
 
 

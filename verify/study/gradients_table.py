@@ -15,15 +15,11 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import argparse
-import csv
-import os
 import re
-import resource
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import h5py
@@ -31,6 +27,7 @@ import numpy as np
 
 from verify.study.contact_table import FRICTIONS, PROBLEMS, SIZES, head
 from verify.study.ironing_table import ROOT, count_rows
+from verify.study.runs import execute, read_runs, write_runs
 
 MODES = ("ALL", "NONE", "GLOBAL", "NODAL")
 PRECONDITIONERS = ("NODAL", "FACTOR")
@@ -68,19 +65,6 @@ def displacements(file: Path) -> np.ndarray:
         return np.asarray(results["VTKHDF/PointData/U"][start : start + n])
 
 
-def execute(program: Path, folder: Path, name: str, deck: str, seconds: float) -> tuple[bool, float]:
-    """Runs a deck; whether it finishes, and the processor's seconds."""
-    (folder / f"{name}.inp").write_text(deck)
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    command = [program, "--quiet", "--no-checkpoint", "--outdir", folder, folder / f"{name}.inp"]
-    done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit, env={**os.environ, "OMP_NUM_THREADS": "1"})  # noqa: PLW1509 (no threads here)
-    return done.returncode == 0, resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-
-
 def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: str, seconds: float) -> Run:
     """Runs one deck, and once for all modes the same by Newton's method."""
     preconditioner, problem, mu, size = case
@@ -107,23 +91,9 @@ def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: st
     )
 
 
-def read_runs(file: Path) -> list[Run]:
-    """The runs of a file."""
-    kinds = {"str": str, "float": float, "int": int}
-    with file.open(newline="") as rows:
-        return [Run(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(Run)}) for row in csv.DictReader(rows)]
-
-
-def write_runs(file: Path, runs: Iterable[Run]) -> None:
-    """In the order of the tables."""
-
-    def place(r: Run) -> tuple[int, ...]:
-        return PRECONDITIONERS.index(r.preconditioner), list(PROBLEMS).index(r.problem), FRICTIONS.index(r.mu), SIZES.index(r.size), MODES.index(r.mode)
-
-    with file.open("w", newline="") as rows:
-        table = csv.DictWriter(rows, [f.name for f in fields(Run)], lineterminator="\n")
-        table.writeheader()
-        table.writerows(asdict(r) for r in sorted(runs, key=place))
+def place(r: Run) -> tuple[int, ...]:
+    """Of a run in the file of runs: the order of the tables."""
+    return PRECONDITIONERS.index(r.preconditioner), list(PROBLEMS).index(r.problem), FRICTIONS.index(r.mu), SIZES.index(r.size), MODES.index(r.mode)
 
 
 def by_case(runs: Iterable[Run], preconditioner: str) -> dict[tuple[str, str, float, int], dict[str, Run]]:
@@ -211,20 +181,20 @@ def main() -> int:
     parser.add_argument("--figure", type=Path)
     options = parser.parse_args()
     if options.show:
-        runs = read_runs(options.show)
+        runs = read_runs(options.show, Run)
         print(show(runs))
         if options.figure:
             draw(runs, options.figure)
         return 0
     folder = options.outdir or Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
-    kept = {(*r.case, r.mode): r for r in read_runs(options.runs)} if options.runs.exists() else {}
+    kept = {(*r.case, r.mode): r for r in read_runs(options.runs, Run)} if options.runs.exists() else {}
     cases = [(p, q, mu, n) for p in options.preconditioners for q in PROBLEMS if options.only in (None, q) for mu in FRICTIONS for n in options.sizes]
     for case in cases:
         for mode in options.modes:
             r = kept[*case, mode] = run(options.program, folder, case, mode, options.seconds)
             print(*case, mode, cell(r), f"{r.seconds:.1f} s", r.difference, flush=True)
-        write_runs(options.runs, kept.values())
+        write_runs(options.runs, sorted(kept.values(), key=place))
     return 0
 
 

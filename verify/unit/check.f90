@@ -1,4 +1,4 @@
-!> Check: what every unit test program uses: named checks with a tolerance, counted, told, and an exit code.
+!> Check: what every unit test program uses: named checks with a tolerance, counted, reported, and an exit code.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module check
   use, intrinsic :: iso_fortran_env, only: real64, output_unit

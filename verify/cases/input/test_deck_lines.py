@@ -43,7 +43,7 @@ def lifts(folder: Path) -> list[float]:
     return [float(row[3]) for row in rows[-4:]]
 
 
-@pytest.mark.parametrize(("card", "told"), [
+@pytest.mark.parametrize(("card", "words"), [
     ("*BOUNDARY,\nLOW, 1, 3\n" + STEP + LOAD, "BOUNDARY"),
     ("*BOUNDARY,\n** the bottom\nLOW, ENCASTRE\n" + STEP + LOAD, "BOUNDARY"),
     (BOUNDARY + STEP + "*CLOAD,\nHIGH, 3, 2.5\n", "CLOAD"),
@@ -54,14 +54,14 @@ def lifts(folder: Path) -> list[float]:
     (BOUNDARY + "*NSET, NSET=MORE,\nHIGH\n" + STEP + "*CLOAD\nMORE, 3, 2.5\n", "NSET"),
 ])  # fmt: skip
 @pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
-def test_trailing_commas(run_deck: Run, tmp_path: Path, dialect: str, card: str, told: str) -> None:
+def test_trailing_commas(run_deck: Run, tmp_path: Path, dialect: str, card: str, words: str) -> None:
     """After a trailing comma a line without parameters of the card is data, and a note names the card; parameters continue it."""
     done = run_deck(f"** dialect: {dialect}\n" + CUBE + card + END)
     assert done.returncode == 0, done.stdout
     assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
     note = "The keyword line above ends with a comma, but this line has no parameter of *"
-    assert (note in output_of(done)) == (told != "")
-    assert f"{note}{told}" in output_of(done) or not told
+    assert (note in output_of(done)) == (words != "")
+    assert f"{note}{words}" in output_of(done) or not words
 
 
 def test_trailing_comma_in_a_part(run_deck: Run, tmp_path: Path) -> None:

@@ -226,7 +226,7 @@ AMPLITUDES = {
 @pytest.mark.parametrize("value", ["RELATIVE", "ABSOLUTE"])
 def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> None:
     """The displacement of a face follows the formula at four times; absolute values are not multiplied by that of the load."""
-    card, course = AMPLITUDES[name]
+    card, curve = AMPLITUDES[name]
     card = card.replace("NAME=A", f"NAME=A, VALUE={value}")
     step = "*STEP\n*STATIC, DIRECT\n.25, 1.\n*BOUNDARY, AMPLITUDE=A\nHigh, 3, 3, 1.e-3\n*NODE PRINT, NSET=High\nU\n*END STEP\n"
     done = run_deck(CUBE + HELD + card + step)
@@ -236,7 +236,7 @@ def test_amplitudes(run_deck: Run, tmp_path: Path, name: str, value: str) -> Non
     assert len(found) == 4
     factor = 1e-3 if value == "RELATIVE" else 1.0
     for time, u in found:
-        assert float(u) == pytest.approx(factor * course(float(time)), rel=DIGITS, abs=1e-9)
+        assert float(u) == pytest.approx(factor * curve(float(time)), rel=DIGITS, abs=1e-9)
 
 
 @pytest.mark.parametrize(("card", "message"), [

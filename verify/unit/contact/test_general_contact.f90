@@ -1,4 +1,4 @@
-!> Unit test of general_contact: which faces are near, which body is the slave and why, rules, ties, sheets, travel, profiles.
+!> Unit test of general_contact: which faces are near, which body is the slave and why, rules, ties, sheets, reach, profiles.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_general_contact
   use amontons_kinds, only: DP
@@ -58,7 +58,7 @@ contains
     call suite%that('indices in the model', found%pairs(1)%slave == 3 .and. found%pairs(1)%master == 4 .and. &
       found%pairs(1)%is_mortar .and. found%pairs(1)%is_general)
     call suite%that('nodes of the slave', all(found%surfaces(1)%nodes == [9, 10, 11, 12]))
-    call suite%that('told', index(text, 'slave UP#') > 0 .and. index(text, 'master LOW') > 0 .and. index(text, 'finer mesh') > 0)
+    call suite%that('named', index(text, 'slave UP#') > 0 .and. index(text, 'master LOW') > 0 .and. index(text, 'finer mesh') > 0)
     call find(two_blocks(2.0_DP, 100.0_DP, 100.0_DP) // GENERAL // LINEAR_STEP)
     call suite%that('at a gap within the search radius', size(found%pairs) == 1)
     call find(two_blocks(12.0_DP, 100.0_DP, 100.0_DP) // GENERAL // LINEAR_STEP)

@@ -5,7 +5,8 @@ program test_driven_loads
   use amontons_errors, only: error_type, diagnostic_list_type, EXIT_USAGE
   use amontons_deck, only: read_deck_text
   use amontons_model, only: model_type, job_options_type, is_out, absent_elements, material_in_step, load_now
-  use amontons_driven_loads, only: driven_loads_type, start_loads, begin_loads, set_driven, set_friction, friction_now, &
+  use amontons_driven_loads, only: driven_loads_type, create_driven_loads, select_step_loads, set_driven, set_friction, &
+    friction_now, &
     current_loads, &
     activate_driven, finish_driven, list_driven, restore_driven, DRIVEN_FORCE, DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE
   use check, only: suite_type
@@ -84,7 +85,7 @@ contains
     type(error_type), allocatable :: error
     integer :: item
     item = along_z(17)
-    call start_loads(drive, model)
+    call create_driven_loads(drive, model)
     call suite%that('nothing is driven: no amplitudes of its own', .not. allocated(drive%step%amplitudes))
     call suite%near('the ramp of the deck', force(drive, item, 0.5_DP), -2.0_DP, 1.0e-14_DP)
     call set_driven(drive, model, 1, DRIVEN_FORCE, [item], [10.0_DP], [0.5_DP, 0.5_DP], error)
@@ -97,7 +98,7 @@ contains
     call suite%near('another force is the deck''s', force(drive, along_z(18), 0.5_DP), -3.0_DP, 1.0e-14_DP)
     call suite%that('as many loads as before', size(drive%step%concentrated) == size(model%steps(1)%concentrated))
     call finish_driven(drive)
-    call begin_loads(drive, model, 2)
+    call select_step_loads(drive, model, 2)
     call suite%that('the second step is the present one', drive%step%number == 2)
     call suite%near('in the next step it stays', force(drive, item, 1.0_DP), 10.0_DP, 1.0e-13_DP)
     associate (values => current_loads(drive, model, 1, DRIVEN_FORCE, [item, along_z(18)], [0.75_DP, 0.75_DP]))
@@ -115,7 +116,7 @@ contains
     type(driven_loads_type) :: drive
     type(error_type), allocatable :: error
     integer :: i
-    call start_loads(drive, model)
+    call create_driven_loads(drive, model)
     call set_driven(drive, model, 1, DRIVEN_DISPLACEMENT, [along_z(16)], [0.1_DP], [0.0_DP, 0.0_DP, 0.0_DP], error)
     call suite%that('a free displacement is refused', allocated(error))
     if (allocated(error)) call suite%that('as a mistake of the caller', error%code == EXIT_USAGE)
@@ -131,13 +132,13 @@ contains
   !> A coefficient of friction changes the current step, not the model.
   subroutine check_friction()
     type(driven_loads_type) :: drive
-    call start_loads(drive, model)
+    call create_driven_loads(drive, model)
     call suite%that('the deck''s: no laws of its own', .not. allocated(drive%step%interactions))
     call suite%near('the deck''s', friction_now(drive, model, 1), 0.3_DP, 1.0e-15_DP)
     call set_friction(drive, model, 1, 0.0_DP)
     call suite%near('set to zero', friction_now(drive, model, 1), 0.0_DP, 0.0_DP)
     call suite%near('in the present step', drive%step%interactions(1)%friction, 0.0_DP, 0.0_DP)
-    call begin_loads(drive, model, 2)
+    call select_step_loads(drive, model, 2)
     call suite%near('and in the next', drive%step%interactions(1)%friction, 0.0_DP, 0.0_DP)
     call suite%near('the model has its own', model%interactions(1)%friction, 0.3_DP, 1.0e-15_DP)
   end subroutine check_friction
@@ -148,15 +149,15 @@ contains
     type(driven_loads_type) :: drive, again
     type(error_type), allocatable :: error
     real(DP), allocatable :: driven(:, :), friction(:)
-    call start_loads(drive, model)
+    call create_driven_loads(drive, model)
     call set_driven(drive, model, 1, DRIVEN_FORCE, [along_z(18), along_z(17)], [1.0_DP, 2.0_DP], [0.0_DP, 0.0_DP], error)
     call set_driven(drive, model, 1, DRIVEN_PRESSURE, [6 + 2], [5.0_DP], [0.0_DP, 0.0_DP], error)
     call set_friction(drive, model, 1, 0.7_DP)
     call activate_driven(drive, 0.0_DP, 0.5_DP)
     call list_driven(drive, model, driven, friction)
-    call start_loads(again, model)
+    call create_driven_loads(again, model)
     call restore_driven(again, model, driven, friction)
-    call begin_loads(again, model, 1)
+    call select_step_loads(again, model, 1)
     call suite%near('force', force(again, along_z(17), 0.25_DP), 1.0_DP, 1.0e-14_DP)
     call suite%near('the other force', force(again, along_z(18), 0.25_DP), 0.5_DP, 1.0e-14_DP)
     call suite%that('one pressure', size(again%step%distributed) == 1)

@@ -1,4 +1,4 @@
-!> Unit test of amontons_expansion: nodes of the deck and solids keep their numbers, and elements without a normal are told.
+!> Unit test of amontons_expansion: nodes of the deck and solids keep their numbers, and elements without a normal are reported.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_expansion
   use amontons_deck, only: read_deck_text

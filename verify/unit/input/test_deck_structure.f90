@@ -62,7 +62,7 @@ contains
   end subroutine check_loads
 
 
-  !> In ties slave nodes are eliminated last; slave nodes of knots are told.
+  !> In ties slave nodes are eliminated last; slave nodes of knots are reported.
   subroutine check_contact()
     character(*), parameter :: PAIR = '*NODE;21,0,0,.2;22,1,0,.2;23,1,1,.2;24,0,1,.2;*ELEMENT, TYPE=S4, ELSET=U;' // &
       '21,21,22,23,24;*SHELL SECTION, ELSET=U, MATERIAL=M;.1;*SURFACE, NAME=A;U,SNEG;*SURFACE, NAME=C;E,SPOS;' // &
