@@ -78,17 +78,17 @@ module amontons_logger
 contains
 
   !> Opens a logger and starts its clock. A logger that was never opened is quiet.
-  subroutine open_logger(logger, is_quiet, progress, unit, listener)
+  subroutine open_logger(logger, is_quiet, progress, unit, log_sink)
     type(logger_type), intent(out) :: logger
     logical, intent(in) :: is_quiet            !< .true.: only failures are written
     integer, intent(in) :: progress            !< PROGRESS_...
     integer, intent(in), optional :: unit      !< default: the screen
-    class(log_sink_type), intent(in), optional :: listener   !< instead of a unit
+    class(log_sink_type), intent(in), optional :: log_sink   !< instead of a unit
     call system_clock(logger%start)
     logger%is_quiet = is_quiet
     logger%has_increments = progress /= PROGRESS_NONE
-    if (present(listener)) then
-      allocate (logger%sink, source=listener)
+    if (present(log_sink)) then
+      allocate (logger%sink, source=log_sink)
     else if (present(unit)) then
       logger%unit = unit
     else

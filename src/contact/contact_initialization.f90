@@ -306,8 +306,8 @@ contains
         if (is_adjusted(model, slave)) adjustment(:, slave%node) = -(slave%gap - slave%offset) * slave%normal
       end associate
     end do
-    do i = 1, size(contact%midside_followers, 2)
-      associate (f => contact%midside_followers(:, i))
+    do i = 1, size(contact%midside_constraints, 2)
+      associate (f => contact%midside_constraints(:, i))
         adjustment(:, f(1)) = 0.5_DP * (adjustment(:, f(2)) + adjustment(:, f(3)))
       end associate
     end do

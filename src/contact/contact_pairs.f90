@@ -61,7 +61,7 @@ module amontons_contact_pairs
     real(DP) :: period = 1                        !< of the step [time]
     type(contact_controls_type) :: controls       !< of the step
     type(element_faces_type), allocatable :: slave_area_faces(:)  !< (n_pairs) faces for the areas of slave nodes of compliant laws
-    integer, allocatable :: midside_followers(:, :)        !< (3, n) mid-side slave node and the two corners that constrain it
+    integer, allocatable :: midside_constraints(:, :)        !< (3, n) mid-side slave node and the two corners that constrain it
     real(DP), allocatable :: slave_normal(:, :)  !< (3, n_slaves) outward from the slave in the reference configuration; 0 if node
                                                  !! based
     real(DP), allocatable :: axes(:, :, :)  !< (3, 3, n_slaves) in columns: the global axes, or those of the node's local coordinate
@@ -114,7 +114,7 @@ contains
       contact%is_ramped(size(model%pairs)), source=.false.)
     allocate (contact%interference(size(model%pairs)), source=0.0_DP)
     contact%laws = pair_interactions(model%pairs, model%interactions)
-    allocate (slaves(0), contact%midside_followers(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
+    allocate (slaves(0), contact%midside_constraints(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
         if (allocated(master%profile)) then
@@ -144,7 +144,7 @@ contains
     n = size(slaves)
     call unite_hard_mortar_pairs(contact, model)
     allocate (contact%is_pretension_duplicate(n), contact%is_coplanar(n), contact%has_sliding_support(n), source=.false.)
-    if (allocated(model%twins)) call mark_pretension_duplicates(contact, model, slaves)
+    if (allocated(model%pretension_node_pairs)) call mark_pretension_duplicates(contact, model, slaves)
     call find_shared_slaves(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%shared_slaves)
     do p = 1, size(model%pairs)
       if (model%pairs(p)%is_mortar) contact%mortar(p)%has_unique_slaves = all(contact%shared_slaves%first(contact%mortar(p)%nodes &
@@ -207,12 +207,12 @@ contains
     integer :: p, i
     do p = 1, size(model%pairs)
       if (is_compliant(contact%laws(p))) cycle
-      if (model%pairs(p)%is_mortar) call add_pretension_rows(contact%mortar(p), model%twins)
+      if (model%pairs(p)%is_mortar) call add_pretension_rows(contact%mortar(p), model%pretension_node_pairs)
       is_pair_slave = .false.
       is_pair_slave(pack(slaves%node, slaves%pair == p)) = .true.
-      associate (twins => model%twins)
-        do i = 1, size(twins, 2)
-          if (is_pair_slave(twins(1, i))) where (slaves%pair == p .and. slaves%node == twins(2, &
+      associate (node_pairs => model%pretension_node_pairs)
+        do i = 1, size(node_pairs, 2)
+          if (is_pair_slave(node_pairs(1, i))) where (slaves%pair == p .and. slaves%node == node_pairs(2, &
             i)) contact%is_pretension_duplicate = .true.
         end do
       end associate
@@ -305,7 +305,7 @@ contains
     real(DP), allocatable :: area_vector(:, :), area(:)
     integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
     logical, allocatable :: follows(:)             ! (n_nodes) constrained as a mid-side node of another pair
-    integer, allocatable :: followers(:)           ! of this pair
+    integer, allocatable :: midside_nodes(:)           ! of this pair
     type(slave_state_type), allocatable :: added(:)
     integer :: i, f, n, node, memory
     logical :: has_nodal_areas
@@ -314,8 +314,8 @@ contains
       allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
       allocate (corners(2, mesh%n_nodes), source=0)
       allocate (follows(mesh%n_nodes), source=.false.)
-      follows(contact%midside_followers(1, :)) = .true.
-      allocate (followers(0), added(size(surface%nodes)))
+      follows(contact%midside_constraints(1, :)) = .true.
+      allocate (midside_nodes(0), added(size(surface%nodes)))
       if (.not. surface%is_node_based) then
         do f = 1, size(surface%element)
           call add_nodal_face_areas(mesh, surface%element(f), surface%face(f), has_nodal_areas, area_vector, area, corners)
@@ -334,10 +334,10 @@ contains
         if (model%pairs(pair)%is_mortar) added(n)%row = i
         memory = memory + contact%laws(pair)%n_statev
       end do
-      followers = pack(surface%nodes, corners(1, surface%nodes) > 0 .and. .not. follows(surface%nodes))
-      contact%midside_followers = reshape([contact%midside_followers, [(followers(i), corners(:, followers(i)), i=1, &
-        size(followers))]], &
-        [3, size(contact%midside_followers, 2) + size(followers)])
+      midside_nodes = pack(surface%nodes, corners(1, surface%nodes) > 0 .and. .not. follows(surface%nodes))
+      contact%midside_constraints = reshape([contact%midside_constraints, [(midside_nodes(i), corners(:, midside_nodes(i)), i=1, &
+        size(midside_nodes))]], &
+        [3, size(contact%midside_constraints, 2) + size(midside_nodes)])
       slaves = [slaves, added(:n)]
       contact%slave_normal = reshape([contact%slave_normal, (area_vector(:, added(i)%node) &
         / max(norm2(area_vector(:, added(i)%node)), tiny(1.0_DP)), i=1, n)], [3, size(slaves)])

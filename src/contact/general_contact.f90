@@ -89,14 +89,14 @@ contains
     type(face_data_type) :: data
     type(near_faces_type) :: near
     real(DP) :: motion
-    integer :: no_twins(2, 0)
+    integer :: no_node_pairs(2, 0)
     text = ''
     allocate (found%pairs(0), found%surfaces(0))
     if (.not. allocated(model%general_contact)) return
-    if (allocated(model%twins)) then
-      call build_exterior(model%mesh, absent_elements(model, 1), model%twins, exterior)
+    if (allocated(model%pretension_node_pairs)) then
+      call build_exterior(model%mesh, absent_elements(model, 1), model%pretension_node_pairs, exterior)
     else
-      call build_exterior(model%mesh, absent_elements(model, 1), no_twins, exterior)
+      call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
     end if
     call collect_face_data(model, exterior, data)
     motion = estimate_motion(model)
@@ -301,15 +301,15 @@ contains
     type(near_faces_type) :: near
     logical, allocatable :: is_covered(:)
     real(DP) :: span, approach
-    integer :: i, no_twins(2, 0)
+    integer :: i, no_node_pairs(2, 0)
     message = ''
     if (.not. allocated(model%general_contact)) return
     span = displacement_span(model, u)
     if (span <= estimate_motion(model)) return
-    if (allocated(model%twins)) then
-      call build_exterior(model%mesh, absent_elements(model, 1), model%twins, exterior)
+    if (allocated(model%pretension_node_pairs)) then
+      call build_exterior(model%mesh, absent_elements(model, 1), model%pretension_node_pairs, exterior)
     else
-      call build_exterior(model%mesh, absent_elements(model, 1), no_twins, exterior)
+      call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
     end if
     call collect_face_data(model, exterior, data)
     call measure_faces(model%mesh, model%mesh%coordinates + u, exterior)

@@ -41,16 +41,16 @@ module amontons_exterior_surface
 contains
 
   !> Finds the exterior faces of the elements present, their bodies and patches, and measures them at the reference coordinates.
-  subroutine build_exterior(mesh, is_absent, twins, exterior)
+  subroutine build_exterior(mesh, is_absent, node_pairs, exterior)
     type(mesh_type), intent(in) :: mesh
     logical, intent(in) :: is_absent(:)            !< (n_elements)
-    integer, intent(in) :: twins(:, :)             !< (2, :) pairs of nodes that count as one; may be empty
+    integer, intent(in) :: node_pairs(:, :)             !< (2, :) pairs of nodes that count as one; may be empty
     type(exterior_type), intent(out) :: exterior
     integer, allocatable :: same_node(:)
     integer :: i
     same_node = [(i, i=1, mesh%n_nodes)]
-    do i = 1, size(twins, 2)
-      call unite_trees(same_node, twins(1, i), twins(2, i))
+    do i = 1, size(node_pairs, 2)
+      call unite_trees(same_node, node_pairs(1, i), node_pairs(2, i))
     end do
     same_node = [(find_root(same_node, i), i=1, mesh%n_nodes)]
     call find_exterior_faces(mesh, is_absent, same_node, exterior)

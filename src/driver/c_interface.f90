@@ -35,12 +35,12 @@ module amontons_c_interface
   end type handle_type
 
   !> Log sink that passes the lines to a function of the caller.
-  type, extends(log_sink_type) :: c_listener_type
+  type, extends(log_sink_type) :: c_log_sink_type
     type(c_funptr) :: log
     type(c_ptr) :: context = c_null_ptr
   contains
     procedure :: write_lines => forward_lines
-  end type c_listener_type
+  end type c_log_sink_type
 
   abstract interface
     !> amontons_log of the header.
@@ -128,7 +128,7 @@ contains
     type(options_type), pointer :: given
     type(handle_type), pointer :: self
     type(job_options_type) :: wanted
-    type(c_listener_type) :: listener
+    type(c_log_sink_type) :: log_sink
     type(error_type), allocatable :: error
     integer :: no_memory
     type(process_lock_type) :: turn
@@ -144,10 +144,10 @@ contains
     handle = c_loc(self)
     call convert_options(given, wanted, error)
     if (.not. allocated(error)) then
-      listener%log = given%log
-      listener%context = given%context
+      log_sink%log = given%log
+      log_sink%context = given%context
       if (c_associated(given%log)) then
-        call open_job(self%job, wanted, error, listener)
+        call open_job(self%job, wanted, error, log_sink)
       else
         call open_job(self%job, wanted, error)
       end if
@@ -519,7 +519,7 @@ contains
 
   !> Passes lines on one by one.
   subroutine forward_lines(self, text)
-    class(c_listener_type), intent(inout) :: self
+    class(c_log_sink_type), intent(inout) :: self
     character(*), intent(in) :: text
     procedure(log_function), pointer :: log
     integer :: first, length

@@ -44,7 +44,7 @@ module amontons_job_files
     type(results_type) :: results
     type(text_output_type) :: text_output
     type(frd_type) :: frd
-    type(restart_file_type) :: archive                  !< states written by RESTART, WRITE
+    type(restart_file_type) :: restart_file                  !< states written by RESTART, WRITE
     type(driven_loads_type) :: driven_loads                      !< values set by a calling program
     type(diagnostic_list_type) :: diagnostics            !< errors, warnings and notes of the deck
     type(snapshot_type) :: snapshot                !< the last commit
@@ -88,7 +88,7 @@ contains
     if (allocated(error)) return
     call write_first(analysis, error)
     if (allocated(error)) return
-    if (any(analysis%model%steps%restart_frequency > 0)) call create_restart_file(analysis%archive, &
+    if (any(analysis%model%steps%restart_frequency > 0)) call create_restart_file(analysis%restart_file, &
       job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
     if (allocated(error)) return
     analysis%has_files = .true.
@@ -145,8 +145,8 @@ contains
       if (allocated(error)) return
       call resume_frd(analysis%frd, model, options, files%frd, error)
       if (allocated(error)) return
-      if (any(model%steps%restart_frequency > 0)) call reopen_restart_file(analysis%archive, job_path(options, '.res'), &
-        files%archive, error)
+      if (any(model%steps%restart_frequency > 0)) call reopen_restart_file(analysis%restart_file, job_path(options, '.res'), &
+        files%restart_file, error)
       if (allocated(error)) return
       analysis%has_files = .true.
       analysis%is_guarded = .true.
@@ -212,14 +212,14 @@ contains
     integer(I64), allocatable :: words(:)
     logical :: is_due, is_calculix
     associate (step => analysis%model%steps(record%step))
-      if (step%restart_frequency == 0 .or. .not. allocated(analysis%archive%path)) return
+      if (step%restart_frequency == 0 .or. .not. allocated(analysis%restart_file%path)) return
       is_calculix = analysis%model%dialect == DIALECT_CALCULIX
       is_due = analysis%is_step_start .or. mod(record%increment, step%restart_frequency) == 0
       if (is_calculix) is_due = analysis%is_step_start .and. mod(record%step, step%restart_frequency) == 0
       if (.not. is_due) return
       call pack_state(analysis%model, analysis%snapshot, words)
-      if (is_calculix .and. step%is_restart_overlay) analysis%archive%step = record%step   ! OVERLAY keeps only the last state
-      call append_restart_state(analysis%archive, state_key_type(step=record%step, increment=record%increment, &
+      if (is_calculix .and. step%is_restart_overlay) analysis%restart_file%step = record%step   ! OVERLAY keeps only the last state
+      call append_restart_state(analysis%restart_file, state_key_type(step=record%step, increment=record%increment, &
         is_step_done=analysis%is_step_start, step_time=record%step_time, total_time=record%total_time), words, &
         step%is_restart_overlay, error)
     end associate
@@ -274,7 +274,7 @@ contains
     if (.not. (allocated(error) .or. is_old)) call sync_frd(analysis%frd, error)
     files%lengths = analysis%lengths
     files%frd = analysis%frd_counts
-    files%archive = [analysis%archive%last, analysis%archive%end, int(analysis%archive%step, I64)]
+    files%restart_file = [analysis%restart_file%last, analysis%restart_file%end, int(analysis%restart_file%step, I64)]
     if (.not. allocated(error)) call write_checkpoint(job_path(analysis%options, '.restart'), analysis%model, &
       analysis%snapshot, files, error)
     if (.not. allocated(error)) call apply_result_pages(analysis%results, error)
@@ -326,7 +326,7 @@ contains
     text = '  result files:  ' // fields // '  ' // job_path(analysis%options, '.sta') // '  ' // job_path(analysis%options, '.cvg')
     if (analysis%lengths(3) > 0) text = text // '  ' // job_path(analysis%options, '.dat')
     if (analysis%frd_counts(1) > 0) text = text // '  ' // job_path(analysis%options, '.frd')
-    if (allocated(analysis%archive%path)) text = text // '  ' // analysis%archive%path
+    if (allocated(analysis%restart_file%path)) text = text // '  ' // analysis%restart_file%path
     text = text // NEWLINE // '  report page:   make report JOB=' // fields // '   (installed: amontons-report ' // fields // ')'
   end function describe_result_files
 

@@ -5,7 +5,7 @@
 !!
 !! Solution starts from the last commit. `try_job` and `iterate_job` solve without a commit: the caller can inspect their
 !! result, then keep it (`commit_job`) or discard it (`rollback_job`). `advance_job` solves and commits. The library prints nothing
-!! without a listener, never stops the program, and has no data outside the job.
+!! without a log_sink, never stops the program, and has no data outside the job.
 module amontons_library
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
@@ -49,21 +49,21 @@ module amontons_library
   end type job_type
 
   !> Log sink that discards its lines.
-  type, extends(log_sink_type) :: deaf_type
+  type, extends(log_sink_type) :: null_sink_type
   contains
     procedure :: write_lines => discard_line
-  end type deaf_type
+  end type null_sink_type
 
 contains
 
   !> Starts a job from options%deck (a file) or options%deck_text (memory).
   !!
   !! Errors: EXIT_USAGE, EXIT_DECK (the message contains all errors of the deck), EXIT_SETUP, EXIT_IO, EXIT_SOLVER.
-  subroutine open_job(job, options, error, listener)
+  subroutine open_job(job, options, error, log_sink)
     type(job_type), intent(inout) :: job
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    class(log_sink_type), intent(in), target, optional :: listener   !< receives the log; `target` as it may point
+    class(log_sink_type), intent(in), target, optional :: log_sink   !< receives the log; `target` as it may point
     type(job_options_type) :: whole
     type(process_lock_type) :: turn
     call acquire_lock(turn)
@@ -73,10 +73,10 @@ contains
       return
     end if
     if (.not. allocated(whole%job)) call derive_job_name(whole)
-    if (present(listener)) then
-      call open_logger(job%logger, .false., PROGRESS_PLAIN, listener=listener)
+    if (present(log_sink)) then
+      call open_logger(job%logger, .false., PROGRESS_PLAIN, log_sink=log_sink)
     else
-      call open_logger(job%logger, .true., PROGRESS_PLAIN, listener=deaf_type())
+      call open_logger(job%logger, .true., PROGRESS_PLAIN, log_sink=null_sink_type())
     end if
     call start_analysis(job%analysis, whole, job%logger, error)
     job%is_ready = .not. (allocated(error) .or. job%analysis%options%is_check)
@@ -478,9 +478,9 @@ contains
   end subroutine get_matrix
 
 
-  !> Discards a log line of a job without a listener.
+  !> Discards a log line of a job without a log_sink.
   subroutine discard_line(self, text)
-    class(deaf_type), intent(inout) :: self
+    class(null_sink_type), intent(inout) :: self
     character(*), intent(in) :: text
     if (len(text) < 0) return
     associate (unused => self)

@@ -23,10 +23,10 @@ module amontons_model_setup
 contains
 
   !> Makes all changes in order. Errors: EXIT_IO, EXIT_SETUP, EXIT_USAGE (user routines, ties).
-  subroutine set_up_model(model, options, journal, error)
+  subroutine set_up_model(model, options, logger, error)
     type(model_type), intent(inout) :: model       !< in: from the deck; out: final
     type(job_options_type), intent(in) :: options
-    type(logger_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: found
     call open_user_routines(model, options, error)
@@ -34,25 +34,25 @@ contains
     call add_ties(model, error)
     if (allocated(error)) return
     call add_general_contact(model, found)
-    if (found /= '') call journal%say(found)
-    call adjust(model, journal, error)
+    if (found /= '') call logger%say(found)
+    call adjust(model, logger, error)
     if (allocated(error)) return
-    call hold_balanced_bodies(model, journal)
+    call hold_balanced_bodies(model, logger)
     if (size(model%steps) == 0) return
     if (allocated(model%steps(1)%material)) model%mesh%material = model%steps(1)%material
   end subroutine set_up_model
 
 
   !> Holds free bodies whose loads balance each other.
-  subroutine hold_balanced_bodies(model, journal)
+  subroutine hold_balanced_bodies(model, logger)
     type(model_type), intent(inout) :: model
-    type(logger_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(balancing_support_type), allocatable :: supports(:)
     type(prescribed_type) :: held
     character(:), allocatable :: text
     integer :: i
     call find_balancing_supports(model, supports, text)
-    if (text /= '') call journal%say(text)
+    if (text /= '') call logger%say(text)
     held%is_held = .true.
     do i = 1, size(supports)
       held%node = supports(i)%node
@@ -112,9 +112,9 @@ contains
 
 
   !> ADJUST: moves slave nodes onto their master and logs their number and the largest distance.
-  subroutine adjust(model, journal, error)
+  subroutine adjust(model, logger, error)
     type(model_type), intent(inout) :: model
-    type(logger_type), intent(inout) :: journal
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: way(:, :), length(:)
     if (.not. any(model%pairs%has_adjust)) return
@@ -123,7 +123,7 @@ contains
     if (allocated(error)) return
     model%mesh%coordinates = model%mesh%coordinates + way
     length = norm2(way, dim=1)
-    if (any(length > 0.0_DP)) call journal%say('ADJUST moved ' // plural(count(length > 0.0_DP), 'node') // &
+    if (any(length > 0.0_DP)) call logger%say('ADJUST moved ' // plural(count(length > 0.0_DP), 'node') // &
       ' onto the master, at most by ' // to_text(maxval(length)) // '.')
   end subroutine adjust
 

@@ -277,7 +277,7 @@ contains
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
-    call build_base_constraints(system%base, model, step, fields, system%u_start, system%contact%midside_followers, &
+    call build_base_constraints(system%base, model, step, fields, system%u_start, system%contact%midside_constraints, &
       system%has_no_element, &
       system%mpc_violation, error)
   end subroutine update_base_constraints

@@ -81,7 +81,7 @@ contains
   subroutine analyse_bulk(self, stiffness, base, is_contact, error)
     type(schur_interface_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns)
-    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, followers: finished
+    type(constraints_type), intent(in) :: base     !< boundary conditions, equations, midside_nodes: finished
     logical, intent(in) :: is_contact(:)           !< (n_unknowns) contact can act on it
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: order(:), node(:)

@@ -661,10 +661,11 @@ contains
     do i = 1, size(model%pairs)
       is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
     end do
-    if (.not. allocated(model%twins)) allocate (model%twins(2, 0))
+    if (.not. allocated(model%pretension_node_pairs)) allocate (model%pretension_node_pairs(2, 0))
     do i = 1, size(partner)
       if (partner(i) == 0) cycle
-      model%twins = reshape([model%twins, i, partner(i)], [2, size(model%twins, 2) + 1])
+      model%pretension_node_pairs = reshape([model%pretension_node_pairs, i, partner(i)], &
+        [2, size(model%pretension_node_pairs, 2) + 1])
       do k = 1, 3
         if (is_slave(partner(i)) .and. .not. is_slave(i)) then
           call append_equation(model, [i, partner(i), pilot], [k, k, 1], [1.0_DP, -1.0_DP, normal(k)], 'PRE-TENSION SECT', line)

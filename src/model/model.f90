@@ -74,7 +74,7 @@ module amontons_model
     type(distributing_coupling_type), allocatable :: distributing_couplings(:)   !< distributing couplings; converted to equations
                                                                                  !! before the start
     integer, allocatable :: rotation_of(:)      !< (n_nodes) rotation node of a reference node, 0
-    integer, allocatable :: twins(:, :)         !< (2, n) pairs of nodes at pre-tension sections; unallocated: none
+    integer, allocatable :: pretension_node_pairs(:, :)         !< (2, n) pairs of nodes at pre-tension sections; unallocated: none
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(step_type), allocatable :: steps(:)
@@ -116,13 +116,13 @@ contains
     logical, allocatable :: is_member(:)
     integer :: i
     all_nodes = nodes
-    if (.not. allocated(model%twins)) return
+    if (.not. allocated(model%pretension_node_pairs)) return
     allocate (is_member(model%mesh%n_nodes), source=.false.)
     is_member(nodes) = .true.
-    do i = 1, size(model%twins, 2)                 ! a duplicate may have a duplicate, which comes later
-      if (.not. is_member(model%twins(1, i)) .or. is_member(model%twins(2, i))) cycle
-      is_member(model%twins(2, i)) = .true.
-      all_nodes = [all_nodes, model%twins(2, i)]
+    do i = 1, size(model%pretension_node_pairs, 2)                 ! a duplicate may have a duplicate, which comes later
+      if (.not. is_member(model%pretension_node_pairs(1, i)) .or. is_member(model%pretension_node_pairs(2, i))) cycle
+      is_member(model%pretension_node_pairs(2, i)) = .true.
+      all_nodes = [all_nodes, model%pretension_node_pairs(2, i)]
     end do
   end function with_pretension_copies
 

@@ -37,8 +37,8 @@ module amontons_restart_file
 contains
 
   !> Starts a file with the deck. Errors: EXIT_IO.
-  subroutine create_restart_file(archive, path, deck, dialect, error)
-    type(restart_file_type), intent(inout) :: archive
+  subroutine create_restart_file(restart_file, path, deck, dialect, error)
+    type(restart_file_type), intent(inout) :: restart_file
     character(*), intent(in) :: path
     character(*), intent(in) :: deck               !< complete, includes in place
     integer, intent(in) :: dialect                 !< DIALECT_...
@@ -51,51 +51,51 @@ contains
       call set_error(error, EXIT_IO, 'Cannot write the file ' // path // '.')
       return
     end if
-    archive = restart_file_type(path=path)
+    restart_file = restart_file_type(path=path)
     letters = transfer(deck, [0_I64], (len(deck, I64) + 7_I64) / 8_I64)
-    call append_record(archive, state_key_type(), [int(dialect, I64), len(deck, I64), letters], error)
-    archive%last = archive%end
+    call append_record(restart_file, state_key_type(), [int(dialect, I64), len(deck, I64), letters], error)
+    restart_file%last = restart_file%end
   end subroutine create_restart_file
 
 
   !> Continues a file from its length at a checkpoint. Later records are cut off, and a last state that is incomplete.
-  subroutine reopen_restart_file(archive, path, counts, error)
-    type(restart_file_type), intent(inout) :: archive
+  subroutine reopen_restart_file(restart_file, path, counts, error)
+    type(restart_file_type), intent(inout) :: restart_file
     character(*), intent(in) :: path
     integer(I64), intent(in) :: counts(3)          !< last, end, step at the checkpoint
     type(error_type), allocatable, intent(out) :: error
     integer(I64) :: n_bytes
-    archive = restart_file_type(path=path, last=counts(1), end=counts(2), step=int(counts(3)))
+    restart_file = restart_file_type(path=path, last=counts(1), end=counts(2), step=int(counts(3)))
     inquire (file=path, size=n_bytes)
-    if (n_bytes < archive%end .and. n_bytes >= archive%last) then   ! OVERLAY had replaced the last state
-      archive%end = archive%last
-      archive%step = 0
+    if (n_bytes < restart_file%end .and. n_bytes >= restart_file%last) then   ! OVERLAY had replaced the last state
+      restart_file%end = restart_file%last
+      restart_file%step = 0
     end if
-    call truncate_file(path, archive%end, error)
+    call truncate_file(path, restart_file%end, error)
   end subroutine reopen_restart_file
 
 
   !> Appends a state; with OVERLAY it replaces the previous one of the same step.
-  subroutine append_restart_state(archive, label, words, is_overlay, error)
-    type(restart_file_type), intent(inout) :: archive
+  subroutine append_restart_state(restart_file, label, words, is_overlay, error)
+    type(restart_file_type), intent(inout) :: restart_file
     type(state_key_type), intent(in) :: label
     integer(I64), intent(in) :: words(:)
     logical, intent(in) :: is_overlay
     type(error_type), allocatable, intent(out) :: error
-    if (is_overlay .and. archive%step == label%step) then
-      call truncate_file(archive%path, archive%last, error)
+    if (is_overlay .and. restart_file%step == label%step) then
+      call truncate_file(restart_file%path, restart_file%last, error)
       if (allocated(error)) return
-      archive%end = archive%last
+      restart_file%end = restart_file%last
     end if
-    archive%last = archive%end
-    archive%step = label%step
-    call append_record(archive, label, words, error)
+    restart_file%last = restart_file%end
+    restart_file%step = label%step
+    call append_record(restart_file, label, words, error)
   end subroutine append_restart_state
 
 
   !> Appends a record and flushes it to the storage device.
-  subroutine append_record(archive, label, words, error)
-    type(restart_file_type), intent(inout) :: archive
+  subroutine append_record(restart_file, label, words, error)
+    type(restart_file_type), intent(inout) :: restart_file
     type(state_key_type), intent(in) :: label
     integer(I64), intent(in) :: words(:)
     type(error_type), allocatable, intent(out) :: error
@@ -105,18 +105,19 @@ contains
       int(label%increment, I64), &
       merge(1_I64, 0_I64, label%is_step_done), transfer(label%step_time, 0_I64), transfer(label%total_time, 0_I64), words]
     record(4) = checksum_of_words(record(5:))
-    open (newunit=unit, file=archive%path, access='stream', form='unformatted', action='write', status='old', iostat=status)
+    open (newunit=unit, file=restart_file%path, access='stream', form='unformatted', action='write', status='old', iostat=status)
     if (status == 0) then
-      write (unit, pos=archive%end + 1_I64, iostat=status) record
+      write (unit, pos=restart_file%end + 1_I64, iostat=status) record
       close (unit, iostat=status_of_close)
       if (status == 0) status = status_of_close
     end if
     if (status /= 0) then
-      call set_error(error, EXIT_IO, 'Cannot write the file ' // archive%path // ': no disk space, or the file does not exist.')
+      call set_error(error, EXIT_IO, 'Cannot write the file ' // restart_file%path // &
+        ': no disk space, or the file does not exist.')
       return
     end if
-    archive%end = archive%end + 8_I64 * size(record, kind=I64)
-    call sync_file(archive%path, error)
+    restart_file%end = restart_file%end + 8_I64 * size(record, kind=I64)
+    call sync_file(restart_file%path, error)
   end subroutine append_record
 
 

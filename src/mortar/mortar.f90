@@ -77,7 +77,7 @@ module amontons_mortar
     integer, allocatable :: corner_rows(:, :)             !< (2, n) their positions in nodes(:)
     logical, allocatable :: is_decoupled(:)  !< (n) no other row gives a force to the nodes whose imbalance forms that of the row
     logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other pair with exact contact
-    integer, allocatable :: twins(:, :)            !< (2, n) rows of nodes, and of the nodes bound to them by an equation
+    integer, allocatable :: node_pairs(:, :)            !< (2, n) rows of nodes, and of the nodes bound to them by an equation
     logical, allocatable :: was_closed(:)         !< (n) closed at the start of the increment
     real(DP), allocatable :: excess_limits(:)  !< (n) current excess limit up to which a node is over a master, over the edge [-]
     logical :: is_compliant = .false.                   !< its law is compliant
@@ -111,7 +111,7 @@ contains
     allocate (mortar%places(n), mortar%rows(n), mortar%origin_rows(n))
     allocate (mortar%was_closed(n), source=.false.)
     allocate (mortar%excess_limits(n), source=MAX_EXCESS)
-    allocate (mortar%twins(2, 0))
+    allocate (mortar%node_pairs(2, 0))
     of_node = 0
     of_node(nodes) = [(k, k=1, n)]
     mortar%row_of_entry = of_node(mortar%slave%nodes)
@@ -261,14 +261,14 @@ contains
 
   !> Adds to the imbalance of slave nodes to which others are bound, as across a pre-tension section, the parts of the mid-sides
   !! adjacent to those.
-  subroutine add_pretension_rows(mortar, twins)
+  subroutine add_pretension_rows(mortar, node_pairs)
     type(mortar_type), intent(inout) :: mortar
-    integer, intent(in) :: twins(:, :)             !< (2, n) nodes, and those bound to them
+    integer, intent(in) :: node_pairs(:, :)             !< (2, n) nodes, and those bound to them
     integer :: k, at(2)
-    do k = 1, size(twins, 2)
-      at = [findloc(mortar%nodes, twins(1, k), dim=1), findloc(mortar%nodes, twins(2, k), dim=1)]
+    do k = 1, size(node_pairs, 2)
+      at = [findloc(mortar%nodes, node_pairs(1, k), dim=1), findloc(mortar%nodes, node_pairs(2, k), dim=1)]
       if (any(at == 0)) cycle
-      mortar%twins = reshape([mortar%twins, at], [2, size(mortar%twins, 2) + 1])
+      mortar%node_pairs = reshape([mortar%node_pairs, at], [2, size(mortar%node_pairs, 2) + 1])
       mortar%rows(at(1))%imbalance_nodes = [mortar%rows(at(1))%imbalance_nodes, mortar%rows(at(2))%imbalance_nodes]
       mortar%rows(at(1))%imbalance_weights = [mortar%rows(at(1))%imbalance_weights, mortar%rows(at(2))%imbalance_weights]
     end do
@@ -372,8 +372,8 @@ contains
     if (.not. mortar%is_compliant) call keep_isolated_facets(mortar)
     call fill_rows(mortar, master, x)
     call find_decoupled_rows(mortar)
-    do f = 1, size(mortar%twins, 2)
-      call merge_pretension_rows(mortar, mortar%twins(1, f), mortar%twins(2, f))
+    do f = 1, size(mortar%node_pairs, 2)
+      call merge_pretension_rows(mortar, mortar%node_pairs(1, f), mortar%node_pairs(2, f))
     end do
     mortar%is_made = .true.
   end subroutine integrate_mortar

@@ -53,7 +53,7 @@ module amontons_checkpoint
   !> Lengths and positions of the result files at a snapshot.
   type :: output_lengths_type
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
-    integer(I64) :: archive(3) = 0                 !< of .res: last state, bytes, step of it
+    integer(I64) :: restart_file(3) = 0                 !< of .res: last state, bytes, step of it
     integer(I64) :: frd(3) = 0                     !< bytes, frames, blocks of .frd
     type(hdf5_pages_type) :: pages                      !< of .vtkhdf
   end type output_lengths_type
@@ -514,7 +514,7 @@ contains
     do i = 1, 3
       call packer%exchange(files%lengths(i))
       call packer%exchange(files%frd(i))
-      call packer%exchange(files%archive(i))
+      call packer%exchange(files%restart_file(i))
     end do
     associate (pages => files%pages)
       call packer%exchange(pages%end)

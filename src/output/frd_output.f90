@@ -27,7 +27,7 @@ module amontons_frd_output
   use amontons_iteration_records, only: increment_record_type
   use amontons_state, only: equivalent_plastic_strain, state_variables, n_state_variables, fields_type, slave_state_type, &
     STATUS_OPEN
-  use amontons_postprocess, only: average_at_nodes, estimate_error, list_followers, mechanical_strain, nodal_slaves, &
+  use amontons_postprocess, only: average_at_nodes, estimate_error, list_midside_nodes, mechanical_strain, nodal_slaves, &
     n_nodal_slaves, &
     fill_midside_values, printed_energy_density, printed_contact_energy, printed_slip, rotate_truss_tensors
   use amontons_dat_output, only: in_orientation, in_transform, printed_forces
@@ -444,7 +444,7 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)
     real(DP) :: values(6, model%mesh%n_nodes)
     real(DP) :: row(6)
-    integer, allocatable :: followers(:, :)
+    integer, allocatable :: midside_nodes(:, :)
     integer :: i
     values = 0
     do i = 1, size(slaves)
@@ -453,9 +453,9 @@ contains
       if (abs(row(4)) >= (1 - TOL_EQUAL_PRESSURE) * abs(values(4, slaves(i)%node))) values(:, slaves(i)%node) = row
     end do
     call fill_midside_values(model, slaves, 4, 6, values)
-    call list_followers(model, slaves, followers)
-    do i = 1, size(followers, 2)
-      values(:, followers(1, i)) = 0.5_DP * sum(values(:, followers(2:3, i)), dim=2)
+    call list_midside_nodes(model, slaves, midside_nodes)
+    do i = 1, size(midside_nodes, 2)
+      values(:, midside_nodes(1, i)) = 0.5_DP * sum(values(:, midside_nodes(2:3, i)), dim=2)
     end do
   end function contact_values
 

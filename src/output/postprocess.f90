@@ -38,7 +38,7 @@ module amontons_postprocess
   public :: section_type, integrate_section
   public :: sector_share, convert_to_sector, rotate_truss_tensors, bar_points
   public :: nodal_slaves, n_nodal_slaves, printed_slip, printed_contact_energy
-  public :: pair_sums_type, list_followers, fill_midside_values, sum_pair_forces
+  public :: pair_sums_type, list_midside_nodes, fill_midside_values, sum_pair_forces
   public :: add_inelastic_work, printed_energy_density
 
   real(DP), parameter :: EXTRAPOLATION_WEIGHT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point in a rule
@@ -753,14 +753,14 @@ contains
 
 
   !> Mid-side nodes constrained to the slave nodes at their corners (exact node-to-surface contact); fields have the corners' mean.
-  subroutine list_followers(model, slaves, followers)
+  subroutine list_midside_nodes(model, slaves, midside_nodes)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)      !< of nodal_slaves
-    integer, allocatable, intent(out) :: followers(:, :)   !< (3, n) the node and its two corners
+    integer, allocatable, intent(out) :: midside_nodes(:, :)   !< (3, n) the node and its two corners
     integer, allocatable :: ends(:, :)
     logical :: is_shown(model%mesh%n_nodes)
     integer :: p, n
-    allocate (followers(3, 0))
+    allocate (midside_nodes(3, 0))
     is_shown = .false.
     is_shown(slaves%node) = .true.
     do p = 1, size(model%pairs)
@@ -771,10 +771,10 @@ contains
       do n = 1, size(ends, 2)
         if (ends(1, n) == 0 .or. is_shown(n)) cycle
         is_shown(n) = .true.
-        followers = reshape([followers, [n, ends(:, n)]], [3, size(followers, 2) + 1])
+        midside_nodes = reshape([midside_nodes, [n, ends(:, n)]], [3, size(midside_nodes, 2) + 1])
       end do
     end do
-  end subroutine list_followers
+  end subroutine list_midside_nodes
 
 
   !> Contact stresses at the mid-side nodes of quadratic faces of mortar pairs. Slave values belong to the transformed functions;

@@ -43,7 +43,7 @@ module amontons_results
     CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
     N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
     N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, field_rows, STRAIN_COLUMN
-  use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_followers, nodal_slaves, fill_midside_values, &
+  use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_midside_nodes, nodal_slaves, fill_midside_values, &
     sum_pair_forces
   implicit none
   private
@@ -492,7 +492,7 @@ contains
     real(DP), intent(in) :: no_projection_gap                     !< COPEN without a facet [length]
     real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
     integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
-    integer, allocatable :: followers(:, :)
+    integer, allocatable :: midside_nodes(:, :)
     integer :: i, cpress(2), cshear(2), cslip(2)
     cpress = field_rows('CPRESS')
     cshear = field_rows('CSHEAR')
@@ -500,9 +500,9 @@ contains
     call pack_solid(model%mesh, absent_elements(model, fields%step), fields, reals)
     call pack_contact(slaves, no_projection_gap, reals, integers)
     call fill_midside_values(model, slaves, cpress(1), cshear(2), reals)
-    call list_followers(model, slaves, followers)
-    do i = 1, size(followers, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
-      associate (node => followers(1, i), ends => followers(2:3, i))
+    call list_midside_nodes(model, slaves, midside_nodes)
+    do i = 1, size(midside_nodes, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
+      associate (node => midside_nodes(1, i), ends => midside_nodes(2:3, i))
         reals(cpress(1):cslip(2), node) = 0.5_DP * sum(reals(cpress(1):cslip(2), ends), dim=2)
         integers(1, node) = maxval(integers(1, ends))
       end associate

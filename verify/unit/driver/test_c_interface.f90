@@ -216,7 +216,7 @@ contains
   end subroutine check_version
 
 
-  !> Options: another interface, dialects, no deck, faults, a check only, a listener.
+  !> Options: another interface, dialects, no deck, faults, a check only, a log_sink.
   subroutine check_open()
     type(options_type), target :: options
     type(c_ptr), target :: handle

@@ -104,10 +104,10 @@ contains
     call suite%that('the description', index(text, JOB // '.vtkhdf') > 0 .and. index(text, JOB // '.res') > 0 .and. &
       index(text, '.frd') == 0 .and. index(text, '.dat') == 0)
     call advance_analysis(analysis, logger, is_done, error)
-    states = int(analysis%archive%end)
-    call suite%that('a state is kept', states > 0 .and. analysis%archive%last > 0)
+    states = int(analysis%restart_file%end)
+    call suite%that('a state is kept', states > 0 .and. analysis%restart_file%last > 0)
     call advance_analysis(analysis, logger, is_done, error)
-    call suite%that('and the next', int(analysis%archive%end) > states)
+    call suite%that('and the next', int(analysis%restart_file%end) > states)
     i = 2
     do while (.not. is_at_end(analysis) .and. i < 20)
       call advance_analysis(analysis, logger, is_done, error)

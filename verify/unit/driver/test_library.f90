@@ -101,15 +101,15 @@ contains
   end subroutine expect_place
 
 
-  !> Without a deck; with a faulty one; with a listener; a check only.
+  !> Without a deck; with a faulty one; with a log_sink; a check only.
   subroutine check_open()
     type(job_type) :: faulty, checked, unopened
     type(job_options_type) :: options
     type(error_type), allocatable :: error
-    type(memory_type) :: listener
+    type(memory_type) :: log_sink
     real(DP), allocatable :: values(:, :)
     character(:), allocatable :: names(:)
-    allocate (listener%n_letters, source=0)
+    allocate (log_sink%n_letters, source=0)
     call open_job(unopened, options, error)
     call expect_refusal('no deck', error, 'needs a deck')
     call get_values(unopened, 'TIME', '', values, error)
@@ -120,13 +120,13 @@ contains
     call expect_refusal('setting without a job', error, 'has not begun')
     options%has_files = .false.
     options%deck_text = '*NODE' // NEWLINE // '1,0,x,0' // NEWLINE // '*NOTACARD' // NEWLINE
-    call open_job(faulty, options, error, listener)
+    call open_job(faulty, options, error, log_sink)
     call suite%that('a faulty deck', allocated(error))
     if (allocated(error)) then
       call suite%that('its code and lines', error%code == EXIT_DECK .and. index(error%message, ':2: ') > 0 .and. &
         index(error%message, ':3: ') > 0)
     end if
-    call suite%that('the listener hears of it', listener%n_letters > 50)
+    call suite%that('the log_sink hears of it', log_sink%n_letters > 50)
     call suite%that('a job that failed is done', is_job_done(faulty))
     options%deck_text = cube_deck()
     options%is_check = .true.

@@ -51,7 +51,7 @@ contains
   subroutine check_ties()
     type(model_type) :: model
     type(job_options_type) :: options
-    type(logger_type) :: journal
+    type(logger_type) :: logger
     type(error_type), allocatable :: error
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: coordinates(:, :)
@@ -65,7 +65,7 @@ contains
     call suite%that('ties: the others are where they were', all(coordinates(:, :8) == model%mesh%coordinates(:, :8)))
     call suite%near('ties: the model is as it was', minval(model%mesh%coordinates(3, 9:12)), 1.0_DP + GAP, 1.0e-14_DP)
     call suite%that('ties: it has no equations', size(model%equations) == 0)
-    call set_up_model(model, options, journal, error)
+    call set_up_model(model, options, logger, error)
     call suite%that('set-up: it has them now', .not. allocated(error) .and. size(model%equations) == 12)
     call suite%that('set-up: and the coordinates', all(model%mesh%coordinates == coordinates))
   end subroutine check_ties
@@ -75,7 +75,7 @@ contains
   subroutine check_adjustment()
     type(model_type) :: model
     type(job_options_type) :: options
-    type(logger_type) :: journal
+    type(logger_type) :: logger
     type(error_type), allocatable :: error
     real(DP), allocatable :: way(:, :), before(:, :)
     call read_model(CUBES // PAIR // STEPS, options, model)
@@ -87,7 +87,7 @@ contains
     call suite%near('adjust: not sideways', maxval(abs(way(:2, :))), 0.0_DP, 1.0e-14_DP)
     call suite%near('adjust: no other node', maxval(abs(way(:, :8))) + maxval(abs(way(:, 13:))), 0.0_DP, 0.0_DP)
     call suite%that('adjust: the model is as it was', all(model%mesh%coordinates == before))
-    call set_up_model(model, options, journal, error)
+    call set_up_model(model, options, logger, error)
     call suite%that('set-up: no error', .not. allocated(error))
     call suite%near('set-up: the nodes are moved', maxval(abs(model%mesh%coordinates - before - way)), 0.0_DP, 1.0e-15_DP)
   end subroutine check_adjustment

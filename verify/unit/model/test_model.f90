@@ -32,13 +32,13 @@ contains
   end subroutine check_directions
 
 
-  !> Twins, and twins of twins, each once.
+  !> Twins, and pretension_node_pairs of pretension_node_pairs, each once.
   subroutine check_copies()
     type(model_type) :: model
     integer, allocatable :: nodes(:)
     model%mesh%n_nodes = 8
     call suite%that('none', all(with_pretension_copies(model, [3, 1]) == [3, 1]))
-    model%twins = reshape([1, 6, 2, 7, 6, 8], [2, 3])
+    model%pretension_node_pairs = reshape([1, 6, 2, 7, 6, 8], [2, 3])
     nodes = with_pretension_copies(model, [3, 1])
     call suite%that('a twin and its twin', size(nodes) == 4)
     call suite%that('in order', all(nodes == [3, 1, 6, 8]))

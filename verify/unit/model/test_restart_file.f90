@@ -17,13 +17,13 @@ program test_restart_file
 contains
 
   !> Keeps the state of an increment; its words tell which it is.
-  subroutine keep(archive, step, increment, is_overlay)
-    type(restart_file_type), intent(inout) :: archive
+  subroutine keep(restart_file, step, increment, is_overlay)
+    type(restart_file_type), intent(inout) :: restart_file
     integer, intent(in) :: step, increment
     logical, intent(in) :: is_overlay
     type(error_type), allocatable :: error
     integer(I64) :: i
-    call append_restart_state(archive, state_key_type(step=step, increment=increment, step_time=0.5_DP, total_time=1.5_DP), &
+    call append_restart_state(restart_file, state_key_type(step=step, increment=increment, step_time=0.5_DP, total_time=1.5_DP), &
       [(int(100 * step + increment, I64) * i, i=1_I64, 50_I64)], is_overlay, error)
     call suite%that('kept', .not. allocated(error))
   end subroutine keep
@@ -48,15 +48,15 @@ contains
 
   !> The deck to the last letter, states by number, the last of a step, the last of all.
   subroutine check_states()
-    type(restart_file_type) :: archive
+    type(restart_file_type) :: restart_file
     type(error_type), allocatable :: error
     character(:), allocatable :: text
     integer :: dialect
-    call create_restart_file(archive, PATH, DECK, 2, error)
+    call create_restart_file(restart_file, PATH, DECK, 2, error)
     call suite%that('created', .not. allocated(error))
-    call keep(archive, 1, 1, .false.)
-    call keep(archive, 1, 2, .false.)
-    call keep(archive, 2, 1, .false.)
+    call keep(restart_file, 1, 1, .false.)
+    call keep(restart_file, 1, 2, .false.)
+    call keep(restart_file, 2, 1, .false.)
     call read_restart_deck(PATH, text, dialect, error)
     call suite%that('the deck', text == DECK .and. len(text) == len(DECK) .and. dialect == 2)
     call expect(1, 1, 1, 1)
@@ -67,19 +67,19 @@ contains
 
   !> OVERLAY keeps the last of each step; a file is cut back to what a checkpoint knew.
   subroutine check_overlay()
-    type(restart_file_type) :: archive, other
+    type(restart_file_type) :: restart_file, other
     type(state_key_type) :: label
     type(error_type), allocatable :: error
     integer(I64) :: counts(3)
-    call create_restart_file(archive, PATH, DECK, 1, error)
-    call keep(archive, 1, 1, .true.)
-    call keep(archive, 1, 2, .true.)
-    call keep(archive, 2, 1, .true.)
+    call create_restart_file(restart_file, PATH, DECK, 1, error)
+    call keep(restart_file, 1, 1, .true.)
+    call keep(restart_file, 1, 2, .true.)
+    call keep(restart_file, 2, 1, .true.)
     call expect(1, 0, 1, 2)
     call find_restart_state(PATH, 1, 1, label, error)
     call suite%that('gone', allocated(error))
-    counts = [archive%last, archive%end, int(archive%step, I64)]
-    call keep(archive, 2, 5, .false.)
+    counts = [restart_file%last, restart_file%end, int(restart_file%step, I64)]
+    call keep(restart_file, 2, 5, .false.)
     call reopen_restart_file(other, PATH, counts, error)
     call suite%that('reopened', .not. allocated(error))
     call expect(0, 0, 2, 1)

@@ -139,7 +139,7 @@ contains
     call make_snapshot(kept, 0.0_DP)
     files%lengths = [11_I64, 12_I64, 13_I64]
     files%frd = [21_I64, 22_I64, 23_I64]
-    files%archive = [31_I64, 32_I64, 33_I64]
+    files%restart_file = [31_I64, 32_I64, 33_I64]
     files%pages%end = 4096
     files%pages%index = [5_I64, 9_I64]
     allocate (files%pages%bytes(16, 2))
@@ -151,7 +151,7 @@ contains
     call suite%that('read', .not. allocated(error))
     call compare('file', kept, found)
     call suite%that('lengths', all(lengths%lengths == files%lengths) .and. all(lengths%frd == files%frd) .and. &
-      all(lengths%archive == files%archive))
+      all(lengths%restart_file == files%restart_file))
     call suite%that('pages', lengths%pages%end == 4096 .and. all(lengths%pages%index == files%pages%index) .and. &
       all(lengths%pages%bytes == files%pages%bytes))
     call write_checkpoint('no/such/folder/x', model, kept, files, error)
