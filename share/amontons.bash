@@ -1,7 +1,7 @@
 # Completion of amontons in bash; `make install` puts it to share/bash-completion/completions/amontons.
 _amontons() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local options='--explain --check --resume --no-checkpoint --threads --outdir --dialect= --frd --user --oldjob --progress= --quiet --cards --version --help -i'
+  local options='--explain --estimate --check --resume --no-checkpoint --threads --outdir --dialect= --frd --user --oldjob --progress= --quiet --cards --version --help -i'
   # bash takes = for a word of its own
   [ "$word" = '=' ] && word=''
   [ "$before" = '=' ] && before=${COMP_WORDS[COMP_CWORD-2]}

@@ -14,6 +14,7 @@ end
 
 complete -c amontons -f
 complete -c amontons -n 'not string match -q -- "-*" (commandline -ct)' -a '(__amontons_files inp)' -d deck
+complete -c amontons -l estimate -d 'tell unknowns, memory, processor time and the chosen solver, then stop'
 complete -c amontons -l explain -d 'tell card by card what is used, ignored or refused, then stop'
 complete -c amontons -l check -d 'read the deck, check and audit the model, then stop'
 complete -c amontons -l resume -d 'go on with a job that was stopped, from its checkpoint'

@@ -208,4 +208,5 @@ uses_analysis = kinds text errors failure iteration_records posix logger version
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
-uses_main = errors posix logger version model card_table deck model_setup analysis
+uses_job_estimate = kinds text errors posix logger blas steps model assembly reduced_system schur_interface equilibrium newton_step job_files analysis
+uses_main = errors posix logger version model card_table deck model_setup analysis job_estimate

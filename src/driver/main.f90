@@ -10,13 +10,15 @@ program amontons
   use amontons_card_table, only: list_cards
   use amontons_deck, only: explain_deck
   use amontons_model_setup, only: add_general_contact
+  use amontons_job_estimate, only: estimate_job, job_estimate_type, describe_estimate
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
   implicit none
 
   character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (a deck of Abaqus or CalculiX; ' // &
     'amontons --help tells the options)'
 
-  integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4
+  integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4, &
+    ACTION_ESTIMATE = 5
 
   !> Options of the command line.
   type :: command_type
@@ -55,6 +57,8 @@ contains
         call logger%say(cards)
         if (.not. allocated(error)) call add_general_contact(model, cards)
         if (.not. allocated(error) .and. cards /= '') call logger%say(cards)
+      case (ACTION_ESTIMATE)
+        call print_estimate(command%job, logger, error)
       case default
         call open_logger(logger, command%is_quiet, command%progress)
         call run_job(command%job, logger, error)
@@ -87,6 +91,18 @@ contains
   end subroutine run_job
 
 
+  !> --estimate: on one thread, so that processor time is that of the work.
+  subroutine print_estimate(options, logger, error)
+    type(job_options_type), intent(inout) :: options
+    type(logger_type), intent(inout) :: logger
+    type(error_type), allocatable, intent(out) :: error
+    type(job_estimate_type) :: estimate
+    options%n_threads = 1
+    call estimate_job(options, logger, estimate, error)
+    if (.not. allocated(error)) call logger%say(describe_estimate(estimate, options%job // '.inp'))
+  end subroutine print_estimate
+
+
   !> Reads the command line from left to right; --help, --version and --cards end it.
   subroutine read_command(command, error)
     type(command_type), intent(out) :: command
@@ -96,11 +112,11 @@ contains
     command%job%is_guarded = .true.
     command%job%handles_signals = .true.
     i = 1
-    do while (i <= command_argument_count() .and. any(command%action == [ACTION_RUN, ACTION_EXPLAIN]))
+    do while (i <= command_argument_count() .and. any(command%action == [ACTION_RUN, ACTION_EXPLAIN, ACTION_ESTIMATE]))
       call read_option(command, i, error)
       if (allocated(error)) return
     end do
-    if (any(command%action == [ACTION_RUN, ACTION_EXPLAIN])) call find_deck(command%job, error)
+    if (any(command%action == [ACTION_RUN, ACTION_EXPLAIN, ACTION_ESTIMATE])) call find_deck(command%job, error)
   end subroutine read_command
 
 
@@ -158,6 +174,8 @@ contains
       command%action = ACTION_CARDS
     case ('--explain')
       command%action = ACTION_EXPLAIN
+    case ('--estimate')
+      command%action = ACTION_ESTIMATE
     case ('--check')
       command%job%is_check = .true.
     case ('--resume')
@@ -340,6 +358,7 @@ contains
       '', &
       '  --explain                    list card by card what is used, has no effect or is refused, with the numbers', &
       '                               taken, then stop', &
+      '  --estimate                   tell unknowns, memory, processor time and the chosen solver, then stop', &
       '  --check                      read the deck, check the model, then stop', &
       '  --resume                     continue a job that was stopped, from its checkpoint job.restart', &
       '  --no-checkpoint              write no checkpoint', &

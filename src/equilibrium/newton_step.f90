@@ -19,7 +19,7 @@ module amontons_newton_step
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: factorise_reduced_system, apply_reduced_inverse, abandon_iteration
+  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, apply_reduced_inverse, abandon_iteration
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_skin, only: partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
   use amontons_free_rigid_motions, only: find_motions, is_singular_along
@@ -45,6 +45,7 @@ module amontons_newton_step
   private
   public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, skin_merit_tolerance, solve_roughly, &
     apply_unconstrained_tangent, assemble_tangent_matrix, factorise_reduced_matrix
+  public :: is_skin_chosen, configure_bulk_solver
 
   real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< backward error at rounding level [-]
 
@@ -437,11 +438,7 @@ contains
         system%base%n_unknowns, system%skin%memory%springs, error)
       if (allocated(error)) return
     end if
-    if (allocated(system%skin%robin%node_order)) deallocate (system%skin%robin%node_order)   ! as in a resumed job
-    system%skin%robin%requested_solver = step%solver
-    system%skin%robin%controls = step%controls%linear_solver
-    system%skin%robin%is_factor_reused = .true.
-    system%skin%robin%is_rounded = .true.
+    call configure_bulk_solver(system%skin%robin, step)
     call factorise_reduced_system(system%skin%robin, sparse_sum(system%assembly%stiffness, 1.0_DP, system%skin%memory%springs), &
       .true., system%base, &
       model%mesh, &
@@ -454,6 +451,18 @@ contains
     system%n_factorisations = system%n_factorisations + system%skin%robin%n_factorised
     system%skin%is_ready = status == FACTOR_OK
   end subroutine update_bulk_solver
+
+
+  !> What the bulk solver of the skin is asked for.
+  subroutine configure_bulk_solver(robin, step)
+    type(reduced_system_type), intent(inout) :: robin
+    type(step_type), intent(in) :: step
+    if (allocated(robin%node_order)) deallocate (robin%node_order)   ! as in a resumed job
+    robin%requested_solver = step%solver
+    robin%controls = step%controls%linear_solver
+    robin%is_factor_reused = .true.
+    robin%is_rounded = .true.
+  end subroutine configure_bulk_solver
 
 
   !> The interface for the present contact: by the Woodbury formula where all contact is compliant and the bodies are supported

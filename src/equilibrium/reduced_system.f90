@@ -21,8 +21,19 @@ module amontons_reduced_system
   use amontons_constraints, only: constraints_type
   implicit none
   private
-  public :: reduced_system_type, plan_reduced_solver, is_factor_small, factorise_reduced_system, apply_reduced_inverse, &
-    abandon_iteration, discard_analysis
+  public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
+    factorise_reduced_system, apply_reduced_inverse, abandon_iteration, discard_analysis
+
+  !> What the two solvers of A take: the figures that the choice compares.
+  type :: solution_cost_type
+    real(DP) :: factor_megabytes = 0               !< 0: not known
+    real(DP) :: factor_entries = 0                 !< of the factor; 0: not known
+    real(DP) :: factor_operations = 0              !< multiplications and additions; 0: not known
+    logical :: is_estimated = .false.              !< by the last separator, without an analysis
+    real(DP) :: iteration_megabytes = 0            !< of the two-level preconditioner
+    real(DP) :: iteration_operations = 0           !< operations of a factor in the time of one iteration
+    logical :: is_factor_too_large = .false., is_factor_too_slow = .false.
+  end type solution_cost_type
 
   !> A, and its factor or preconditioner.
   type :: reduced_system_type
@@ -43,7 +54,7 @@ module amontons_reduced_system
     type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not allocated without springs
     integer, allocatable :: node_order(:)          !< (n_nodes) fill-reducing order, kept while the factor stays small
     real(DP) :: best_entries = 0                   !< entries of the factor when that order was computed
-    real(DP) :: estimated_megabytes = 0              !< of a factor that was not analysed because it is much too large; else 0
+    type(solution_cost_type) :: cost               !< of the last analysis
     integer :: n_factorised = 0                          !< factorisations of the last call
     integer :: n_shifted = 0                       !< of them with a shift
   end type reduced_system_type
@@ -153,61 +164,79 @@ contains
     type(constraints_type), intent(in) :: constraints
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: iterations                         ! that take as long as the factor
-    logical :: was_iterative, is_too_large, is_too_slow
-    associate (limits => self%controls)
-      was_iterative = self%is_iterative
-      self%is_iterative = self%requested_solver == SOLVER_ITERATIVE .and. .not. self%is_iteration_abandoned
-      is_too_large = .false.
-      self%max_iterations = limits%max_cg_iterations
-      self%estimated_megabytes = 0.0_DP
-      if (.not. self%is_iterative) then
-        call estimate_factor(self, constraints, is_too_large, is_too_slow, error)
-        if (allocated(error)) return
-        if (.not. (is_too_large .or. is_too_slow)) then
-          call analyse_factor(self, constraints, error)
-          is_too_large = allocated(error)
-          if (is_too_large .and. (constraints%n_free < limits%min_unknowns_planned .or. self%is_iteration_abandoned)) return
-          if (allocated(error)) deallocate (error)
-          if (.not. is_too_large .and. constraints%n_free >= limits%min_unknowns_planned) is_too_large &
-            = estimate_memory(self%factor) > memory_limit(self%controls)
-          iterations = self%factor%n_operations / (limits%operations_per_entry * real(size(self%matrix%column), DP))
-          is_too_slow = iterations > limits%expected_iterations .and. constraints%n_free >= limits%min_unknowns_planned &
-            .and. .not. self%is_factor_reused
-          if (.not. is_too_large) self%max_iterations = nint(min(limits%max_iteration_work_ratio * iterations, &
-            real(limits%max_cg_iterations, DP)))
-        end if
-        self%is_iterative = (is_too_large .or. is_too_slow) .and. .not. self%is_iteration_abandoned
-      end if
-      if (.not. self%is_iterative) return
-      call create_subdomains(self, constraints, mesh, error)
-      if (.not. (allocated(error) .or. was_iterative)) call report_choice(self, constraints, is_too_large)
-    end associate
+    logical :: was_iterative
+    was_iterative = self%is_iterative
+    self%is_iterative = self%requested_solver == SOLVER_ITERATIVE .and. .not. self%is_iteration_abandoned
+    self%max_iterations = self%controls%max_cg_iterations
+    self%cost = solution_cost_type( &
+      iteration_megabytes=two_level_megabytes(constraints%n_free, size(self%matrix%column), choose_n_parts(mesh%n_nodes)), &
+      iteration_operations=self%controls%operations_per_entry * real(size(self%matrix%column), DP))
+    if (.not. self%is_iterative) then
+      call find_factor_cost(self, constraints, error)
+      if (allocated(error)) return
+      associate (cost => self%cost)
+        self%is_iterative = (cost%is_factor_too_large .or. cost%is_factor_too_slow) .and. .not. self%is_iteration_abandoned
+        if (.not. (cost%is_estimated .or. cost%is_factor_too_large)) self%max_iterations = nint(min(real(self%max_iterations, DP), &
+          self%controls%max_iteration_work_ratio * cost%factor_operations / cost%iteration_operations))
+      end associate
+    end if
+    if (.not. self%is_iterative) return
+    call create_subdomains(self, constraints, mesh, error)
+    if (.not. (allocated(error) .or. was_iterative)) call report_choice(self, constraints)
   end subroutine choose_solver
 
 
-  !> Whether a factor is so much too large, or takes so much work, that it need not be analysed. METIS finds the last separator in a
-  !! tenth of the time of the whole order; the estimate holds for a compact body and is a lower bound for a longer one.
-  subroutine estimate_factor(self, constraints, is_too_large, is_too_slow, error)
+  !> Memory and work of the factor, and whether they are too much: by its analysis, or by an estimate where that suffices.
+  subroutine find_factor_cost(self, constraints, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
-    logical, intent(out) :: is_too_large, is_too_slow
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: n
+    logical :: is_planned
+    is_planned = constraints%n_free >= self%controls%min_unknowns_planned
+    call estimate_factor(self, constraints, error)
+    if (allocated(error) .or. self%cost%is_estimated) return
+    call analyse_factor(self, constraints, error)
+    associate (cost => self%cost)
+      cost%is_factor_too_large = allocated(error)
+      if (allocated(error)) then
+        if (is_planned .and. .not. self%is_iteration_abandoned) deallocate (error)
+        return
+      end if
+      cost%factor_megabytes = estimate_memory(self%factor)
+      cost%factor_entries = self%factor%n_entries
+      cost%factor_operations = self%factor%n_operations
+      if (.not. is_planned) return
+      cost%is_factor_too_large = cost%factor_megabytes > memory_limit(self%controls)
+      cost%is_factor_too_slow = .not. self%is_factor_reused .and. &
+        cost%factor_operations > self%controls%expected_iterations * cost%iteration_operations
+    end associate
+  end subroutine find_factor_cost
+
+
+  !> Whether a factor is so much too large, or takes so much work, that it need not be analysed: then the cost is an estimate. METIS
+  !! finds the last separator in a tenth of the time of the whole order; the estimate holds for a compact body and is a lower bound
+  !! for a longer one.
+  subroutine estimate_factor(self, constraints, error)
+    type(reduced_system_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: constraints
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: n, megabytes, operations
+    logical :: is_too_large, is_too_slow
     integer :: n_separator
-    associate (limits => self%controls)
-      is_too_large = .false.
-      is_too_slow = .false.
+    associate (limits => self%controls, cost => self%cost)
       if (constraints%n_free < limits%min_unknowns_estimated .or. self%is_iteration_abandoned .or. &
         allocated(self%node_order)) return
       call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
       if (allocated(error)) return
       n = real(n_separator, DP)
-      is_too_large = 8.0e-6_DP * limits%separator_entries_ratio * n**2 > limits%estimate_safety_factor * memory_limit(self%controls)
-      is_too_slow = limits%separator_work_ratio * n**3 > limits%estimate_safety_factor * limits%expected_iterations * &
-        limits%operations_per_entry &
-        * real(size(self%matrix%column), DP) .and. .not. self%is_factor_reused
-      if (is_too_large .or. is_too_slow) self%estimated_megabytes = 8.0e-6_DP * limits%separator_entries_ratio * n**2
+      megabytes = 8.0e-6_DP * limits%separator_entries_ratio * n**2
+      operations = limits%separator_work_ratio * n**3
+      is_too_large = megabytes > limits%estimate_safety_factor * memory_limit(limits)
+      is_too_slow = operations > limits%estimate_safety_factor * limits%expected_iterations * cost%iteration_operations .and. &
+        .not. self%is_factor_reused
+      if (.not. (is_too_large .or. is_too_slow)) return
+      cost = solution_cost_type(megabytes, limits%separator_entries_ratio * n**2, operations, .true., cost%iteration_megabytes, &
+        cost%iteration_operations, is_too_large, is_too_slow)
     end associate
   end subroutine estimate_factor
 
@@ -231,39 +260,42 @@ contains
 
 
   !> The message about an iterative solution.
-  subroutine report_choice(self, constraints, is_too_large)
+  subroutine report_choice(self, constraints)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
-    logical, intent(in) :: is_too_large            !< the factor does not fit
-    character(:), allocatable :: reason
-    real(DP) :: megabytes, whole_memory
     type(process_lock_type) :: turn
     call acquire_lock(turn)
-    whole_memory = total_megabytes()
-    megabytes = estimate_memory(self%factor)
-    if (self%estimated_megabytes > 0.0_DP) megabytes = self%estimated_megabytes
-    if (self%requested_solver == SOLVER_ITERATIVE) then
-      reason = 'as SOLVER requests'
-    else if (is_too_large .and. megabytes <= 0.0_DP) then
-      reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
-    else if (is_too_large .and. megabytes > self%controls%max_memory_share * whole_memory) then
-      reason = 'because the factor would take ' // to_text(nint(megabytes)) // ' megabytes, too much of ' // &
-        to_text(nint(whole_memory)) // ' in all'
-    else if (is_too_large) then
-      reason = 'because the factor would take ' // to_text(nint(megabytes)) // ' megabytes and ' // &
-        to_text(nint(available_megabytes())) // &
-        ' are free at the moment (with more, another run would take a factor, and differ in the last digits)'
-    else if (self%estimated_megabytes > 0.0_DP) then
-      reason = 'which takes less time than a factor of some ' // to_text(nint(megabytes)) // ' megabytes'
-    else
-      reason = 'which takes less time than a factor of ' // to_text(nint(self%factor%n_operations / 1.0e9_DP)) // &
-        ' thousand million operations and ' // to_text(nint(megabytes)) // ' megabytes'
-    end if
     self%message = pending_message(self) // 'The ' // to_text(constraints%n_free) // ' equations are solved by iteration, ' &
-      // reason // &
-      '. The preconditioner takes ' // &
-      to_text(nint(two_level_megabytes(constraints%n_free, size(self%matrix%column), self%iterative%n_parts))) // ' megabytes.'
+      // reason_of_iteration(self) // '. The preconditioner takes ' // to_text(nint(self%cost%iteration_megabytes)) // ' megabytes.'
   end subroutine report_choice
+
+
+  !> Why the equations are solved by iteration.
+  function reason_of_iteration(self) result(reason)
+    type(reduced_system_type), intent(in) :: self
+    character(:), allocatable :: reason
+    real(DP) :: whole_memory
+    whole_memory = total_megabytes()
+    associate (cost => self%cost)
+      if (self%requested_solver == SOLVER_ITERATIVE) then
+        reason = 'as SOLVER requests'
+      else if (cost%is_factor_too_large .and. cost%factor_megabytes <= 0.0_DP) then
+        reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
+      else if (cost%is_factor_too_large .and. cost%factor_megabytes > self%controls%max_memory_share * whole_memory) then
+        reason = 'because the factor would take ' // to_text(nint(cost%factor_megabytes)) // ' megabytes, too much of ' // &
+          to_text(nint(whole_memory)) // ' in all'
+      else if (cost%is_factor_too_large) then
+        reason = 'because the factor would take ' // to_text(nint(cost%factor_megabytes)) // ' megabytes and ' // &
+          to_text(nint(available_megabytes())) // &
+          ' are free at the moment (with more, another run would take a factor, and differ in the last digits)'
+      else if (cost%is_estimated) then
+        reason = 'which takes less time than a factor of some ' // to_text(nint(cost%factor_megabytes)) // ' megabytes'
+      else
+        reason = 'which takes less time than a factor of ' // to_text(nint(cost%factor_operations / 1.0e9_DP)) // &
+          ' thousand million operations and ' // to_text(nint(cost%factor_megabytes)) // ' megabytes'
+      end if
+    end associate
+  end function reason_of_iteration
 
 
   !> The message that is not yet reported, with a space.
