@@ -154,7 +154,8 @@ uses_general_contact = kinds text containers loads materials mesh surfaces mpc_d
 # equilibrium
 uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner controls mesh steps constraints
 uses_skin_tiles = kinds containers errors blas sparse
-uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles
+uses_skin_coarse_space = kinds blas sparse constraints reduced_system skin_tiles
+uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles skin_coarse_space
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
 uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions

@@ -18,10 +18,12 @@ module amontons_contact_skin
   use amontons_dense, only: solve_small
   use amontons_constraints, only: constraints_type
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
+  use amontons_skin_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, correct_coarse
   use amontons_skin_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
   implicit none
   private
-  public :: skin_type, skin_memory_type, partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
+  public :: skin_type, skin_memory_type, partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
+    apply_tiles, subtract_contact
 
   type(skin_controls_type), parameter :: DEFAULTS = skin_controls_type()
 
@@ -54,6 +56,7 @@ module amontons_contact_skin
     type(tangent_parts_type), private :: parts
     type(sparse_type), private :: jumps            !< N (free unknowns of the skin, squared): v_s = jump + N v [-]
     type(tile_type), allocatable, private :: tiles(:)
+    type(coarse_space_type), private :: coarse
   end type skin_type
 
 contains
@@ -74,12 +77,22 @@ contains
   end subroutine partition_skin
 
 
+  !> The coarse space of P, in about so many patches of the slave nodes.
+  subroutine build_skin_coarse_space(self, base, place, n_patches)
+    type(skin_type), intent(inout) :: self         !< with its tiles, springs and P
+    type(constraints_type), intent(in) :: base     !< without contact rows
+    real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
+    integer, intent(in) :: n_patches
+    call build_coarse_space(self%coarse, self%robin, self%memory%springs, base, place, self%tile_of_node > 0, n_patches)
+  end subroutine build_skin_coarse_space
+
+
   !> Updates the preconditioner for a tangent: projection and tiles.
   subroutine update_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, shares, error)
-    type(skin_type), intent(inout) :: self         !< with its tiles; P may be computed later
+    type(skin_type), intent(inout), target :: self   !< with its tiles; P may be computed later
     type(constraints_type), intent(in) :: base     !< without contact rows
-    type(constraints_type), intent(in) :: whole    !< with them
-    type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
+    type(constraints_type), intent(in), target :: whole       !< with them
+    type(sparse_type), intent(in), target :: stiffness        !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: by_imbalance      !< D_R (n_unknowns x n_unknowns) [-]
     type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave, the slave node first; no
@@ -99,6 +112,8 @@ contains
     self%n_bulk = base%n_free
     call relate_rows(self, base, whole, error)
     if (allocated(error)) return
+    call update_coarse_space(self%coarse, coarse_rows_type(stiffness, self%rows, self%directions, self%by_imbalance, &
+      self%by_displacement, whole%transformation, self%bulk_of, self%unknown_of))
     call number_skin_nodes(self, rows, skin_of, tile_of)
     call extract_skin_tangent(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
     if (allocated(error)) return
@@ -366,10 +381,36 @@ contains
       g(i) = 0.0_DP
       if (self%bulk_of(i) > 0) g(i) = y(self%bulk_of(i))
     end do
+    call project_displacement(self, g, x)
+  end subroutine apply_bulk
+
+
+  !> x = R Pi g.
+  subroutine project_displacement(self, g, x)
+    type(skin_type), intent(in) :: self
+    real(DP), intent(in) :: g(:)                   !< (n_unknowns) [length]
+    real(DP), intent(out) :: x(:)                  !< (n_free) [length]
+    real(DP), allocatable :: t(:), change(:)
+    allocate (t(self%rows%n_rows), change(size(g)))
     call multiply(self%rows, g, t)
     call multiply_transpose(self%directions, t, change)
     x = g(self%unknown_of) - change(self%unknown_of)
-  end subroutine apply_bulk
+  end subroutine project_displacement
+
+
+  !> x = x + R Pi W y and d = d - J W y, with y = inv(W'J W) W'd.
+  subroutine apply_coarse_space(self, d, x)
+    type(skin_type), intent(in) :: self
+    real(DP), intent(inout) :: d(:)                !< (n_free) r - J x [force]
+    real(DP), intent(inout) :: x(:)                !< (n_free) [length]
+    real(DP), allocatable :: g(:), change(:)
+    logical :: is_corrected
+    allocate (g(size(self%bulk_of)), change(size(x)))
+    call correct_coarse(self%coarse, d, g, is_corrected)
+    if (.not. is_corrected) return
+    call project_displacement(self, g, change)
+    x = x + change
+  end subroutine apply_coarse_space
 
 
   !> x_F = x_F + inv(J_FF) d_F on all tiles.

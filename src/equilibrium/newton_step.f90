@@ -21,7 +21,8 @@ module amontons_newton_step
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, apply_reduced_inverse, abandon_iteration
   use amontons_woodbury_interface, only: contact_springs_type
-  use amontons_contact_skin, only: partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
+  use amontons_contact_skin, only: partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
+    apply_tiles, subtract_contact
   use amontons_free_rigid_motions, only: find_motions, is_singular_along
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
@@ -450,6 +451,8 @@ contains
       system%motions)
     system%n_factorisations = system%n_factorisations + system%skin%robin%n_factorised
     system%skin%is_ready = status == FACTOR_OK
+    if (system%skin%is_ready) call build_skin_coarse_space(system%skin, system%base, model%mesh%coordinates, &
+      system%controls%skin%coarse_patches)
   end subroutine update_bulk_solver
 
 
@@ -843,7 +846,7 @@ contains
   end subroutine apply_preconditioner
 
 
-  !> y ~ inv(J) x by the bulk solver and then by the tiles.
+  !> y ~ inv(J) x by the bulk solver, then by the coarse space and the tiles.
   subroutine apply_skin_preconditioner(system, x, y)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
@@ -854,7 +857,9 @@ contains
     allocate (rest(size(x)))
     call apply_bulk(system%skin, x, y)
     call tangent%apply(y, rest)
-    call apply_tiles(system%skin, x - rest, y)
+    rest = x - rest
+    call apply_coarse_space(system%skin, rest, y)
+    call apply_tiles(system%skin, rest, y)
   end subroutine apply_skin_preconditioner
 
 end module amontons_newton_step

@@ -1,0 +1,356 @@
+!> Coarse space of the contact skin: smooth displacements that patches of the Robin springs cause, and the correction in their span.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Theory: doc/theory/solver.md, "The contact skin". For each patch of slave nodes and each axis, e has the displacement 1 at the
+!! nodes of the patch. With the springs S and P = inv(K + S), the coarse space is spanned by
+!!
+!!     W = P S e,     K W = S (e - W),
+!!
+!! the displacements that the springs cause when they drag the bodies along. Where contact is open or slides, P is too stiff in just
+!! these directions. K W has entries at the springs alone; therefore J W and E = W'J W cost a few products with rows of the
+!! skin for each tangent. The numbers only precondition, so that single precision suffices.
+!! References: R. A. Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 (deflation by subdomains); B. Smith, P. Bjorstad, W. Gropp,
+!! Domain Decomposition, Cambridge 1996, section 2.2 (multiplicative coarse correction).
+module amontons_skin_coarse_space
+  use amontons_kinds, only: DP, SP
+  use amontons_blas, only: dgetrf, dgetrs, sgemm, sgemv
+  use amontons_sparse, only: sparse_type, multiply, multiply_symmetric
+  use amontons_constraints, only: constraints_type, condense_forces
+  use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
+  use amontons_skin_tiles, only: partition_points
+  implicit none
+  private
+  public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, correct_coarse
+
+  integer, parameter :: BLOCK_ROWS = 4096          !< rows of W of one product
+
+  !> The coarse space.
+  type :: coarse_space_type
+    integer :: n = 0                               !< directions; 0: no coarse space
+    logical, private :: is_ready = .false.         !< E is regular
+    real(SP), allocatable, private :: w(:, :)      !< W (n_unknowns, n) [-]
+    integer, allocatable, private :: loaded(:)     !< unknowns with springs
+    real(SP), allocatable, private :: force(:, :)  !< K W there, condensed (n, size(loaded)) [force/length]
+    integer, allocatable, private :: free(:)       !< free unknowns where J W is not 0
+    real(SP), allocatable, private :: test(:, :)   !< W there, with the contact rows (n, size(free)) [-]
+    real(SP), allocatable, private :: image(:, :)  !< J W there (n, size(free)) [force/length]
+    real(DP), allocatable, private :: lu(:, :)     !< LU factors of E (n, n)
+    integer, allocatable, private :: pivots(:)
+  end type coarse_space_type
+
+  !> What the tangent J = T' ((1 + D_R) K - D_u) T consists of.
+  type :: coarse_rows_type
+    type(sparse_type), pointer :: stiffness => null()         !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
+    type(sparse_type), pointer :: rows => null()   !< A of contact (n_dependent x n_unknowns) [-]
+    type(sparse_type), pointer :: directions => null()        !< D' of the projection onto A u = 0 (n_dependent x n_unknowns) [-]
+    type(sparse_type), pointer :: by_imbalance => null()      !< D_R (n_unknowns x n_unknowns) [-]
+    type(sparse_type), pointer :: by_displacement => null()   !< D_u (n_unknowns x n_unknowns) [force/length]
+    type(sparse_type), pointer :: transformation => null()    !< T (n_unknowns x n_free) [-]
+    integer, pointer :: bulk_of(:) => null()       !< (n_unknowns) 0: no free unknown of the bulk
+    integer, pointer :: unknown_of(:) => null()    !< (n_free) index of each free unknown among all
+  end type coarse_rows_type
+
+contains
+
+  !> W and K W. Cost: a solution with P and a product with S for each direction.
+  subroutine build_coarse_space(self, robin, springs, base, place, is_slave, n_patches)
+    type(coarse_space_type), intent(out) :: self
+    type(reduced_system_type), intent(inout) :: robin         !< K + S and its factor
+    type(sparse_type), intent(in) :: springs       !< S, upper triangle (n_unknowns x n_unknowns) [force/length]
+    type(constraints_type), intent(in) :: base     !< without contact rows
+    real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
+    logical, intent(in) :: is_slave(:)             !< (n_nodes)
+    integer, intent(in) :: n_patches               !< about
+    integer, allocatable :: node(:), patch(:)
+    real(DP), dimension(base%n_unknowns) :: e, f, u
+    logical :: is_loaded(base%n_unknowns)
+    integer :: i, axis, t, n_used, k
+    if (robin%is_iterative .or. n_patches == 0) return
+    call mark_loaded(springs, is_loaded)
+    node = pack([(i, i=1, size(is_slave))], is_slave .and. any(reshape(is_loaded, [3, size(is_slave)]), dim=1))
+    if (size(node) <= n_patches) return
+    allocate (patch(size(node)))
+    call partition_points(place(:, node), (size(node) - 1) / n_patches + 1, patch, n_used)
+    self%n = 3 * n_used
+    self%loaded = pack([(i, i=1, base%n_unknowns)], is_loaded .and. base%owner == 0)
+    allocate (self%w(base%n_unknowns, self%n), self%force(self%n, size(self%loaded)))
+    k = 0
+    do t = 1, n_used
+      do axis = 1, 3
+        k = k + 1
+        e = 0.0_DP
+        e(3 * (pack(node, patch == t) - 1) + axis) = 1.0_DP
+        call multiply_symmetric(springs, e, f)
+        call solve_bulk(robin, base, f, u)
+        self%w(:, k) = real(u, SP)
+        call multiply_symmetric(springs, e - u, f)
+        u = reshape(condensed(base, f), [base%n_unknowns])
+        self%force(k, :) = real(u(self%loaded), SP)
+      end do
+    end do
+  end subroutine build_coarse_space
+
+
+  !> The unknowns with springs.
+  pure subroutine mark_loaded(springs, is_loaded)
+    type(sparse_type), intent(in) :: springs
+    logical, intent(out) :: is_loaded(:)           !< (n_unknowns)
+    integer :: i, p
+    is_loaded = .false.
+    do i = 1, springs%n_rows
+      do p = springs%first(i), springs%first(i + 1) - 1
+        is_loaded([i, springs%column(p)]) = .true.
+      end do
+    end do
+  end subroutine mark_loaded
+
+
+  !> Forces, with those on dependent unknowns carried to the free ones.
+  function condensed(base, f) result(g)
+    type(constraints_type), intent(in) :: base
+    real(DP), intent(in) :: f(:)                   !< (n_unknowns) [force]
+    real(DP) :: g(3, size(f) / 3)                  !< [force]
+    call condense_forces(base, reshape(f, shape(g)), g)
+  end function condensed
+
+
+  !> u = T inv(K + S) T'f with the constraints of the bulk.
+  subroutine solve_bulk(robin, base, f, u)
+    type(reduced_system_type), intent(inout) :: robin
+    type(constraints_type), intent(in) :: base
+    real(DP), intent(in) :: f(:)                   !< (n_unknowns) [force]
+    real(DP), intent(out) :: u(:)                  !< (n_unknowns) [length]
+    real(DP) :: g(size(f)), b(base%n_free), y(base%n_free)
+    integer :: i
+    g = reshape(condensed(base, f), shape(g))
+    do i = 1, size(f)
+      if (base%free_of(i) > 0) b(base%free_of(i)) = g(i)
+    end do
+    call apply_reduced_inverse(robin, b, y)
+    call multiply(base%transformation, y, u)
+  end subroutine solve_bulk
+
+
+  !> W with the contact rows, J W and the factors of E for a tangent. Numbers are kept where J W has entries.
+  subroutine update_coarse_space(self, tangent)
+    type(coarse_space_type), intent(inout) :: self
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, allocatable :: unknown(:), place(:), moved(:), free_place(:)
+    real(SP), allocatable :: u(:, :), f(:, :), shift(:, :), e(:, :)
+    integer :: k, status
+    if (self%n == 0) return
+    call number_unknowns(self, tangent, place, unknown, moved)
+    allocate (u(self%n, size(unknown)), f(self%n, size(unknown)))
+    do k = 1, self%n
+      u(k, :) = self%w(unknown, k)
+    end do
+    call project_onto_rows(tangent, place, moved, u, shift)
+    f = 0.0_SP
+    f(:, place(self%loaded)) = self%force
+    call add_stiffness_product(tangent, place, moved, shift, f)
+    call subtract_contact_forces(tangent, place, unknown, u, f)
+    call number_free(self, tangent, unknown, free_place)
+    call restrict(self, tangent, place, unknown, free_place, u, f)
+    allocate (e(self%n, self%n))
+    call sgemm('N', 'T', self%n, self%n, size(self%free), 1.0_SP, self%test, self%n, self%image, self%n, 0.0_SP, e, self%n)
+    if (allocated(self%lu)) deallocate (self%lu, self%pivots)
+    allocate (self%pivots(self%n))
+    self%lu = real(e, DP)
+    call dgetrf(self%n, self%n, self%lu, self%n, self%pivots, status)
+    self%is_ready = status == 0
+  end subroutine update_coarse_space
+
+
+  !> The unknowns where something is not 0: springs, rows, and all that the stiffness couples with the nodes that the rows move.
+  subroutine number_unknowns(self, tangent, place, unknown, moved)
+    type(coarse_space_type), intent(in) :: self
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, allocatable, intent(out) :: place(:)  !< (n_unknowns) number; 0: none
+    integer, allocatable, intent(out) :: unknown(:)   !< of each number
+    integer, allocatable, intent(out) :: moved(:)  !< (n_unknowns) number among the moved ones; 0: the rows do not move it
+    integer :: i, p
+    allocate (place(size(tangent%bulk_of)), moved(size(tangent%bulk_of)), source=0)
+    place(self%loaded) = 1
+    place(tangent%rows%column) = 1
+    moved(tangent%directions%column) = 1
+    where (tangent%bulk_of == 0) moved = 0
+    associate (K => tangent%stiffness, D_R => tangent%by_imbalance, D_u => tangent%by_displacement)
+      place(D_R%column) = 1
+      place(D_u%column) = 1
+      do i = 1, size(place)
+        if (moved(i) > 0) place(i) = 1
+        if (D_R%first(i + 1) > D_R%first(i) .or. D_u%first(i + 1) > D_u%first(i)) place(i) = 1
+        do p = K%first(i), K%first(i + 1) - 1
+          if (moved(i) > 0) place(K%column(p)) = 1
+          if (moved(K%column(p)) > 0) place(i) = 1
+        end do
+      end do
+    end associate
+    unknown = pack([(i, i=1, size(place))], place > 0)
+    place(unknown) = [(i, i=1, size(unknown))]
+    moved(pack([(i, i=1, size(moved))], moved > 0)) = [(i, i=1, count(moved > 0))]
+  end subroutine number_unknowns
+
+
+  !> u = W - D A W, and the shift - D A W of the moved unknowns.
+  subroutine project_onto_rows(tangent, place, moved, u, shift)
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
+    real(SP), intent(inout) :: u(:, :)             !< (n, unknowns)
+    real(SP), allocatable, intent(out) :: shift(:, :)         !< (n, moved unknowns)
+    real(SP) :: gap(size(u, 1))
+    integer :: i, p
+    allocate (shift(size(u, 1), maxval([0, moved])), source=0.0_SP)
+    associate (A => tangent%rows, D => tangent%directions)
+      do i = 1, A%n_rows
+        gap = 0.0_SP
+        do p = A%first(i), A%first(i + 1) - 1
+          gap = gap + real(A%value(p), SP) * u(:, place(A%column(p)))
+        end do
+        do p = D%first(i), D%first(i + 1) - 1
+          if (moved(D%column(p)) == 0) cycle
+          shift(:, moved(D%column(p))) = shift(:, moved(D%column(p))) - real(D%value(p), SP) * gap
+        end do
+      end do
+    end associate
+    do i = 1, size(moved)
+      if (moved(i) > 0) u(:, place(i)) = u(:, place(i)) + shift(:, moved(i))
+    end do
+  end subroutine project_onto_rows
+
+
+  !> f = f + K shift at the free unknowns of the bulk.
+  subroutine add_stiffness_product(tangent, place, moved, shift, f)
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
+    real(SP), intent(in) :: shift(:, :)            !< (n, moved unknowns)
+    real(SP), intent(inout) :: f(:, :)             !< (n, unknowns)
+    integer :: i, j, p
+    associate (K => tangent%stiffness)
+      do i = 1, K%n_rows
+        do p = K%first(i), K%first(i + 1) - 1
+          j = K%column(p)
+          if (moved(j) > 0 .and. tangent%bulk_of(i) > 0) f(:, place(i)) = f(:, place(i)) + real(K%value(p), SP) * shift(:, moved(j))
+          if (moved(i) > 0 .and. tangent%bulk_of(j) > 0 .and. i /= j) &
+            f(:, place(j)) = f(:, place(j)) + real(K%value(p), SP) * shift(:, moved(i))
+        end do
+      end do
+    end associate
+  end subroutine add_stiffness_product
+
+
+  !> f = (1 + D_R) f - D_u u.
+  subroutine subtract_contact_forces(tangent, place, unknown, u, f)
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, intent(in) :: place(:)                !< (n_unknowns)
+    integer, intent(in) :: unknown(:)
+    real(SP), intent(in) :: u(:, :)                !< (n, unknowns)
+    real(SP), intent(inout) :: f(:, :)             !< (n, unknowns)
+    real(SP), allocatable :: change(:, :)
+    integer :: k, p
+    allocate (change(size(f, 1), size(f, 2)), source=0.0_SP)
+    associate (D_R => tangent%by_imbalance, D_u => tangent%by_displacement)
+      do k = 1, size(unknown)
+        do p = D_R%first(unknown(k)), D_R%first(unknown(k) + 1) - 1
+          change(:, k) = change(:, k) + real(D_R%value(p), SP) * f(:, place(D_R%column(p)))
+        end do
+        do p = D_u%first(unknown(k)), D_u%first(unknown(k) + 1) - 1
+          change(:, k) = change(:, k) - real(D_u%value(p), SP) * u(:, place(D_u%column(p)))
+        end do
+      end do
+    end associate
+    f = f + change
+  end subroutine subtract_contact_forces
+
+
+  !> The free unknowns on which the numbered unknowns depend.
+  subroutine number_free(self, tangent, unknown, free_place)
+    type(coarse_space_type), intent(inout) :: self
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, intent(in) :: unknown(:)
+    integer, allocatable, intent(out) :: free_place(:)        !< (n_free) number; 0: none
+    integer :: k, p
+    allocate (free_place(size(tangent%unknown_of)), source=0)
+    associate (T => tangent%transformation)
+      do k = 1, size(unknown)
+        if (tangent%bulk_of(unknown(k)) == 0) cycle
+        do p = T%first(unknown(k)), T%first(unknown(k) + 1) - 1
+          free_place(T%column(p)) = 1
+        end do
+      end do
+    end associate
+    self%free = pack([(k, k=1, size(free_place))], free_place > 0)
+    free_place(self%free) = [(k, k=1, size(self%free))]
+  end subroutine number_free
+
+
+  !> W and J W = T'f on the free unknowns.
+  subroutine restrict(self, tangent, place, unknown, free_place, u, f)
+    type(coarse_space_type), intent(inout) :: self
+    type(coarse_rows_type), intent(in) :: tangent
+    integer, intent(in) :: place(:)                !< (n_unknowns)
+    integer, intent(in) :: unknown(:)
+    integer, intent(in) :: free_place(:)           !< (n_free)
+    real(SP), intent(in) :: u(:, :), f(:, :)       !< (n, unknowns)
+    integer :: k, p, i
+    if (allocated(self%test)) deallocate (self%test, self%image)
+    allocate (self%test(self%n, size(self%free)), self%image(self%n, size(self%free)))
+    do k = 1, size(self%free)
+      i = tangent%unknown_of(self%free(k))
+      if (place(i) > 0) then
+        self%test(:, k) = u(:, place(i))
+      else
+        self%test(:, k) = self%w(i, :)
+      end if
+    end do
+    self%image = 0.0_SP
+    associate (T => tangent%transformation)
+      do k = 1, size(unknown)
+        if (tangent%bulk_of(unknown(k)) == 0) cycle
+        do p = T%first(unknown(k)), T%first(unknown(k) + 1) - 1
+          i = free_place(T%column(p))
+          self%image(:, i) = self%image(:, i) + real(T%value(p), SP) * f(:, k)
+        end do
+      end do
+    end associate
+  end subroutine restrict
+
+
+  !> y = inv(E) W'd, the displacement g = W y without the contact rows, and d = d - J W y.
+  subroutine correct_coarse(self, d, g, is_corrected)
+    type(coarse_space_type), intent(in) :: self
+    real(DP), intent(inout) :: d(:)                !< (n_free) [force]
+    real(DP), intent(out) :: g(:)                  !< (n_unknowns) [length]
+    logical, intent(out) :: is_corrected           !< .false.: there is no coarse space, d is not changed
+    real(SP), allocatable :: rest(:), amount(:), part(:)
+    real(DP) :: y(self%n, 1), scale, length
+    integer :: status, n, low, rows
+    g = 0.0_DP
+    scale = 0.0_DP
+    if (self%is_ready) scale = maxval(abs(d(self%free)))
+    is_corrected = scale > 0.0_DP
+    if (.not. is_corrected) return
+    n = size(self%free)
+    rest = real(d(self%free) / scale, SP)
+    allocate (amount(self%n))
+    call sgemv('N', self%n, n, 1.0_SP, self%test, self%n, rest, 1, 0.0_SP, amount, 1)
+    y(:, 1) = real(amount, DP)
+    call dgetrs('N', self%n, 1, self%lu, self%n, self%pivots, y, self%n, status)
+    length = maxval(abs(y))
+    is_corrected = length > 0.0_DP .and. length <= huge(length)
+    if (.not. is_corrected) return
+    amount = real(y(:, 1) / length, SP)
+    call sgemv('T', self%n, n, 1.0_SP, self%image, self%n, amount, 1, 0.0_SP, rest, 1)
+    d(self%free) = d(self%free) - scale * length * real(rest, DP)
+    !$omp parallel do private(part, rows) schedule(static)
+    do low = 1, size(g), BLOCK_ROWS
+      rows = min(BLOCK_ROWS, size(g) - low + 1)
+      allocate (part(rows))
+      call sgemv('N', rows, self%n, 1.0_SP, self%w(low, 1), size(g), amount, 1, 0.0_SP, part, 1)
+      g(low:low + rows - 1) = scale * length * real(part, DP)
+      deallocate (part)
+    end do
+    !$omp end parallel do
+  end subroutine correct_coarse
+
+end module amontons_skin_coarse_space
