@@ -220,9 +220,12 @@ check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
 	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/cases verify/peers
 
+# The wide case of the bench: sizes, laws, formulations, thickness, mu (python -m verify.benchmark.wide_contact --help).
+WIDE ?= --sizes 10 20 --law linear --type node --displacement --ccx --limit 600
 bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) and write the table of doc/performance.md
 	@$(MAKE) $(B)/kernels
 	@$(PY) -m verify.benchmark.bench --program $(BIN)/amontons --kernels $(B)/kernels --write
+	@$(PY) -m verify.benchmark.wide_contact --program $(BIN)/amontons $(WIDE)
 
 study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
 	@$(PY) -m verify.study.ironing_table --program $(BIN)/amontons

@@ -196,7 +196,7 @@ contains
   subroutine project_onto_rows(tangent, place, moved, u, shift)
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
-    real(SP), intent(inout) :: u(:, :)             !< (n, unknowns)
+    real(SP), intent(inout), contiguous :: u(:, :)             !< (n, unknowns)
     real(SP), allocatable, intent(out) :: shift(:, :)         !< (n, moved unknowns)
     real(SP) :: gap(size(u, 1))
     integer :: i, p
@@ -223,8 +223,8 @@ contains
   subroutine add_stiffness_product(tangent, place, moved, shift, f)
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
-    real(SP), intent(in) :: shift(:, :)            !< (n, moved unknowns)
-    real(SP), intent(inout) :: f(:, :)             !< (n, unknowns)
+    real(SP), intent(in), contiguous :: shift(:, :)            !< (n, moved unknowns)
+    real(SP), intent(inout), contiguous :: f(:, :)             !< (n, unknowns)
     integer :: i, j, p
     associate (K => tangent%stiffness)
       do i = 1, K%n_rows
@@ -244,8 +244,8 @@ contains
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:)                !< (n_unknowns)
     integer, intent(in) :: unknown(:)
-    real(SP), intent(in) :: u(:, :)                !< (n, unknowns)
-    real(SP), intent(inout) :: f(:, :)             !< (n, unknowns)
+    real(SP), intent(in), contiguous :: u(:, :)                !< (n, unknowns)
+    real(SP), intent(inout), contiguous :: f(:, :)             !< (n, unknowns)
     real(SP), allocatable :: change(:, :)
     integer :: k, p
     allocate (change(size(f, 1), size(f, 2)), source=0.0_SP)
@@ -291,7 +291,7 @@ contains
     integer, intent(in) :: place(:)                !< (n_unknowns)
     integer, intent(in) :: unknown(:)
     integer, intent(in) :: free_place(:)           !< (n_free)
-    real(SP), intent(in) :: u(:, :), f(:, :)       !< (n, unknowns)
+    real(SP), intent(in), contiguous :: u(:, :), f(:, :)   !< (n, unknowns)
     integer :: k, p, i
     if (allocated(self%test)) deallocate (self%test, self%image)
     allocate (self%test(self%n, size(self%free)), self%image(self%n, size(self%free)))
