@@ -15,6 +15,7 @@ endif
 BUILD  ?= release#     release, portable (for other processors, too), debug, sanitize or races
 WERROR ?=#             1: a warning of the compiler is an error
 V      ?=#             1: show the commands as they are run
+MPI    ?=#             1: bin/amontons-mpi, too, for several ranks, on MPI and PETSc
 ARCH   ?= -march=native
 PREFIX ?= /usr/local
 PYTHON ?= python3
@@ -73,9 +74,15 @@ INCLUDES := $(HDF5_I) $(addprefix -I,$(wildcard /usr/include/suitesparse /usr/li
 LDLIBS := $(HDF5_L) $(foreach p,$(PLACES),-L$(p)/lib -Wl,-rpath,$(p)/lib) \
   -lopenblas -lumfpack -lcholmod -lamd -lcolamd -lsuitesparseconfig -lmetis -lhdf5_fortran -lhdf5 -lz -lm
 
+# MPI and PETSc (Debian: libpetsc-real-dev) for MPI=1 alone.
+ifeq ($(MPI),1)
+PETSC_I := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags-only-I petsc mpi-c 2>/dev/null))
+PETSC_L := $(shell pkg-config --libs petsc mpi-c 2>/dev/null)
+endif
+
 FFLAGS := -std=f2018 -fimplicit-none $(COMMON) $(CHECK_$(BUILD)) $(FWARN)
 CFLAGS := -std=c11 $(COMMON) $(CWARN)
-export FC CC INCLUDES LDLIBS PYTHON
+export FC CC INCLUDES LDLIBS PYTHON MPI PETSC_I PETSC_L
 
 # --- the modules --------------------------------------------------------------------------------------------------
 # src/depends.mk is generated from the use lines by `make depends`; `make lint` proves that it is not stale.
@@ -83,11 +90,14 @@ include src/depends.mk
 FOLDERS := $(patsubst %/,%,$(sort $(wildcard src/*/)))
 MODULE_FILES := $(wildcard $(addsuffix /*.f90,$(FOLDERS)))
 MODULES := $(basename $(notdir $(MODULE_FILES)))
-SHIMS := $(basename $(notdir $(wildcard $(addsuffix /*.c,$(FOLDERS)))))
+SHIMS := $(filter-out petsc_shim,$(basename $(notdir $(wildcard $(addsuffix /*.c,$(FOLDERS))))))
 OBJECTS := $(addprefix $(B)/,$(addsuffix .o,$(filter-out main,$(MODULES)) $(SHIMS)))
 UNIT_SOURCES := $(wildcard verify/unit/*/test_*.f90)
 UNITS := $(patsubst %.f90,$(B)/unit/%,$(notdir $(UNIT_SOURCES)))
 PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(BIN)/amontons
+ifeq ($(MPI),1)
+PRODUCTS += $(BIN)/amontons-mpi
+endif
 INCLUDES += $(addprefix -I,$(FOLDERS))
 
 # Sources are found in the folders of src; objects and .mod files lie side by side in $(B).
@@ -106,7 +116,7 @@ $(foreach module,$(MODULES),$(eval $(call module_rule,$(module))))
 
 .PHONY: picture report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place uninstall deb pack-deb wheel pack-wheel hooks clean help depends
 
-all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1)
+all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1; MPI=1: bin/amontons-mpi, too)
 	@$(MAKE) build
 
 build: $(PRODUCTS)
@@ -115,6 +125,15 @@ build: $(PRODUCTS)
 $(BIN)/amontons: $(B)/main.o $(LIB)/libamontons.a
 	@echo "linking   $@" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) -rdynamic -o $@ $^ $(LDLIBS)
+
+# The same objects; the ranks and the distributed solver are those of MPI and PETSc.
+$(BIN)/amontons-mpi: $(B)/main.o $(filter-out %/serial_shim.o,$(OBJECTS)) $(B)/petsc_shim.o
+	@echo "linking   $@" && mkdir -p $(@D)
+	$(Q)$(FC) $(FFLAGS) -rdynamic -o $@ $^ $(LDLIBS) $(PETSC_L)
+
+$(B)/petsc_shim.o: petsc_shim.c distributed_shim.h
+	@echo "compiling $<" && mkdir -p $(@D)
+	$(Q)$(CC) $(CFLAGS) -Wno-pedantic $(INCLUDES) $(PETSC_I) -c $< -o $@
 
 $(LIB)/libamontons.a: $(OBJECTS)
 	@echo "linking   $@" && mkdir -p $(@D) && rm -f $@
@@ -135,6 +154,7 @@ $(B)/%.o: %.c
 
 $(B)/suitesparse_shim.o $(B)/supernodes_shim.o: supernodes_shim.h
 $(B)/supernodes_shim.o: supernodes_solve.h
+$(B)/serial_shim.o: distributed_shim.h
 
 $(addprefix $(B)/,$(addsuffix .o,dense woodbury_interface)): dense.inc
 

@@ -5,6 +5,9 @@
 !! scattered part by part, in parallel, since no two parts share such a node. The elements in between are coloured so that no two of
 !! a colour share a node, and are scattered colour by colour. The summation order of each entry is therefore fixed, and the result
 !! is bitwise the same for any number of threads.
+!!
+!! Several ranks divide the elements by METIS, too. Each evaluates its own; forces and stiffness are summed over the ranks, in their
+!! order. Values at integration points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_containers, only: sort_ascending
@@ -17,14 +20,15 @@ module amontons_assembly
   use amontons_sparse, only: sparse_type
   use amontons_unsymmetric_tangent, only: skew_part_type, reset_element_skew, evaluate_element_skew
   use amontons_partition, only: partition_mesh
+  use amontons_ranks, only: this_rank, n_ranks, sum_over_ranks, min_over_ranks
   use amontons_hex8_simd, only: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, &
     evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
   use amontons_user_state, only: load_umat_points, store_umat_points
   implicit none
   private
-  public :: assembly_type, create_assembly, ensure_matrix, assemble_forces, assemble_tangent, assemble_nodal_stiffness, &
-    add_node_block, add_row_block, element_material
+  public :: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces, assemble_tangent, &
+    assemble_nodal_stiffness, add_node_block, add_row_block, element_material
 
   integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< for fewer elements a batch is not worth its empty lanes
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
@@ -38,7 +42,8 @@ module amontons_assembly
     integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
     integer, allocatable :: pair_offset(:)            !< position of the pair's block in the row of its lower node, from 0
     integer, allocatable :: group_first(:)            !< (n_groups + 1) start of each group in element_order
-    integer, allocatable :: element_order(:)          !< elements, group by group
+    integer, allocatable :: element_order(:)          !< elements of this rank, group by group
+    logical, allocatable :: is_foreign(:)             !< (n_elements) evaluated by another rank; not allocated: one rank
     integer :: n_parts = 0                            !< groups 1 to n_parts run in parallel, one thread a group
     integer :: n_groups = 0                           !< groups after n_parts are colours: the elements of one run in parallel
     type(batch_rule_type) :: rule                           !< rule of the batches
@@ -113,8 +118,25 @@ contains
       group(e) = merge(part(e), 0, is_inside)
     end do
     call colour_elements(mesh, assembly%n_parts, group, assembly%n_groups)
+    call divide_elements(assembly, mesh, group, error)
+    if (allocated(error)) return
     call sort_groups(group, assembly%n_groups, assembly%group_first, assembly%element_order)
   end subroutine order_elements
+
+
+  !> Divides the elements among the ranks; those of other ranks are in no group.
+  subroutine divide_elements(assembly, mesh, group, error)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(inout) :: group(:)                !< (n_elements) 0: of another rank
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: rank(:)                   ! from 1
+    if (n_ranks() == 1) return
+    call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, n_ranks(), rank, error=error)
+    if (allocated(error)) return
+    assembly%is_foreign = rank /= this_rank() + 1
+    where (assembly%is_foreign) group = 0
+  end subroutine divide_elements
 
 
   !> Gives each element of group 0 the lowest colour that none of its nodes has yet: greedy, in the order of the elements.
@@ -158,7 +180,7 @@ contains
     integer, allocatable, intent(out) :: first(:), order(:)
     integer, allocatable :: next(:)
     integer :: e, g
-    allocate (first(n_groups + 1), order(size(group)))
+    allocate (first(n_groups + 1), order(count(group > 0)))
     first = 0
     do e = 1, size(group)
       first(group(e) + 1) = first(group(e) + 1) + 1
@@ -169,6 +191,7 @@ contains
     end do
     next = first
     do e = 1, size(group)
+      if (group(e) == 0) cycle
       order(next(group(e))) = e
       next(group(e)) = next(group(e)) + 1
     end do
@@ -366,8 +389,40 @@ contains
       end do
     end do
     !$omp end parallel
-    failed_element = merge(0, failed, failed == huge(failed))
+    failed_element = first_failed(failed)
+    call sum_over_ranks(state%new%internal_force)
   end subroutine assemble_forces
+
+
+  !> The first failed element of all ranks; 0: none.
+  integer function first_failed(failed)
+    integer, intent(in) :: failed                  !< of this rank; huge: none
+    real(DP) :: least
+    least = min_over_ranks(real(failed, DP))
+    first_failed = merge(0, nint(least), least >= real(huge(failed), DP))
+  end function first_failed
+
+
+  !> The values at the integration points of all ranks, complete on each.
+  subroutine share_points(assembly, mesh, fields)
+    type(assembly_type), intent(in) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    type(fields_type), intent(inout) :: fields     !< forces were evaluated
+    integer :: e
+    if (.not. allocated(assembly%is_foreign)) return
+    do e = 1, mesh%n_elements
+      if (.not. assembly%is_foreign(e)) cycle
+      call clear_points(mesh, e, fields)
+      fields%history(:, mesh%point_first(e):mesh%point_first(e + 1) - 1) = 0.0_DP
+      if (size(fields%modes, 2) > 0) fields%modes(:, e) = 0.0_DP
+    end do
+    call sum_over_ranks(fields%stress)
+    call sum_over_ranks(fields%strain)
+    call sum_over_ranks(fields%energy)
+    call sum_over_ranks(fields%volume)
+    call sum_over_ranks(fields%history)
+    call sum_over_ranks(fields%modes)
+  end subroutine share_points
 
 
   !> The elements of a group from a position on, up to the width of a batch.
@@ -684,7 +739,9 @@ contains
       end do
     end do
     !$omp end parallel
-    failed_element = merge(0, failed, failed == huge(failed))
+    failed_element = first_failed(failed)
+    call sum_over_ranks(assembly%stiffness%value)
+    if (allocated(assembly%skew%elements%value)) call sum_over_ranks(assembly%skew%elements%value)
   end subroutine assemble_tangent
 
 
@@ -713,7 +770,8 @@ contains
       end do
     end do
     !$omp end parallel
-    failed_element = merge(0, failed, failed == huge(failed))
+    failed_element = first_failed(failed)
+    call sum_over_ranks(blocks)
   end subroutine assemble_nodal_stiffness
 
 

@@ -9,9 +9,11 @@
 !! beforehand whether their sum is available (`reserve_...`).
 module amontons_analysis
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_NOT_CONVERGED, EXIT_SOLVER
+  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER
   use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
+  use amontons_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error
+  use amontons_assembly, only: share_points
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
@@ -74,6 +76,8 @@ contains
     if (.not. allocated(error)) call reserve_deck(options, error)
     if (allocated(error)) return
     call use_threads(options%n_threads)
+    if (n_ranks() > 1) call check_ranks(options, error)
+    if (allocated(error)) return
     if (allocated(options%deck_text)) then
       call read_deck_text(options%deck_text, options, analysis%model, analysis%diagnostics, error)
     else
@@ -104,11 +108,21 @@ contains
     if (allocated(error)) return
     if (options%has_files .and. .not. options%is_resumed) then
       !$omp critical (result_files)
-      call open_files(analysis, error)
+      if (is_first_rank()) call open_files(analysis, error)
       !$omp end critical (result_files)
+      call share_error(error)
     end if
     analysis%is_open = .not. allocated(error)
   end subroutine start_analysis
+
+
+  !> What several ranks cannot do. User routines keep data of their own between calls.
+  subroutine check_ranks(options, error)
+    type(job_options_type), intent(in) :: options
+    type(error_type), allocatable, intent(out) :: error
+    if (allocated(options%user)) call set_error(error, EXIT_USAGE, 'User routines run with one rank; the job has ' // &
+      to_text(n_ranks()) // '.')
+  end subroutine check_ranks
 
 
   !> Continues from the state of another job.
@@ -137,6 +151,7 @@ contains
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     call reopen_files(analysis, error)
+    call share_error(error)
     if (allocated(error)) return
     call restore_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
     call rollback_analysis(analysis, error)
@@ -169,7 +184,9 @@ contains
     integer :: n
     n = max(1, n_threads)
 !$  n = omp_get_max_threads()
-    call logger%say('Amontons ' // VERSION // ' with ' // plural(n, 'thread') // &
+    if (n_ranks() > 1) call logger%say('Amontons ' // VERSION // ' with ' // plural(n_ranks(), 'rank') // ' of ' // &
+      plural(n, 'thread') // '.')
+    if (n_ranks() == 1) call logger%say('Amontons ' // VERSION // ' with ' // plural(n, 'thread') // &
       ': run again so, all results are the same to the last bit; with another number of threads, to 1e-10.')
   end subroutine log_threads
 
@@ -213,7 +230,7 @@ contains
     if (allocated(error)) return
     is_done = is_at_end(analysis)
     if (is_done) return
-    signal = pending_stop_signal()
+    signal = shared_stop_signal()
     associate (stepper => analysis%stepper)
       if (analysis%options%handles_signals .and. signal /= 0) then
         call set_error(error, EXIT_NOT_CONVERGED, signal_message(analysis))
@@ -334,6 +351,7 @@ contains
       record%n_proximal = analysis%newton%globalization%n_proximal
       record%n_snap_through = analysis%newton%globalization%n_snap_through
       record%report_lines = describe_edge_events(analysis%model, analysis%state)
+      call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
       call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)
       call sum_works(analysis%model, analysis%state, record, damping_work)
       call complete_record(analysis, record)
@@ -365,6 +383,7 @@ contains
       call write_committed(analysis, first, error)
       !$omp end critical (result_files)
     end if
+    call share_error(error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
       call system_clock(now, rate)
@@ -425,7 +444,7 @@ contains
         to_text(record%increment) // ', attempt ' // to_text(record%attempt) // ', iteration ' // &
         to_text(newton%iteration) // ': imbalance ' // to_text(newton%residual) // ' of the largest force, time ' // &
         to_text(record%total_time) // ', ' // to_text(nint(100.0_DP * done_fraction(analysis))) // ' % done.')
-      if (pending_stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
+      if (shared_stop_signal() == 0 .or. verdict == VERDICT_CONVERGED) return
       record%failure%code = FAILURE_SIGNAL
       record%reason = failure_words(record%failure)
       call complete_record(analysis, record)
@@ -435,12 +454,18 @@ contains
   end subroutine handle_signals
 
 
+  !> The signal that asks a rank to stop, the same on all ranks; 0: none.
+  integer function shared_stop_signal() result(signal)
+    signal = -nint(min_over_ranks(-real(pending_stop_signal(), DP)))
+  end function shared_stop_signal
+
+
   !> Message after a signal stopped the job.
   function signal_message(analysis) result(sentence)
     type(analysis_type), intent(in) :: analysis
     character(:), allocatable :: sentence
     integer, parameter :: SIGINT = 2               ! POSIX
-    sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', pending_stop_signal() == SIGINT)) // &
+    sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', shared_stop_signal() == SIGINT)) // &
       ' at time ' // to_text(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
       '--resume ' // analysis%options%job // ' continues after them.'
   end function signal_message
@@ -622,12 +647,14 @@ contains
     if (.not. analysis%is_open) return
     analysis%is_open = .false.
     call logger%show_summary(analysis%records(:analysis%n_records))
-    if (.not. analysis%has_files) return
+    if (analysis%has_files) then
+      !$omp critical (result_files)
+      call close_files(analysis, error)
+      !$omp end critical (result_files)
+    end if
+    call share_error(error)
+    if (analysis%has_files .and. .not. allocated(error)) call logger%say(describe_result_files(analysis))
     analysis%has_files = .false.
-    !$omp critical (result_files)
-    call close_files(analysis, error)
-    !$omp end critical (result_files)
-    if (.not. allocated(error)) call logger%say(describe_result_files(analysis))
   end subroutine finish_analysis
 
 

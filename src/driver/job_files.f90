@@ -25,6 +25,7 @@ module amontons_job_files
   use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
+  use amontons_ranks, only: is_first_rank
   implicit none
   private
   public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, describe_result_files
@@ -137,6 +138,7 @@ contains
     associate (options => analysis%options, model => analysis%model)
       call read_checkpoint(job_path(options, '.restart'), model, analysis%snapshot, files, error)
       if (allocated(error)) return
+      if (.not. is_first_rank()) return
       call repair_hdf5(job_path(options, '.vtkhdf'), files%pages, error)
       if (allocated(error)) return
       call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error)

@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
   use omp_lib, only: omp_get_max_threads
+  use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_IO
   use amontons_posix, only: restart_passive_threads, set_exit_handler, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
@@ -12,6 +13,8 @@ program amontons
   use amontons_model_setup, only: add_general_contact
   use amontons_job_estimate, only: estimate_job, job_estimate_type, describe_estimate
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
+  use amontons_ranks, only: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank, do_ranks_meet, abort_ranks
+  use amontons_distributed_solver, only: has_distributed_solvers
   implicit none
 
   character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (a deck of Abaqus or CalculiX; ' // &
@@ -19,6 +22,8 @@ program amontons
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4, &
     ACTION_ESTIMATE = 5
+
+  real(DP), parameter :: SECONDS_TO_MEET = 15.0_DP   !< in which an error that all ranks share reaches all [s]
 
   !> Options of the command line.
   type :: command_type
@@ -40,10 +45,17 @@ contains
     type(model_type) :: model
     character(:), allocatable :: cards
     call set_exit_handler(.true.)
-    call open_logger(logger, .false., PROGRESS_NONE)
+    call begin_ranks()
+    call open_log(logger, .false., PROGRESS_NONE)
     call read_command(command, error)
     if (.not. allocated(error)) then
-      if (command%action == ACTION_RUN) call restart_with_passive_threads(command%job)
+      if (.not. has_distributed_solvers()) then      ! MPI has begun: no restart any more
+        if (command%action == ACTION_RUN) call restart_with_passive_threads(command%job)
+      end if
+      if (n_ranks() > 1) then                        ! mpiexec mixes what the ranks write: no live line
+        command%job%n_threads = max(1, command%job%n_threads)
+        if (command%progress == PROGRESS_AUTO) command%progress = PROGRESS_PLAIN
+      end if
       select case (command%action)
       case (ACTION_HELP)
         call print_help(logger)
@@ -60,15 +72,44 @@ contains
       case (ACTION_ESTIMATE)
         call print_estimate(command%job, logger, error)
       case default
-        call open_logger(logger, command%is_quiet, command%progress)
+        call open_log(logger, command%is_quiet, command%progress)
         call run_job(command%job, logger, error)
       end select
     end if
     call set_exit_handler(.false.)
+    if (allocated(error)) call end_alone(error)
+    if (allocated(error)) call logger%fail(error%message)
+    call end_ranks()
     if (.not. allocated(error)) stop EXIT_SUCCESS, quiet=.true.
-    call logger%fail(error%message)
     stop error%code, quiet=.true.
   end subroutine run_command
+
+
+  !> The log of this rank: only the first one writes.
+  subroutine open_log(logger, is_quiet, progress)
+    type(logger_type), intent(out) :: logger
+    logical, intent(in) :: is_quiet
+    integer, intent(in) :: progress
+    integer :: unit
+    if (is_first_rank()) then
+      call open_logger(logger, is_quiet, progress)
+    else
+      open (newunit=unit, file='/dev/null', action='write')
+      call open_logger(logger, .true., PROGRESS_NONE, unit=unit)
+    end if
+  end subroutine open_log
+
+
+  !> An error that the other ranks do not share is told here and ends all; they wait for this rank somewhere.
+  subroutine end_alone(error)
+    type(error_type), intent(in) :: error
+    type(logger_type) :: logger
+    if (do_ranks_meet(SECONDS_TO_MEET + real(this_rank(), DP))) return
+    call set_exit_handler(.false.)
+    call open_logger(logger, .true., PROGRESS_NONE)
+    call logger%fail(error%message)
+    call abort_ranks(error%code)
+  end subroutine end_alone
 
 
   !> Start, advance and finish. A job that fails is finished too: converged increments are on disk.
@@ -86,6 +127,7 @@ contains
     do while (.not. (is_done .or. allocated(error)))
       call advance_analysis(analysis, logger, is_done, error)
     end do
+    if (allocated(error)) call end_alone(error)
     call finish_analysis(analysis, logger, last_error)
     if (.not. allocated(error)) call move_alloc(last_error, error)
   end subroutine run_job
@@ -97,6 +139,10 @@ contains
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     type(job_estimate_type) :: estimate
+    if (n_ranks() > 1) then
+      call set_usage_error(error, '--estimate runs with one rank.')
+      return
+    end if
     options%n_threads = 1
     call estimate_job(options, logger, estimate, error)
     if (.not. allocated(error)) call logger%say(describe_estimate(estimate, options%job // '.inp'))

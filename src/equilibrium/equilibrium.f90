@@ -26,7 +26,7 @@ module amontons_equilibrium
   use amontons_nonlinear_mpc, only: extract_support_reactions, list_hessian_nodes, find_rotation_lengths
   use amontons_boundary_conditions, only: build_base_constraints
   use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force
-  use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, assemble_forces
+  use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces
   use amontons_external_loads, only: assemble_external_loads
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row
@@ -313,8 +313,10 @@ contains
     system%failed_element = failed
     if (failed /= 0) return
     call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .false.)
-    if (is_damped(step) .and. .not. allocated(system%volume_share)) &
+    if (is_damped(step) .and. .not. allocated(system%volume_share)) then
+      call share_points(system%assembly, model%mesh, state%new)
       call find_nodal_volumes(model%mesh, absent_elements(model, state%new%step), state%new, system%volume_share)
+    end if
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call prescribe_here(system, model, step, state%new, outcome)
     if (outcome /= OUTCOME_OK) return

@@ -29,6 +29,7 @@ module amontons_newton_step
     apply_schur_interface
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
+  use amontons_distributed_solver, only: solve_distributed, DISTRIBUTED_NONE
   use amontons_constraints, only: eliminate_constraints, scale_offsets, condense_forces, build_condensation_matrix
   use amontons_nonlinear_mpc, only: add_mpc_stiffness
   use amontons_stabilization, only: add_damping_force, add_damping_stiffness
@@ -629,7 +630,7 @@ contains
     type(preconditioner_type) :: preconditioner
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
-    logical :: is_iterative
+    logical :: is_iterative, is_symmetric
     outcome = OUTCOME_OK
     is_iterative = system%reduced_system%is_iterative .and. .not. system%has_interface_solver
     if (system%is_skin) then
@@ -644,7 +645,11 @@ contains
     options%max_iterations = merge(system%reduced_system%max_iterations, system%controls%krylov%max_iterations, is_iterative)
     if (is_iterative) options%tolerance = system%controls%krylov%iterative_tolerance
     system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
-    if (is_iterative .and. size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)) then
+    is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
+    if (is_iterative .and. is_symmetric .and. system%reduced_system%distributed_kind /= DISTRIBUTED_NONE) then
+      call solve_distributed(system%reduced_system%distributed, b, v, options, report, error)
+      if (allocated(error)) return
+    else if (is_iterative .and. is_symmetric) then
       call conjugate_gradients(matrix, preconditioner, b, v, options, report)
     else
       call gmres(tangent, preconditioner, b, v, options, report, error)

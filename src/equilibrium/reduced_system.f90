@@ -10,7 +10,7 @@ module amontons_reduced_system
   use amontons_posix, only: available_megabytes, total_megabytes, process_lock_type, acquire_lock
   use amontons_mesh, only: mesh_type
   use amontons_controls, only: linear_solver_controls_type
-  use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE
+  use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
@@ -18,6 +18,9 @@ module amontons_reduced_system
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, factorise_two_level, &
     apply_preconditioner, choose_n_parts, &
     two_level_megabytes
+  use amontons_ranks, only: n_ranks, min_over_ranks
+  use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
+    DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_NAMES
   use amontons_constraints, only: constraints_type
   implicit none
   private
@@ -41,7 +44,9 @@ module amontons_reduced_system
     type(sparse_type) :: matrix                    !< A
     type(cholesky_type) :: factor                    !< of A, or of A with a shift
     type(two_level_preconditioner_type) :: iterative              !< in place of the factor
-    logical :: is_iterative = .false.              !< the second
+    type(distributed_solver_type) :: distributed   !< in place of both
+    logical :: is_iterative = .false.              !< not a factor in this process: the second, or the distributed solver
+    integer :: distributed_kind = DISTRIBUTED_NONE   !< DISTRIBUTED_... of the distributed solver, if that is taken
     type(linear_solver_controls_type) :: controls
     integer :: requested_solver = SOLVER_AUTO                 !< SOLVER_... of the step
     integer :: max_iterations = 0             !< after which the iterative solver is abandoned
@@ -107,7 +112,12 @@ contains
     if (allocated(error)) return
     self%analysed_map%value = constraints%transformation%value
     if (self%is_iterative) then
-      call factorise_two_level(self%iterative, self%matrix, is_broken)
+      if (self%distributed_kind == DISTRIBUTED_NONE) then
+        call factorise_two_level(self%iterative, self%matrix, is_broken)
+      else
+        call update_distributed(self%distributed, self%matrix, is_broken, error)
+        if (allocated(error)) return
+      end if
       self%is_current = .not. is_broken
       if (self%is_current) return
       call abandon_iteration(self)
@@ -166,7 +176,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     logical :: was_iterative
     was_iterative = self%is_iterative
-    self%is_iterative = self%requested_solver == SOLVER_ITERATIVE .and. .not. self%is_iteration_abandoned
+    self%distributed_kind = requested_kind(self%requested_solver)
+    self%is_iterative = (self%requested_solver == SOLVER_ITERATIVE .or. self%distributed_kind /= DISTRIBUTED_NONE) .and. &
+      .not. self%is_iteration_abandoned
     self%max_iterations = self%controls%max_cg_iterations
     self%cost = solution_cost_type( &
       iteration_megabytes=two_level_megabytes(constraints%n_free, size(self%matrix%column), choose_n_parts(mesh%n_nodes)), &
@@ -179,11 +191,60 @@ contains
         if (.not. (cost%is_estimated .or. cost%is_factor_too_large)) self%max_iterations = nint(min(real(self%max_iterations, DP), &
           self%controls%max_iteration_work_ratio * cost%factor_operations / cost%iteration_operations))
       end associate
+      call distribute_by_default(self, constraints%n_free)
     end if
     if (.not. self%is_iterative) return
-    call create_subdomains(self, constraints, mesh, error)
+    if (self%distributed_kind == DISTRIBUTED_NONE) then
+      call create_subdomains(self, constraints, mesh, error)
+    else
+      call distribute(self, constraints, mesh, error)
+    end if
     if (.not. (allocated(error) .or. was_iterative)) call report_choice(self, constraints)
   end subroutine choose_solver
+
+
+  !> The distributed solver that a step requests.
+  pure integer function requested_kind(requested_solver) result(kind)
+    integer, intent(in) :: requested_solver        !< SOLVER_...
+    kind = DISTRIBUTED_NONE
+    if (requested_solver == SOLVER_GAMG) kind = DISTRIBUTED_GAMG
+    if (requested_solver == SOLVER_HYPRE) kind = DISTRIBUTED_HYPRE
+    if (requested_solver == SOLVER_MUMPS) kind = DISTRIBUTED_MUMPS
+  end function requested_kind
+
+
+  !> Several ranks share a large system: in place of a factor MUMPS, in place of the two-level preconditioner GAMG.
+  subroutine distribute_by_default(self, n_free)
+    type(reduced_system_type), intent(inout) :: self
+    integer, intent(in) :: n_free
+    if (n_ranks() == 1 .or. self%is_iteration_abandoned .or. n_free < self%controls%min_unknowns_planned) return
+    self%distributed_kind = merge(DISTRIBUTED_GAMG, DISTRIBUTED_MUMPS, self%is_iterative)
+    self%is_iterative = .true.
+    self%max_iterations = self%controls%max_cg_iterations
+  end subroutine distribute_by_default
+
+
+  !> The rows of A on the ranks, by METIS parts of the mesh.
+  subroutine distribute(self, constraints, mesh, error)
+    type(reduced_system_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: constraints
+    type(mesh_type), intent(in) :: mesh
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: of_element(:)
+    integer :: of_node(mesh%n_nodes), unknown(constraints%n_free), e, i
+    of_node = 0
+    if (n_ranks() > 1) then
+      call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, n_ranks(), of_element, error=error)
+      if (allocated(error)) return
+      do e = 1, mesh%n_elements
+        of_node(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = of_element(e) - 1
+      end do
+    end if
+    do i = 1, constraints%n_unknowns
+      if (constraints%free_of(i) > 0) unknown(constraints%free_of(i)) = i
+    end do
+    call create_distributed(self%distributed, self%distributed_kind, self%matrix, unknown, of_node, mesh%coordinates, error)
+  end subroutine distribute
 
 
   !> Memory and work of the factor, and whether they are too much: by its analysis, or by an estimate where that suffices.
@@ -241,10 +302,12 @@ contains
   end subroutine estimate_factor
 
 
-  !> What a factor may take [megabytes]: a share of all memory, the same whenever a job runs, and no more than is free.
+  !> What a factor may take [megabytes]: a share of all memory, the same whenever a job runs, and no more than is free. Ranks may
+  !! share a machine.
   real(DP) function memory_limit(controls)
     type(linear_solver_controls_type), intent(in) :: controls
     memory_limit = min(controls%max_memory_share * total_megabytes(), controls%max_free_memory_share * available_megabytes())
+    memory_limit = min_over_ranks(memory_limit) / real(n_ranks(), DP)
   end function memory_limit
 
 
@@ -265,6 +328,11 @@ contains
     type(constraints_type), intent(in) :: constraints
     type(process_lock_type) :: turn
     call acquire_lock(turn)
+    if (self%distributed_kind /= DISTRIBUTED_NONE) then
+      self%message = pending_message(self) // 'The ' // to_text(constraints%n_free) // ' equations are distributed and ' // &
+        'solved by ' // trim(DISTRIBUTED_NAMES(self%distributed_kind)) // '.'
+      return
+    end if
     self%message = pending_message(self) // 'The ' // to_text(constraints%n_free) // ' equations are solved by iteration, ' &
       // reason_of_iteration(self) // '. The preconditioner takes ' // to_text(nint(self%cost%iteration_megabytes)) // ' megabytes.'
   end subroutine report_choice
@@ -277,7 +345,7 @@ contains
     real(DP) :: whole_memory
     whole_memory = total_megabytes()
     associate (cost => self%cost)
-      if (self%requested_solver == SOLVER_ITERATIVE) then
+      if (self%requested_solver == SOLVER_ITERATIVE .or. requested_kind(self%requested_solver) /= DISTRIBUTED_NONE) then
         reason = 'as SOLVER requests'
       else if (cost%is_factor_too_large .and. cost%factor_megabytes <= 0.0_DP) then
         reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
@@ -315,6 +383,7 @@ contains
     self%is_iteration_abandoned = .true.
     self%is_iterative = .false.
     self%iterative = two_level_preconditioner_type()
+    self%distributed = distributed_solver_type()
     self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
     call discard_analysis(self)
   end subroutine abandon_iteration
@@ -395,7 +464,9 @@ contains
     type(reduced_system_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    if (self%is_iterative) then
+    if (self%is_iterative .and. self%distributed_kind /= DISTRIBUTED_NONE) then
+      call apply_distributed(self%distributed, x, y)
+    else if (self%is_iterative) then
       call apply_preconditioner(self%iterative, self%matrix, x, y)
     else
       call solve(self%factor, x, y)

@@ -590,8 +590,8 @@ contains
     call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', &
       allowed='YES|NO|NO STOP')
     call table%option('SOLVER', VALUE_TEXT, 'ITERATIVE CHOLESKY, ITERATIVE SCALING: by iteration, without a factor; ' // &
-      'CONJUGATE GRADIENTS (specific to Amontons): nonlinear, without a matrix, see SOLVER CONTROLS; any other: as ' // &
-      'the program finds best.', default='as the program finds best')
+      'CONJUGATE GRADIENTS (specific to Amontons): nonlinear, without a matrix, see SOLVER CONTROLS; GAMG, HYPRE, MUMPS ' // &
+      '(amontons-mpi): distributed over the ranks; any other: as the program finds best.', default='as the program finds best')
     call table%option('TIME RESET', VALUE_NONE, 'The total time at the end of the step is that at its start.')
     call table%option('TOTAL TIME AT START', VALUE_REAL, 'The total time at the start of the step.', default= &
       'that at the end of the step before')

@@ -15,12 +15,13 @@ module amontons_deck_steps
   use amontons_deck_output, only: output_requests_type, begin_output, read_output_card, set_output_times
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, is_card, nodes_of_field, elements_of_field
+  use amontons_distributed_solver, only: has_distributed_solvers
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_controls, only: controls_type, calculix_controls, gradient_controls_type, PRECONDITIONER_NODAL, &
     PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
   use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
     LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
-    SOLVER_GRADIENTS, &
+    SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
@@ -298,6 +299,30 @@ contains
   end subroutine read_step_card
 
 
+  !> SOLVER=GAMG, HYPRE or MUMPS, which only a program with PETSc has; BDDC is not there.
+  subroutine read_distributed_solver(reader, c, name, step)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: name
+    type(step_type), intent(inout) :: step
+    select case (name)
+    case ('GAMG')
+      step%solver = SOLVER_GAMG
+    case ('HYPRE')
+      step%solver = SOLVER_HYPRE
+    case ('MUMPS')
+      step%solver = SOLVER_MUMPS
+    case ('BDDC')
+      call report_error(reader, reader%cards%cards(c)%line, 'SOLVER=BDDC is not available; amontons-mpi has GAMG, HYPRE, MUMPS.')
+      return
+    case default
+      return
+    end select
+    if (.not. has_distributed_solvers()) call report_error(reader, reader%cards%cards(c)%line, 'SOLVER=' // name // &
+      ' is a solver of PETSc, which amontons-mpi has (make MPI=1) and this program has not. Without SOLVER the program chooses.')
+  end subroutine read_distributed_solver
+
+
   !> STATIC: first increment, period, least and largest increment.
   subroutine read_static(reader, c, step)
     type(reader_type), intent(inout) :: reader
@@ -310,6 +335,7 @@ contains
     step%is_direct = has_parameter(parameters, 'DIRECT') .and. parameter_word(parameters, 'DIRECT', 'YES') /= 'NO'
     step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
     if (index(parameter_word(parameters, 'SOLVER', ''), 'CONJUGATEGRADIENT') == 1) step%solver = SOLVER_GRADIENTS
+    call read_distributed_solver(reader, c, parameter_word(parameters, 'SOLVER', ''), step)
     is_ok = .true.
     has_row = next_row(reader%cards, row)
     if (.not. has_row) row%n = 0

@@ -1,0 +1,350 @@
+/* Ranks by MPI, and the distributed linear solver by PETSc (distributed_shim.h); built by make MPI=1 alone.
+ * SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * Sums have a fixed order: each rank adds one part of the array, rank by rank, and passes it on to all. PETSc's matrix is assembled
+ * from entries of the rank's own rows. The kinds of solver are those of distributed_solver.f90. */
+#define _GNU_SOURCE
+#include "distributed_shim.h"
+#include <fenv.h>
+#include <petscksp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { GAMG = 1, HYPRE = 2, MUMPS = 3 };
+enum { DONE = 0, BROKEN = 1, FAILED = 2 };
+enum { N_MOTIONS = 6, BLOCK = 1 << 16 };
+static const double SMALLEST_MOTION = 1.0e-8; /* of a rigid motion beside those before it */
+
+typedef struct {
+  int kind;
+  PetscInt n; /* rows of this rank */
+  Mat matrix;
+  KSP ksp;
+  Vec b, x;
+} solver;
+
+static int is_running(void)
+{
+  int begun = 0, ended = 0;
+  MPI_Initialized(&begun);
+  if (begun) MPI_Finalized(&ended);
+  return begun && !ended;
+}
+
+void amontons_ranks_begin(void)
+{
+  int provided;
+  MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
+  PetscInitializeNoArguments();
+  PetscPopSignalHandler(); /* signals are the program's */
+  PetscPushErrorHandler(PetscReturnErrorHandler, NULL);
+}
+
+void amontons_ranks_end(void)
+{
+  if (!is_running()) return;
+  PetscFinalize();
+  MPI_Finalize();
+}
+
+int amontons_rank(void)
+{
+  int rank = 0;
+  if (is_running()) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  return rank;
+}
+
+int amontons_n_ranks(void)
+{
+  int n = 1;
+  if (is_running()) MPI_Comm_size(MPI_COMM_WORLD, &n);
+  return n;
+}
+
+/* The part of n numbers that rank r adds: from first[r] to first[r + 1]. */
+static void divide(int n, int n_ranks, int *count, int *first)
+{
+  for (int r = 0; r < n_ranks; r++) {
+    first[r] = (int)((int64_t)n * r / n_ranks);
+    count[r] = (int)((int64_t)n * (r + 1) / n_ranks) - first[r];
+  }
+}
+
+void amontons_ranks_sum(double *x, int64_t n)
+{
+  const int size = amontons_n_ranks(), rank = amontons_rank();
+  if (size == 1) return;
+  int count[size], first[size], own_count[size], own_first[size];
+  double parts[BLOCK + size]; /* half a megabyte of the stack: a sum never lacks memory */
+  for (int64_t start = 0; start < n; start += BLOCK) {
+    const int m = (int)(n - start < BLOCK ? n - start : BLOCK);
+    divide(m, size, count, first);
+    const int own = count[rank];
+    for (int r = 0; r < size; r++) {
+      own_count[r] = own;
+      own_first[r] = r * own;
+    }
+    MPI_Alltoallv(x + start, count, first, MPI_DOUBLE, parts, own_count, own_first, MPI_DOUBLE, MPI_COMM_WORLD);
+    for (int k = 0; k < own; k++) {
+      double sum = parts[k];
+      for (int r = 1; r < size; r++) sum += parts[(size_t)r * (size_t)own + (size_t)k];
+      parts[k] = sum;
+    }
+    MPI_Allgatherv(parts, own, MPI_DOUBLE, x + start, count, first, MPI_DOUBLE, MPI_COMM_WORLD);
+  }
+}
+
+void amontons_ranks_gather(double *x, const int *counts)
+{
+  const int size = amontons_n_ranks();
+  if (size == 1) return;
+  int first[size];
+  first[0] = 0;
+  for (int r = 1; r < size; r++) first[r] = first[r - 1] + counts[r - 1];
+  MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, x, counts, first, MPI_DOUBLE, MPI_COMM_WORLD);
+}
+
+double amontons_ranks_min(double x)
+{
+  if (amontons_n_ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
+  return x;
+}
+
+void amontons_ranks_broadcast(char *bytes, int n, int root)
+{
+  if (amontons_n_ranks() > 1) MPI_Bcast(bytes, n, MPI_CHAR, root, MPI_COMM_WORLD);
+}
+
+/* A barrier that no rank waits for without end: one that failed alone comes here while the others wait elsewhere. */
+int amontons_ranks_meet(double seconds)
+{
+  if (amontons_n_ranks() == 1) return 1;
+  MPI_Request request;
+  int is_met = 0;
+  const struct timespec pause = {0, 10000000};
+  if (MPI_Ibarrier(MPI_COMM_WORLD, &request) != MPI_SUCCESS) return 0;
+  for (double waited = 0; waited < seconds && !is_met; waited += 0.01) {
+    MPI_Test(&request, &is_met, MPI_STATUS_IGNORE);
+    if (!is_met) nanosleep(&pause, NULL);
+  }
+  return is_met;
+}
+
+void amontons_ranks_abort(int code)
+{
+  if (is_running()) MPI_Abort(MPI_COMM_WORLD, code);
+  exit(code);
+}
+
+int amontons_solver_exists(void) { return 1; }
+
+/* The near null space of AMG: rigid motions at the free unknowns, orthonormal; those that depend on others are left out. */
+static PetscErrorCode attach_motions(solver *self, const double *motions)
+{
+  Vec kept[N_MOTIONS];
+  PetscInt n_kept = 0;
+  MatNullSpace space;
+  for (int m = 0; m < N_MOTIONS; m++) {
+    PetscScalar *values;
+    PetscReal before, after;
+    PetscCall(VecDuplicate(self->b, &kept[n_kept]));
+    PetscCall(VecGetArray(kept[n_kept], &values));
+    for (PetscInt i = 0; i < self->n; i++) values[i] = motions[N_MOTIONS * i + m];
+    PetscCall(VecRestoreArray(kept[n_kept], &values));
+    PetscCall(VecNorm(kept[n_kept], NORM_2, &before));
+    for (int pass = 0; pass < 2; pass++)
+      for (PetscInt k = 0; k < n_kept; k++) {
+        PetscScalar overlap;
+        PetscCall(VecDot(kept[n_kept], kept[k], &overlap));
+        PetscCall(VecAXPY(kept[n_kept], -overlap, kept[k]));
+      }
+    PetscCall(VecNorm(kept[n_kept], NORM_2, &after));
+    if (after > SMALLEST_MOTION * before) {
+      PetscCall(VecScale(kept[n_kept], 1.0 / after));
+      n_kept++;
+    } else {
+      PetscCall(VecDestroy(&kept[n_kept]));
+    }
+  }
+  if (n_kept == 0) return 0;
+  PetscCall(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, n_kept, kept, &space));
+  PetscCall(MatSetNearNullSpace(self->matrix, space));
+  PetscCall(MatNullSpaceDestroy(&space));
+  for (PetscInt k = 0; k < n_kept; k++) PetscCall(VecDestroy(&kept[k]));
+  return 0;
+}
+
+/* Options of the preconditioners, by the prefix of the solver. */
+static PetscErrorCode choose(solver *self)
+{
+  static const char *const settings[][2] = {
+    {"-amontons_pc_gamg_agg_nsmooths", "1"}, {"-amontons_mg_levels_ksp_type", "chebyshev"},
+    {"-amontons_mg_levels_pc_type", "jacobi"}, {"-amontons_mg_levels_ksp_max_it", "2"},
+    {"-amontons_pc_hypre_boomeramg_coarsen_type", "HMIS"}, {"-amontons_pc_hypre_boomeramg_interp_type", "ext+i"},
+    {"-amontons_pc_hypre_boomeramg_strong_threshold", "0.5"}, {"-amontons_mat_mumps_icntl_13", "1"},
+    {"-amontons_mat_mumps_icntl_24", "1"}}; /* the last two: MUMPS counts all pivots, null ones too */
+  PC pc;
+  for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
+    PetscCall(PetscOptionsSetValue(NULL, settings[k][0], settings[k][1]));
+  PetscCall(KSPCreate(PETSC_COMM_WORLD, &self->ksp));
+  PetscCall(KSPSetOptionsPrefix(self->ksp, "amontons_"));
+  PetscCall(KSPSetOperators(self->ksp, self->matrix, self->matrix));
+  PetscCall(KSPSetType(self->ksp, KSPCG));
+  PetscCall(KSPSetNormType(self->ksp, KSP_NORM_UNPRECONDITIONED));
+  PetscCall(KSPGetPC(self->ksp, &pc));
+  if (self->kind == GAMG) PetscCall(PCSetType(pc, PCGAMG));
+  if (self->kind == HYPRE) {
+    PetscCall(PCSetType(pc, PCHYPRE));
+    PetscCall(PCHYPRESetType(pc, "boomeramg"));
+  }
+  if (self->kind == MUMPS) {
+    PetscCall(PCSetType(pc, PCCHOLESKY));
+    PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  }
+  PetscCall(KSPSetFromOptions(self->ksp));
+  return 0;
+}
+
+static PetscErrorCode create(solver *self, PetscCount n_entries, const int *row, const int *column, const double *motions)
+{
+  PetscInt *i = malloc((size_t)n_entries * sizeof *i), *j = malloc((size_t)n_entries * sizeof *j);
+  for (PetscCount k = 0; k < n_entries; k++) {
+    i[k] = row[k];
+    j[k] = column[k];
+  }
+  PetscCall(MatCreate(PETSC_COMM_WORLD, &self->matrix));
+  PetscCall(MatSetSizes(self->matrix, self->n, self->n, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetType(self->matrix, MATAIJ));
+  PetscCall(MatSetBlockSize(self->matrix, 3));
+  PetscCall(MatSetPreallocationCOO(self->matrix, n_entries, i, j));
+  free(i);
+  free(j);
+  PetscCall(MatSetOption(self->matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MatSetOption(self->matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  if (self->kind != MUMPS) PetscCall(MatSetOption(self->matrix, MAT_SPD, PETSC_TRUE));
+  PetscCall(MatCreateVecs(self->matrix, &self->x, &self->b));
+  if (self->kind == GAMG) PetscCall(attach_motions(self, motions));
+  return choose(self);
+}
+
+void *amontons_solver_new(int kind, int n_rows, int n_entries, const int *row, const int *column, const double *motions)
+{
+  solver *self = calloc(1, sizeof *self);
+  fenv_t environment;
+  if (!self) return NULL;
+  self->kind = kind;
+  self->n = n_rows;
+  feholdexcept(&environment);
+  PetscErrorCode code = create(self, n_entries, row, column, motions);
+  fesetenv(&environment);
+  if (code == 0) return self;
+  free(self);
+  return NULL;
+}
+
+/* New values and their preconditioner. A factor with negative pivots is not one of a positive definite matrix. */
+static PetscErrorCode set_up(solver *self, const double *value, int *status)
+{
+  PC pc;
+  PCFailedReason reason;
+  PetscCall(MatSetValuesCOO(self->matrix, value, INSERT_VALUES));
+  PetscCall(KSPSetOperators(self->ksp, self->matrix, self->matrix));
+  PetscCall(KSPGetPC(self->ksp, &pc));
+  PetscCall(KSPSetUp(self->ksp));
+  PetscCall(PCGetFailedReason(pc, &reason));
+  *status = reason == PC_NOERROR ? DONE : BROKEN;
+  if (*status == DONE && self->kind == MUMPS) {
+    Mat factor;
+    PetscInt negative, zero, positive;
+    PetscCall(PCFactorGetMatrix(pc, &factor));
+    PetscCall(MatGetInertia(factor, &negative, &zero, &positive));
+    if (negative + zero > 0) *status = BROKEN;
+  }
+  return 0;
+}
+
+int amontons_solver_update(void *handle, const double *value)
+{
+  solver *self = handle;
+  fenv_t environment;
+  int status = DONE;
+  feholdexcept(&environment);
+  PetscErrorCode code = set_up(self, value, &status);
+  fesetenv(&environment);
+  return code == 0 ? status : FAILED;
+}
+
+/* Copies to the vectors, applies, copies back. most < 0: the preconditioner alone. */
+static PetscErrorCode run(solver *self, const double *b, double *x, double tolerance, double absolute, int most, int *iterations,
+                          double *residual, int *status)
+{
+  PetscScalar *to;
+  const PetscScalar *from;
+  PetscCall(VecGetArrayWrite(self->b, &to));
+  if (self->n > 0) memcpy(to, b, (size_t)self->n * sizeof *to);
+  PetscCall(VecRestoreArrayWrite(self->b, &to));
+  *status = DONE;
+  if (most < 0) {
+    PC pc;
+    PetscCall(KSPGetPC(self->ksp, &pc));
+    PetscCall(PCApply(pc, self->b, self->x));
+  } else {
+    KSPConvergedReason reason;
+    PetscInt n;
+    PetscReal norm, size;
+    Vec rest;
+    PetscCall(KSPSetTolerances(self->ksp, tolerance, absolute, PETSC_DEFAULT, most));
+    PetscCall(KSPSolve(self->ksp, self->b, self->x));
+    PetscCall(KSPGetConvergedReason(self->ksp, &reason));
+    PetscCall(KSPGetIterationNumber(self->ksp, &n));
+    PetscCall(VecDuplicate(self->b, &rest));
+    PetscCall(MatMult(self->matrix, self->x, rest));
+    PetscCall(VecAYPX(rest, -1.0, self->b));
+    PetscCall(VecNorm(rest, NORM_2, &norm));
+    PetscCall(VecNorm(self->b, NORM_2, &size));
+    PetscCall(VecDestroy(&rest));
+    *iterations = (int)n;
+    *residual = size > 0 ? norm / size : 0;
+    if (reason <= 0) *status = BROKEN;
+  }
+  PetscCall(VecGetArrayRead(self->x, &from));
+  if (self->n > 0) memcpy(x, from, (size_t)self->n * sizeof *x);
+  PetscCall(VecRestoreArrayRead(self->x, &from));
+  return 0;
+}
+
+int amontons_solver_apply(void *handle, const double *b, double *x)
+{
+  int status = DONE, iterations;
+  double residual;
+  fenv_t environment;
+  feholdexcept(&environment);
+  PetscErrorCode code = run(handle, b, x, 0, 0, -1, &iterations, &residual, &status);
+  fesetenv(&environment);
+  return code == 0 ? status : FAILED;
+}
+
+int amontons_solver_solve(void *handle, const double *b, double *x, double tolerance, double absolute, int most, int *iterations,
+                          double *residual)
+{
+  int status = DONE;
+  fenv_t environment;
+  feholdexcept(&environment);
+  PetscErrorCode code = run(handle, b, x, tolerance, absolute, most, iterations, residual, &status);
+  fesetenv(&environment);
+  return code == 0 ? status : FAILED;
+}
+
+void amontons_solver_free(void *handle)
+{
+  solver *self = handle;
+  if (!self) return;
+  if (is_running()) {
+    KSPDestroy(&self->ksp);
+    MatDestroy(&self->matrix);
+    VecDestroy(&self->b);
+    VecDestroy(&self->x);
+  }
+  free(self);
+}

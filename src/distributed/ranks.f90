@@ -1,0 +1,184 @@
+!> Ranks: the processes of one job, their elements, and sums, minima and errors over them.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! All ranks run the same program on the same model and call the procedures of this module in the same order. What one rank computes
+!! alone (the elements of its part, what it reads of clocks and memory) passes through them before a decision depends on it, so
+!! that all ranks decide alike. One process without MPI is rank 0 of 1: then each procedure leaves its argument as it is.
+module amontons_ranks
+  use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t, c_char
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type, set_error
+  implicit none
+  private
+  public :: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank
+  public :: sum_over_ranks, gather_parts, min_over_ranks, share_error, do_ranks_meet, abort_ranks
+
+  !> The sum of an array over the ranks, rank by rank: the same bits on all ranks and in every run with as many.
+  interface sum_over_ranks
+    module procedure sum_vector, sum_table, sum_blocks
+  end interface sum_over_ranks
+
+  interface
+    !> Begins the communication of the ranks, at the start of the program.
+    subroutine begin_ranks() bind(C, name='amontons_ranks_begin')
+    end subroutine begin_ranks
+
+    !> Ends it.
+    subroutine end_ranks() bind(C, name='amontons_ranks_end')
+    end subroutine end_ranks
+
+    function rank_c() bind(C, name='amontons_rank') result(rank)
+      import :: c_int
+      integer(c_int) :: rank
+    end function rank_c
+
+    function n_ranks_c() bind(C, name='amontons_n_ranks') result(n)
+      import :: c_int
+      integer(c_int) :: n
+    end function n_ranks_c
+
+    subroutine sum_c(x, n) bind(C, name='amontons_ranks_sum')
+      import :: c_double, c_int64_t
+      real(c_double), intent(inout) :: x(*)
+      integer(c_int64_t), value :: n
+    end subroutine sum_c
+
+    subroutine gather_c(x, counts) bind(C, name='amontons_ranks_gather')
+      import :: c_int, c_double
+      real(c_double), intent(inout) :: x(*)
+      integer(c_int), intent(in) :: counts(*)
+    end subroutine gather_c
+
+    function min_c(x) bind(C, name='amontons_ranks_min') result(least)
+      import :: c_double
+      real(c_double), value :: x
+      real(c_double) :: least
+    end function min_c
+
+    subroutine broadcast_c(bytes, n, root) bind(C, name='amontons_ranks_broadcast')
+      import :: c_char, c_int
+      character(1, c_char), intent(inout) :: bytes(*)
+      integer(c_int), value :: n, root
+    end subroutine broadcast_c
+
+    function meet_c(seconds) bind(C, name='amontons_ranks_meet') result(is_met)
+      import :: c_double, c_int
+      real(c_double), value :: seconds
+      integer(c_int) :: is_met
+    end function meet_c
+
+    subroutine abort_c(code) bind(C, name='amontons_ranks_abort')
+      import :: c_int
+      integer(c_int), value :: code
+    end subroutine abort_c
+  end interface
+
+contains
+
+  !> Number of this process, from 0.
+  integer function this_rank()
+    this_rank = int(rank_c())
+  end function this_rank
+
+
+  !> Number of processes of the job.
+  integer function n_ranks()
+    n_ranks = int(n_ranks_c())
+  end function n_ranks
+
+
+  !> Whether this process is the one that writes: log and files.
+  logical function is_first_rank()
+    is_first_rank = rank_c() == 0
+  end function is_first_rank
+
+
+  !> A vector.
+  subroutine sum_vector(x)
+    real(DP), intent(inout) :: x(:)
+    if (n_ranks_c() > 1) call sum_c(x, size(x, kind=c_int64_t))
+  end subroutine sum_vector
+
+
+  !> A table.
+  subroutine sum_table(x)
+    real(DP), intent(inout) :: x(:, :)
+    if (n_ranks_c() > 1) call sum_c(x, size(x, kind=c_int64_t))
+  end subroutine sum_table
+
+
+  !> Blocks.
+  subroutine sum_blocks(x)
+    real(DP), intent(inout) :: x(:, :, :)
+    if (n_ranks_c() > 1) call sum_c(x, size(x, kind=c_int64_t))
+  end subroutine sum_blocks
+
+
+  !> Completes a vector of which rank r has the r-th part.
+  subroutine gather_parts(x, counts)
+    real(DP), intent(inout) :: x(:)                !< in: this rank's part at its place; out: all parts
+    integer, intent(in) :: counts(:)               !< (n_ranks) lengths of the parts, in the order of the ranks
+    call gather_c(x, int(counts, c_int))
+  end subroutine gather_parts
+
+
+  !> The least of the ranks' numbers.
+  real(DP) function min_over_ranks(x) result(least)
+    real(DP), intent(in) :: x
+    least = real(min_c(real(x, c_double)), DP)
+  end function min_over_ranks
+
+
+  !> What the ranks did each for itself has one outcome: the error of the first rank that has one, or none.
+  subroutine share_error(error)
+    type(error_type), allocatable, intent(inout) :: error   !< in: of this rank; out: the same on all
+    character(:), allocatable :: message
+    character(24) :: head                          ! length of the message, and code
+    integer :: root, length, code
+    if (n_ranks_c() == 1) return
+    root = n_ranks()
+    if (allocated(error)) root = this_rank()
+    root = nint(min_over_ranks(real(root, DP)))
+    if (root == n_ranks()) return
+    if (root == this_rank()) write (head, '(2i12)') len(error%message), error%code
+    call broadcast_text(head, root)
+    read (head, '(2i12)') length, code
+    allocate (character(length) :: message)
+    if (root == this_rank()) message(:) = error%message
+    call broadcast_text(message, root)
+    if (root /= this_rank()) call set_error(error, code, message)
+  end subroutine share_error
+
+
+  !> A text of one rank on all ranks.
+  subroutine broadcast_text(text, root)
+    character(*), intent(inout) :: text            !< of the same length on all ranks
+    integer, intent(in) :: root                    !< the rank
+    character(1, c_char) :: bytes(len(text))
+    integer :: i
+    if (root == this_rank()) then
+      do i = 1, len(text)
+        bytes(i) = text(i:i)
+      end do
+    end if
+    call broadcast_c(bytes, int(len(text), c_int), int(root, c_int))
+    do i = 1, len(text)
+      text(i:i) = bytes(i)
+    end do
+  end subroutine broadcast_text
+
+
+  !> Whether all ranks come here within so many seconds: .false. on a rank whose error the others do not share.
+  logical function do_ranks_meet(seconds)
+    real(DP), intent(in) :: seconds                !< [s]
+    do_ranks_meet = meet_c(real(seconds, c_double)) /= 0
+  end function do_ranks_meet
+
+
+  !> Ends the processes of all ranks.
+  subroutine abort_ranks(code)
+    integer, intent(in) :: code                    !< EXIT_...
+    call abort_c(int(code, c_int))
+  end subroutine abort_ranks
+
+end module amontons_ranks

@@ -1,0 +1,187 @@
+"""Several ranks: the same answers as the serial program, the same bits twice, errors and deaths of a rank, resumption.
+
+Needs bin/amontons-mpi (`make MPI=1`) and mpiexec; without them the tests are skipped. `verify.distributed.ranks_and_serial` runs all
+generated decks and prints a table.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from verify.benchmark.estimate_table import cube
+from verify.benchmark.wide_contact import Model, deck_of
+from verify.distributed.ranks_and_serial import DIALECT, TOLERANCE, Outcome, all_decks, difference, environment, execute, program, run, with_solver
+
+pytestmark = [
+    pytest.mark.skipif(not program("amontons-mpi").exists(), reason="there is no amontons-mpi: make MPI=1 builds it"),
+    pytest.mark.skipif(shutil.which("mpiexec") is None, reason="there is no mpiexec"),
+]
+
+DECKS = [  #: solids, laws with history, constraints that couple nodes, contact of all formulations, changes between steps
+    "mixed/element-C3D8-nl",
+    "mixed/element-C3D20-nl",
+    "mixed/element-CAX8-nl",
+    "mixed/elastic-C3D8-ortho-cyl-nl",
+    "mixed/plastic-C3D8-isotropic-T-nl",
+    "mixed/creep-C3D10-nl",
+    "mixed/rubber-C3D10-foam1",
+    "mixed/bond-C3D10-meanrot-nl",
+    "mixed/steps-mixed-nl",
+    "mixed/output-all-C3D20",
+    "feature/tie-C3D8-C3D20-nl",
+    "feature/pretension-C3D4-nl",
+    "feature/ring-C3D15-nl",
+    "feature/reference-kinematic-nl-moved",
+    "feature/springa-table-nl",
+    "behaviour/drag-C3D8I-n",
+    "behaviour/drag-C3D10-s",
+    "behaviour/drag-C3D15-m",
+    "behaviour/hard-drag-n",
+]
+
+
+@pytest.mark.parametrize("name", DECKS)
+def test_generated_decks(tmp_path: Path, name: str) -> None:
+    """On 1, 2 and 4 ranks: equal statuses, increments and Newton iterations; displacements and reactions to 1e-10 of the largest."""
+    deck = all_decks()[name]
+    serial = run(tmp_path / "serial", deck, 0, DIALECT)
+    assert serial.code == 0, serial.text
+    for n in (1, 2, 4):
+        what, worst = difference(serial, run(tmp_path / f"ranks{n}", deck, n, DIALECT))
+        assert what == "" and worst <= (TOLERANCE if n > 1 else 0.0), f"{n} ranks: {what} {worst}"
+
+
+@pytest.mark.parametrize("solver", ["GAMG", "HYPRE", "MUMPS"])
+def test_solvers(tmp_path: Path, solver: str) -> None:
+    """A linear cube: the solvers of PETSc stop at a residual of 1e-11; the error is that times the condition, to be 1e-9 here."""
+    serial = run(tmp_path / "serial", cube(8, ""), 0)
+    for n in (1, 3):
+        ranks = run(tmp_path / f"ranks{n}", cube(8, f", SOLVER={solver}"), n)
+        name = "hypre" if solver == "HYPRE" else solver
+        assert f"are distributed and solved by {name}." in ranks.text, ranks.text
+        what, worst = difference(serial, ranks)
+        assert what == "" and worst < 1e-9
+
+
+@pytest.mark.parametrize("solver", ["GAMG", "HYPRE", "MUMPS"])
+@pytest.mark.parametrize("name", ["mixed/element-C3D8-nl", "mixed/element-C3D20-nl", "feature/tie-C3D8-C3D20-nl"])
+def test_solvers_of_nonlinear_decks(tmp_path: Path, solver: str, name: str) -> None:
+    """NLGEOM, quadratic elements, ties: equal increments; fields within Newton's tolerance, as a direction is solved to a thousandth of it."""
+    deck = all_decks()[name]
+    serial = run(tmp_path / "serial", deck, 0, DIALECT)
+    ranks = run(tmp_path / "ranks", with_solver(deck, solver), 2, DIALECT)
+    assert serial.code == 0 and "are distributed and solved by" in ranks.text
+    what, worst = difference(serial, ranks)
+    assert what == "" and worst < 1e-5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", ["GAMG", "HYPRE", "MUMPS"])
+def test_contact_with_friction(tmp_path: Path, solver: str) -> None:
+    """Two plates, pressed and dragged, with criteria of 1e-9 so that the way to the solution leaves no trace: equal statuses in all
+    increments, fields to 1e-6. (The bulk under the contact skin is a preconditioner: only directions depend on it.)"""
+    deck = deck_of(Model(4, criteria=1e-9), interface="SKIN")
+    serial = run(tmp_path / "serial", deck, 0)
+    ranks = run(tmp_path / "ranks", with_solver(deck, solver), 2)
+    assert (serial.code, ranks.code) == (0, 0), ranks.text
+    assert np.array_equal(serial.counts["n_status"], ranks.counts["n_status"])
+    for name, values in serial.fields.items():
+        assert np.abs(values - ranks.fields[name]).max() < 1e-6 * np.abs(values).max()
+
+
+@pytest.mark.parametrize("solver", ["", "GAMG", "HYPRE"])
+def test_same_bits_twice(tmp_path: Path, solver: str) -> None:
+    """Three ranks twice: all bits of displacements and reactions."""
+    deck = with_solver(deck_of(Model(4)), solver)
+    first, second = (run(tmp_path / name, deck, 3) for name in ("first", "second"))
+    assert first.code == 0, first.text
+    for name, values in first.fields.items():
+        assert values.tobytes() == second.fields[name].tobytes()
+
+
+def test_serial_program_refuses(tmp_path: Path) -> None:
+    """Without PETSc its solvers are errors of the deck, told with what is allowed; BDDC is one in both programs."""
+    for n, solver, word in ((0, "GAMG", "amontons-mpi has (make MPI=1)"), (0, "BDDC", "is not available"), (2, "BDDC", "is not available")):
+        outcome = run(tmp_path / f"{solver}{n}", cube(2, f", SOLVER={solver}"), n)
+        assert outcome.code == 3 and word in outcome.text and outcome.text.count("*ERROR: SOLVER") == 1
+
+
+def errors_in(outcome: Outcome) -> int:
+    """How often the end of a job is told."""
+    return re.sub(r"\x1b\[\d*m", "", outcome.text).count("*ERROR")
+
+
+def test_errors_of_all_are_told_once(tmp_path: Path) -> None:
+    """A wrong deck, a missing folder and a user routine on two ranks."""
+    assert errors_in(run(tmp_path, "*HEADING\n*STATIK\n", 2)) == errors_in(run(tmp_path, "*HEADING\n*STATIK\n", 0))
+    missing = run(tmp_path, cube(2, ""), 2, "--outdir", "nowhere")
+    assert missing.code == 7 and errors_in(missing) == 1
+    user = run(tmp_path, cube(2, ""), 2, "--user", "routine.f90")
+    assert user.code == 2 and errors_in(user) == 1 and "one rank" in user.text
+
+
+def test_error_of_one_rank_ends_all(tmp_path: Path) -> None:
+    """The second rank may take 700 MB, too little for the 60 000 unknowns: told once, and all end within a minute."""
+    (tmp_path / "job.inp").write_text(cube(26, ""))
+    name = program("amontons-mpi")
+    command = ["mpiexec", "-n", "1", name, "job", ":", "-n", "1", "bash", "-c", f"ulimit -v 700000; exec {name} job"]
+    start = time.monotonic()
+    done = subprocess.run(command, cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=120, check=False)
+    assert time.monotonic() - start < 60
+    assert done.returncode != 0
+    assert errors_in(Outcome(0, done.stdout + done.stderr)) == 1 and "memory" in done.stdout + done.stderr
+
+
+def ranks_of(process: subprocess.Popen[bytes]) -> list[int]:
+    """The processes of the ranks."""
+    found = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False).stdout.split()
+    return [int(pid) for pid in found]
+
+
+def interrupt(folder: Path, sign: int, n_increments: int) -> int:
+    """Starts folder/job.inp on three ranks, sends a signal to the last one after some increments; the exit code of mpiexec."""
+    with (folder / "output.txt").open("w") as output:
+        process = subprocess.Popen(
+            ["mpiexec", "-n", "3", program("amontons-mpi"), "--progress=plain", "job"], cwd=folder, env=environment(), stdout=output, stderr=output
+        )
+        while process.poll() is None and (folder / "output.txt").read_text().count(" 100 %") + count_lines(folder) < n_increments:
+            time.sleep(0.02)
+        os.kill(ranks_of(process)[-1], sign)
+        return process.wait(timeout=60)
+
+
+def count_lines(folder: Path) -> int:
+    """Increments told so far."""
+    return sum(" % " in line for line in (folder / "output.txt").read_text().splitlines())
+
+
+@pytest.mark.parametrize(("sign", "n"), [(signal.SIGKILL, 2), (signal.SIGKILL, 0), (signal.SIGTERM, 4)])
+def test_a_rank_that_ends_and_resumption(tmp_path: Path, sign: int, n: int) -> None:
+    """A rank is killed, or asked to stop: the others end, the converged increments are on disk, and the job goes on with another number
+    of ranks (0: the serial program) to the same end as without interruption."""
+    deck = deck_of(Model(5))
+    whole = run(tmp_path / "whole", deck, 0)
+    folder = tmp_path / "job"
+    folder.mkdir()
+    (folder / "job.inp").write_text(deck)
+    assert interrupt(folder, sign, 4) != 0
+    text = (folder / "output.txt").read_text()
+    if sign == signal.SIGTERM:
+        assert "stopped by SIGTERM" in text and errors_in(Outcome(0, text)) == 1
+    assert (folder / "job.restart").exists()
+    rest = execute(folder, n, "--resume")
+    assert rest.code == 0, rest.text
+    assert "continues after the checkpoint" in rest.text or (sign == signal.SIGKILL and "starts again from its beginning" in rest.text)
+    what, worst = difference(whole, rest)
+    assert what == "" and worst < 1e-9
