@@ -89,15 +89,16 @@ def test_solvers_of_nonlinear_decks(tmp_path: Path, solver: str, name: str) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["GAMG", "HYPRE", "MUMPS"])
 def test_contact_with_friction(tmp_path: Path, solver: str) -> None:
-    """Two plates, pressed and dragged, with criteria of 1e-9 so that the way to the solution leaves no trace: equal statuses in all
-    increments, fields to 1e-6. (The bulk under the contact skin is a preconditioner: only directions depend on it.)"""
+    """Two plates, pressed and dragged, with criteria of 1e-9: equal statuses in all increments. The bulk under the contact skin is a
+    preconditioner: only directions depend on it, and of these only those that set origins of slip leave a trace. They are solved to
+    1e-5 (`tolerance_origin` of the controls), and so far fields may differ."""
     deck = deck_of(Model(4, criteria=1e-9), interface="SKIN")
     serial = run(tmp_path / "serial", deck, 0)
     ranks = run(tmp_path / "ranks", with_solver(deck, solver), 2)
     assert (serial.code, ranks.code) == (0, 0), ranks.text
     assert np.array_equal(serial.counts["n_status"], ranks.counts["n_status"])
     for name, values in serial.fields.items():
-        assert np.abs(values - ranks.fields[name]).max() < 1e-6 * np.abs(values).max()
+        assert np.abs(values - ranks.fields[name]).max() < 1e-5 * np.abs(values).max()
 
 
 @pytest.mark.parametrize("solver", ["", "GAMG", "HYPRE"])
