@@ -27,6 +27,9 @@ module amontons_reduced_system
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
     factorise_reduced_system, apply_reduced_inverse, abandon_iteration, discard_analysis
 
+  integer, parameter :: MIN_RANKS_SHARED = 4   !< ranks from which a large A is shared by default: on one rank MUMPS takes twice the
+                                               !! time of our factor, GAMG 2.6 times that of our iteration | doc/performance.md
+
   !> What the two solvers of A take: the figures that the choice compares.
   type :: solution_cost_type
     real(DP) :: factor_megabytes = 0               !< 0: not known
@@ -213,11 +216,12 @@ contains
   end function requested_kind
 
 
-  !> Several ranks share a large system: in place of a factor MUMPS, in place of the two-level preconditioner GAMG.
+  !> Many ranks share a large system: in place of a factor MUMPS, in place of the two-level preconditioner GAMG. On few ranks each
+  !! has its own, which is faster and gives the bits of all.
   subroutine distribute_by_default(self, n_free)
     type(reduced_system_type), intent(inout) :: self
     integer, intent(in) :: n_free
-    if (n_ranks() == 1 .or. self%is_iteration_abandoned .or. n_free < self%controls%min_unknowns_planned) return
+    if (n_ranks() < MIN_RANKS_SHARED .or. self%is_iteration_abandoned .or. n_free < self%controls%min_unknowns_planned) return
     self%distributed_kind = merge(DISTRIBUTED_GAMG, DISTRIBUTED_MUMPS, self%is_iterative)
     self%is_iterative = .true.
     self%max_iterations = self%controls%max_cg_iterations

@@ -74,6 +74,17 @@ def test_solvers(tmp_path: Path, solver: str) -> None:
         assert what == "" and worst < 1e-9
 
 
+@pytest.mark.slow
+def test_default(tmp_path: Path) -> None:
+    """A cube of 3 * 22 * 23^2 free unknowns, more than 30 000: two ranks solve it each for itself, four share it."""
+    serial = run(tmp_path / "serial", cube(22, ""), 0)
+    for n in (2, 4):
+        ranks = run(tmp_path / f"ranks{n}", cube(22, ""), n)
+        assert ("equations are distributed and solved by MUMPS." in ranks.text) == (n == 4), ranks.text
+        what, worst = difference(serial, ranks)
+        assert what == "" and worst <= TOLERANCE
+
+
 @pytest.mark.parametrize("solver", ["GAMG", "HYPRE", "MUMPS"])
 @pytest.mark.parametrize("name", ["mixed/element-C3D8-nl", "mixed/element-C3D20-nl", "feature/tie-C3D8-C3D20-nl"])
 def test_solvers_of_nonlinear_decks(tmp_path: Path, solver: str, name: str) -> None:
