@@ -76,14 +76,14 @@ contains
     if (.not. allocated(error)) call reserve_deck(options, error)
     if (allocated(error)) return
     call use_threads(options%n_threads)
-    if (n_ranks() > 1) call check_ranks(options, error)
-    if (allocated(error)) return
     if (allocated(options%deck_text)) then
       call read_deck_text(options%deck_text, options, analysis%model, analysis%diagnostics, error)
     else
       call read_deck(options, analysis%model, analysis%diagnostics, error)
     end if
     call logger%show_diagnostics(analysis%diagnostics)
+    if (allocated(error)) return
+    if (n_ranks() > 1) call check_ranks(analysis%model, options, error)
     if (allocated(error)) return
     analysis%options%is_check = options%is_check .or. analysis%model%is_checked_only
     if (options%n_threads == 0 .and. analysis%model%mesh%n_nodes < MIN_NODES_THREADED) analysis%options%n_threads = 1
@@ -117,11 +117,12 @@ contains
 
 
   !> What several ranks cannot do. User routines keep data of their own between calls.
-  subroutine check_ranks(options, error)
+  subroutine check_ranks(model, options, error)
+    type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    if (allocated(options%user)) call set_error(error, EXIT_USAGE, 'User routines run with one rank; the job has ' // &
-      to_text(n_ranks()) // '.')
+    if (allocated(options%user) .or. any(model%materials%is_user)) call set_error(error, EXIT_USAGE, &
+      'User routines run with one rank; the job has ' // to_text(n_ranks()) // '.')
   end subroutine check_ranks
 
 

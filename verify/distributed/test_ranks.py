@@ -141,6 +141,8 @@ def test_errors_of_all_are_told_once(tmp_path: Path) -> None:
     assert missing.code == 7 and errors_in(missing) == 1
     user = run(tmp_path, cube(2, ""), 2, "--user", "routine.f90")
     assert user.code == 2 and errors_in(user) == 1 and "one rank" in user.text
+    material = run(tmp_path, cube(2, "").replace("*ELASTIC", "*USER MATERIAL, CONSTANTS=2, LIBRARY=routine.so"), 2)
+    assert material.code == 2 and errors_in(material) == 1 and "one rank" in material.text
 
 
 def test_error_of_one_rank_ends_all(tmp_path: Path) -> None:
