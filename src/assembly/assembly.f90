@@ -5,9 +5,8 @@
 !! scattered part by part, in parallel, since no two parts share such a node. The elements in between are coloured so that no two of
 !! a colour share a node, and are scattered colour by colour. The summation order of each entry is therefore fixed, and the result
 !! is bitwise the same for any number of threads.
-!!
-!! Several ranks divide the elements by METIS, too. Each evaluates its own; forces and stiffness are summed over the ranks, in their
-!! order. Values at integration points stay with their rank until `share_points`.
+!! Several ranks divide the elements by METIS; forces and stiffness are summed over the ranks, in their order. Values at integration
+!! points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_containers, only: sort_ascending
@@ -397,9 +396,8 @@ contains
   !> The first failed element of all ranks; 0: none.
   integer function first_failed(failed)
     integer, intent(in) :: failed                  !< of this rank; huge: none
-    real(DP) :: least
-    least = min_over_ranks(real(failed, DP))
-    first_failed = merge(0, nint(least), least >= real(huge(failed), DP))
+    first_failed = nint(min_over_ranks(real(failed, DP)))
+    if (first_failed == huge(failed)) first_failed = 0
   end function first_failed
 
 
