@@ -224,6 +224,9 @@ contains
       call write_line(self, '        Unsupported bodies were moved into contact ' // &
         'by regularization in ' // plural(record%n_proximal, 'iteration') // ', work ' // to_text(record%proximal_work_increment) &
         // '.')
+    else if (record%is_converged .and. record%proximal_work_increment > 0.0_DP) then
+      call write_line(self, '        The structure snapped to another equilibrium: energy released ' // &
+        to_text(record%proximal_work_increment) // '.')
     end if
     if (record%is_converged .and. allocated(record%report_lines)) then
       do i = 1, size(record%report_lines)

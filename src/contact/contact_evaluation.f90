@@ -19,8 +19,8 @@ module amontons_contact_evaluation
     NO_FRICTION_LIMIT
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_local_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
-  use amontons_contact_pairs, only: contact_type, renew_searches, update_mortar_rows, search_lost_slave, update_mortar_slave, &
-    update_gap, set_first_touch_origin, is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector
+  use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
+    set_first_touch_origin, is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector
   implicit none
   private
   public :: evaluate_contact, has_other_constraints
@@ -61,7 +61,6 @@ contains
     if (size(fields%slaves) == 0) return
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
-    call renew_searches(contact, x)
     if (any(model%pairs%is_mortar)) call update_mortar_rows(contact, old%slaves, &
       model%pairs%is_mortar .and. .not. contact%has_fixed_geometry, &
       .false., x)

@@ -21,7 +21,7 @@ module amontons_analysis
   use amontons_contact_rounds, only: comparable_iterations
   use amontons_iteration_records, only: increment_record_type, PHASE_OUTPUT, PHASE_OTHER
   use amontons_deck, only: read_deck, read_deck_text
-  use amontons_state, only: state_type, commit_state, restore_state
+  use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
   use amontons_general_contact, only: find_unpaired_contact
   use amontons_model_change, only: activate_elements
@@ -57,6 +57,7 @@ module amontons_analysis
 
   integer, parameter :: BLAS_BUFFER_MEGABYTES = 160          !< allocated by OpenBLAS at its first call, with a margin [megabytes]
 
+  real(DP), parameter :: ENERGY_ROUNDING = 1.0e-9_DP   !< of an energy balance over its energies [-]
   integer, parameter :: MIN_NODES_THREADED = 4000         !< below, synchronization of threads costs more than it saves
 
 contains
@@ -354,7 +355,7 @@ contains
       record%report_lines = describe_edge_events(analysis%model, analysis%state)
       call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
       call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)
-      call sum_works(analysis%model, analysis%state, record, damping_work)
+      call sum_works(analysis%model, step, analysis%state, record, damping_work)
       call complete_record(analysis, record)
       call commit_state(analysis%state)
       n_iterations = record%n_iterations
@@ -587,8 +588,9 @@ contains
 
 
   !> Computes slip, work and force sums of a converged increment.
-  subroutine sum_works(model, state, record, damping_work)
+  subroutine sum_works(model, step, state, record, damping_work)
     type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
     real(DP), intent(in) :: damping_work                 !< work of damping forces, included in the applied ones [energy]
@@ -605,6 +607,8 @@ contains
       do s = 1, size(new%slaves)
         record%slave_force = record%slave_force + new%slaves(s)%force + new%slaves(s)%shear
       end do
+      if (has_energy_balance(step) .and. new%proximal_work <= old%proximal_work) new%proximal_work = old%proximal_work &
+        + released_energy(old, new)
       record%external_work = new%external_work
       record%friction_work = new%friction_work
       record%proximal_work = new%proximal_work
@@ -615,6 +619,34 @@ contains
       record%contact_energy = sum(new%slaves%energy)
     end associate
   end subroutine sum_works
+
+
+  !> Whether loads and supports alone change the energies: temperatures, elements and materials that change, and interferences take or
+  !! give energy that no work measures.
+  pure logical function has_energy_balance(step)
+    type(step_type), intent(in) :: step
+    has_energy_balance = .not. (step%has_creep .or. allocated(step%is_inactive) .or. allocated(step%is_reactivated) .or. &
+      allocated(step%material) .or. allocated(step%is_removed) .or. allocated(step%interference) .or. &
+      allocated(step%is_shrink_fit))
+    if (has_energy_balance .and. allocated(step%temperatures)) has_energy_balance = size(step%temperatures) == 0
+  end function has_energy_balance
+
+
+  !> Energy that a snap releases within an increment [energy]: the external work beyond all energies, if no path of equilibria from its
+  !! start to its end can explain it. Forces that change monotonically do a work within 1/2 |dF'du| of the trapezoidal rule; half of
+  !! what friction, plasticity and contact took is allowed for the error of their rules.
+  pure real(DP) function released_energy(old, new) result(energy)
+    type(fields_type), intent(in) :: old, new      !< at the start and at the end
+    real(DP) :: external, stored, taken, allowed
+    external = new%external_work - old%external_work
+    stored = sum(new%energy * new%volume - old%energy * old%volume)
+    taken = (new%friction_work - old%friction_work) + (new%plastic_work - old%plastic_work) &
+      + sum(new%slaves%energy - old%slaves%energy) + (new%stabilization_work - old%stabilization_work)
+    allowed = 0.5_DP * sum(abs((new%u - old%u) * (new%applied_force + new%reaction_force - old%applied_force &
+      - old%reaction_force))) + 0.5_DP * abs(taken) + ENERGY_ROUNDING * (abs(external) + sum(abs(new%energy * new%volume)))
+    energy = external - stored - taken
+    if (energy <= allowed) energy = 0.0_DP
+  end function released_energy
 
 
   !> Sets counters and times of the attempt.

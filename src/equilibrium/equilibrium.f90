@@ -29,7 +29,8 @@ module amontons_equilibrium
   use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces
   use amontons_external_loads, only: assemble_external_loads
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
-  use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row
+  use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row, &
+    renew_searches
   use amontons_contact_evaluation, only: evaluate_contact
   use amontons_slave_nodes, only: rounding_force
   use amontons_friction_slip_scenarios, only: slip_state_type
@@ -323,6 +324,7 @@ contains
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call forget_origins(system%contact, state%old%slaves, state%new%slaves)
+    if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters travel
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call compute_norms(system, state%new%applied_force, state%new)
     system%force_rounding = ROUNDING_FACTOR * rounding_force(system%contact%laws, system%contact%local_equilibrium, &
@@ -491,6 +493,7 @@ contains
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
     call condense_forces(system%base, start%applied_force - state%new%internal_force, system%imbalance)
+    if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters travel
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
     call compute_norms(system, start%applied_force, state%new)
     call stop_clock(system, clock, PHASE_CONTACT)

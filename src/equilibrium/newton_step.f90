@@ -167,13 +167,17 @@ contains
   end function skin_merit_tolerance
 
 
-  !> The admissible residual of a direction: larger than 0 where another Newton iteration follows, to save work.
+  !> The admissible residual of a direction: larger than 0 where another Newton iteration follows, to save work. Within the tolerance
+  !! of Newton's residual it is r_l at most: only the estimate of the error asks for another direction then, and a direction of zero
+  !! would answer it without any work.
   pure real(DP) function admissible_residual(system, step) result(allowed_residual)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
     allowed_residual = 0
     if (system%has_interface_solver .or. (system%reduced_system%is_iterative .and. .not. system%is_constant)) &
       allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
+    if (maxval(abs(system%residual)) <= step%controls%r_n * system%largest_force) &
+      allowed_residual = min(allowed_residual, 0.5_DP * step%controls%r_l * system%largest_force)
   end function admissible_residual
 
 

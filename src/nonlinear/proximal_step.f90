@@ -26,6 +26,8 @@ module amontons_proximal_step
   private
   public :: is_motion_unrestrained, find_proximal_step, find_snap_through_step
 
+  real(DP), parameter :: RUNGS_PER_OCTAVE = 1024.0_DP   !< of the shift: each 7e-4, far above the rounding of a flight [-]
+
 contains
 
   !> Whether a direction shows an unsupported body: the linear solver failed, the contact interface became singular in the contact
@@ -60,7 +62,7 @@ contains
     integer :: attempt
     logical :: is_solved                           ! contact included
     associate (limits => step%controls%globalization)
-      shift = max(limits%min_proximal_shift, shift)
+      shift = shift_rung(limits, shift)
       insufficient_shift = 0.0_DP
       do attempt = 1, limits%max_shift_trials
         call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.true.)   ! the subproblem moved contact
@@ -69,7 +71,7 @@ contains
         call solve_newton_step(system, model, step, state, du, outcome, error)
         if (allocated(error)) return
         if (outcome == OUTCOME_LINEAR_SOLVER .and. shift < limits%max_proximal_shift) then
-          shift = min(limits%max_proximal_shift, limits%singular_shift_factor * shift)
+          shift = shift_rung(limits, limits%singular_shift_factor * shift)
           cycle
         end if
         if (outcome /= OUTCOME_OK) return
@@ -83,12 +85,24 @@ contains
           .not. system%has_interface_solver .or. step%line_search /= LINE_SEARCH_AUTO)
         if (is_solved .or. shift >= limits%max_proximal_shift) exit
         insufficient_shift = shift
-        shift = min(limits%max_proximal_shift, shift * merge(excess, limits%snap_shift_ratio, excess > limits%max_length_excess))
+        shift = shift_rung(limits, shift * merge(excess, limits%snap_shift_ratio, excess > limits%max_length_excess))
       end do
-      shift = max(shift * min(1.0_DP, excess), sqrt(shift * insufficient_shift))
+      shift = shift_rung(limits, max(shift * min(1.0_DP, excess), sqrt(shift * insufficient_shift)))
       if (.not. allocated(predicted_slaves)) predicted_slaves = state%new%slaves
     end associate
   end subroutine find_proximal_step
+
+
+  !> Nearest rung of a ladder of shifts, between the smallest and the largest. The motion of a free body is known to epsilon/s only:
+  !! a shift reckoned from it would carry that rounding into the path of friction.
+  pure real(DP) function shift_rung(limits, shift)
+    type(globalization_controls_type), intent(in) :: limits
+    real(DP), intent(in) :: shift                  !< [-]
+    real(DP) :: bounded, rung
+    bounded = max(limits%min_proximal_shift, min(shift, limits%max_proximal_shift)) / limits%max_proximal_shift
+    rung = real(nint(RUNGS_PER_OCTAVE * log(bounded) / log(2.0_DP)), DP)
+    shift_rung = limits%max_proximal_shift * 2.0_DP**(rung / RUNGS_PER_OCTAVE)
+  end function shift_rung
 
 
   !> Snap-through step at a limit point: no equilibrium nearby, contact is lost unstably. s is the least tried with which the

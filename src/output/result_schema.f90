@@ -126,7 +126,7 @@ module amontons_result_schema
     result_column_type('strain_energy', 1, '[energy]', 'Stored in the elements.'), &
     result_column_type('contact_energy', 1, '[energy]', 'Stored by compliant laws of contact.'), &
     result_column_type('proximal_work', 1, '[energy]', &
-      'Work of unbalanced forces in proximal and snap-through steps since the start of the job.'), &
+      'Work of unbalanced forces: proximal and snap-through steps, snaps of structures, since the start of the job.'), &
     result_column_type('damped_work', 1, '[energy]', 'Dissipated by the damping of STABILIZE since the start of the job.'), &
     result_column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.')]
   integer, parameter :: N_HISTORY_INTEGERS = sum(HISTORY_COLUMNS%width, mask=HISTORY_COLUMNS%is_integer)

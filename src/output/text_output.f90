@@ -251,6 +251,10 @@ contains
         if (output%status == 0) output%status = status
       end do
     end if
+    if (record%is_converged .and. record%n_proximal == 0 .and. record%proximal_work_increment > 0.0_DP) &
+      write (output%cvg, '(a,es11.4)', iostat=status) '  ** snap to another equilibrium, energy released ', &
+      record%proximal_work_increment
+    if (output%status == 0) output%status = status
     if (.not. record%is_converged .or. record%n_proximal == 0) return
     words = '  ** proximal steps in '
     if (record%n_snap_through > 0) words = '  ** snap-through to another equilibrium in '
