@@ -59,7 +59,8 @@ uses_truss_spring_mass = kinds materials topology elasticity material_point inte
 uses_hourglass = kinds tensor topology
 uses_plane_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass
 uses_incompatible_modes = kinds tensor topology
-uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes
+uses_solid_shell = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions incompatible_modes
+uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
 uses_element = kinds tensor materials topology integration_points shape_functions truss_spring_mass plane_elements solid_elements
 uses_hex8_simd = kinds materials topology elasticity shape_functions
 

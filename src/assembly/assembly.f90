@@ -11,7 +11,7 @@ module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_containers, only: sort_ascending
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, MAX_ELEMENT_NODES
+  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, is_out, material_in_step
@@ -848,11 +848,11 @@ contains
         call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
         return
       end if
-      skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of C3D8I
+      skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of kinds with modes
       stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
       call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
-      if (model%mesh%kind(e) /= KIND_C3D8I) call evaluate_element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, &
-        points%section_value, points%skew, skew)
+      if (all(model%mesh%kind(e) /= [KIND_C3D8I, KIND_CSS8, KIND_CSS6])) call evaluate_element_skew(model%mesh%kind(e), X(:, :n), &
+        u(:, :n), is_nlgeom, points%section_value, points%skew, skew)
       call scatter_element(model%mesh, e, offset, skew, assembly%skew%elements)
     end associate
   end subroutine add_element_tangent

@@ -7,7 +7,7 @@
 module amontons_shape_functions
   use amontons_kinds, only: DP
   use amontons_topology, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
+    KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
     KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES
@@ -65,11 +65,11 @@ contains
     case (KIND_C3D4)
       N(:4) = [1 - xi(1) - xi(2) - xi(3), xi(1), xi(2), xi(3)]
       dN(:, :4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
-    case (KIND_C3D6)
+    case (KIND_C3D6, KIND_CSS6)
       call wedge6_shapes(xi, N(:6), dN(:, :6))
     case (KIND_C3D15)
       call wedge15_shapes(xi, N(:15), dN(:, :15))
-    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R)
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_CSS8)
       call trilinear_shapes(xi, N(:8), dN(:, :8))
     case (KIND_C3D10)
       call tet10_shapes(xi, N(:10), dN(:, :10))
@@ -226,12 +226,15 @@ contains
   !!
   !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8, C3D8I and C3D20R 2x2x2 (degree 3 each way), C3D8R 1 point,
   !!   C3D10 4 points (degree 2), C3D15 3 points times 3 (degree 2 in the triangle, 5 along it),
-  !!   C3D20 3x3x3 (degree 5 each way); plane kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3; trusses 1 or 2
+  !!   C3D20 3x3x3 (degree 5 each way), CSS8 and CSS6 2x2 and 3 points at five heights; plane
+  !!   kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3; trusses 1 or 2
   pure subroutine quadrature(kind, n, xi, w)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< number of points
     real(DP), intent(out) :: xi(3, MAX_ELEMENT_POINTS)     !< natural coordinates [-], zero past n
     real(DP), intent(out) :: w(MAX_ELEMENT_POINTS)         !< weights [-], zero past n
+    real(DP) :: flat(2, MAX_FACET_POINTS), weight(MAX_FACET_POINTS)
+    integer :: n_flat
     xi = 0
     w = 0
     n = 0
@@ -264,11 +267,36 @@ contains
     case (KIND_C3D20)
       n = 27
       call tensor_product_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
+    case (KIND_CSS8)
+      n = 20
+      call facet_quadrature(FACET_QUAD4, n_flat, flat, weight)
+      call layered_rule(flat(:, :n_flat), weight(:n_flat), xi, w)
+    case (KIND_CSS6)
+      n = 15
+      call set_triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat(:, :3), weight(:3))
+      call layered_rule(flat(:, :3), weight(:3), xi, w)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
     case default                                   ! unknown kind: nothing is set
     end select
   end subroutine quadrature
+
+
+  !> The points of a face at five heights by Simpson's rule, which has points on both faces and gives the full plastic moment
+  !! of a plate exactly.
+  pure subroutine layered_rule(flat, weight, xi, w)
+    real(DP), intent(in) :: flat(:, :)             !< (2, points) of the face
+    real(DP), intent(in) :: weight(:)
+    real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
+    real(DP), parameter :: SIMPSON(5) = [real(DP) :: 1, 4, 2, 4, 1] / 6
+    integer :: k, m
+    m = size(weight)
+    do k = 1, 5
+      xi(:2, m * (k - 1) + 1:m * k) = flat
+      xi(3, m * (k - 1) + 1:m * k) = 0.5_DP * real(k - 3, DP)
+      w(m * (k - 1) + 1:m * k) = SIMPSON(k) * weight
+    end do
+  end subroutine layered_rule
 
 
   !> Three points of the triangle at three heights.
@@ -371,11 +399,11 @@ contains
       xi(:, :4) = TETRAHEDRON_NODES(:, :4)
     case (KIND_C3D10)
       xi(:, :10) = TETRAHEDRON_NODES
-    case (KIND_C3D6)
+    case (KIND_C3D6, KIND_CSS6)
       xi(:, :6) = WEDGE_NODES(:, :6)
     case (KIND_C3D15)
       xi(:, :15) = WEDGE_NODES
-    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R)
+    case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_CSS8)
       xi(:, :8) = HEXAHEDRON_NODES(:, :8)
     case (KIND_C3D20, KIND_C3D20R)
       xi = HEXAHEDRON_NODES
@@ -395,6 +423,7 @@ contains
   !! | C3D6            | linear through the 2 points                         |                       |
   !! | C3D8            | trilinear through the 8 points                      |                       |
   !! | C3D20R          | trilinear through the 8 points                      | mean of the 2 corners |
+  !! | CSS8, CSS6      | bilinear or linear through the points of their face |                       |
   !! | C3D10           | linear through the 4 points                         | mean of the 2 corners |
   !! | C3D15           | linear through 3 points, linear fit over the heights | mean of the 2 corners |
   !! | C3D20           | least squares fit of the 20 shape functions to the 27 points            | the same    |
@@ -417,6 +446,8 @@ contains
       matrix(:6, 2) = 0.5_DP * (1 + WEDGE_NODES(3, :6) / GAUSS_2)
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D20R)
       call extrapolate_trilinear(n_nodes, matrix)
+    case (KIND_CSS8, KIND_CSS6)
+      call extrapolate_layers(n_nodes, n_points, matrix)
     case (KIND_C3D10)
       call extrapolate_tetrahedron(matrix)
     case (KIND_C3D15)
@@ -429,6 +460,27 @@ contains
       if (n_points == 1) matrix(:n_nodes, 1) = 1
     end select
   end subroutine extrapolation_matrix
+
+
+  !> Solid shells: the nodes of a face from the points on it.
+  pure subroutine extrapolate_layers(n_nodes, n_points, matrix)
+    integer, intent(in) :: n_nodes, n_points       !< 8, 20 or 6, 15
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), area(3)
+    integer :: a, p, m, top
+    m = n_points / 5
+    top = 4 * m
+    if (n_nodes == 8) call facet_quadrature(FACET_QUAD4, m, xi, w)
+    do a = 1, n_nodes / 2
+      if (n_nodes == 8) then
+        matrix(a, :4) = [(0.25_DP * product(1 + xi(:, p) * QUAD_NODES(:, a) / GAUSS_2**2), p=1, 4)]
+      else
+        area = merge(1.0_DP, 0.0_DP, a == [1, 2, 3])
+        matrix(a, :3) = 2 * area - 1.0_DP / 3
+      end if
+      matrix(a + n_nodes / 2, top + 1:top + m) = matrix(a, :m)
+    end do
+  end subroutine extrapolate_layers
 
 
   !> Linear in the triangle through three points, times a linear least squares fit over three heights.

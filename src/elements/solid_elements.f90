@@ -19,25 +19,26 @@ module amontons_solid_elements
     ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_logarithmic_strain, only: log1p
   use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_solid_shell, only: evaluate_solid_shell, set_layer_temperature_weights
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
     MAX_DISPLACEMENT_GRADIENT
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, determinant_minus_one, invert, pack_voigt
   use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_SOLID_KINDS
+    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_CSS8, KIND_CSS6, N_SOLID_KINDS
   implicit none
   private
   public :: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, set_solid_temperature_weights
 
   ! The table of module topology once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
-  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15]
-  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9]
+  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6]
+  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15]
   integer, parameter :: MAX_AMPLITUDE_CORRECTIONS = 60      !< of the amplitudes of the incompatible modes
   real(DP), parameter :: TOL_MODE_FORCE = 1.0e-14_DP        !< their force of the stresses: converged [-]
   real(DP), parameter :: TOL_MODE_FORCE_ACCEPTABLE = 1.0e-9_DP    !< where the corrections end [-]
   logical, parameter :: HAS_MEAN_DILATATION(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., &
     .false., &
-    .false., .false.]
+    .false., .false., .false., .false.]
 
   !> Kinematics of an element: deformation data for forces and tangent.
   type :: kinematics_type
@@ -75,6 +76,8 @@ contains
       call evaluate_kernel(KIND_C3D10, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_C3D8I)
       call evaluate_incompatible_modes(material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_CSS8, KIND_CSS6)
+      call evaluate_solid_shell(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_C3D8R)
       call evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
     case default
@@ -149,6 +152,7 @@ contains
   !! | element | temperature |
   !! |---|---|
   !! | linear | the mean |
+  !! | CSS8, CSS6 | linear over the thickness between the means of both faces |
   !! | C3D10 | linear from the corners |
   !! | C3D15, C3D20R | quadratic: at these few points it is as good as linear |
   !! | C3D20 | trilinear through the eight points of the C3D20R |
@@ -161,7 +165,10 @@ contains
       -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
     integer :: n_rule, p, k
     weight = 0
-    if (N_KIND_NODES(kind) < 10) then
+    if (kind == KIND_CSS8 .or. kind == KIND_CSS6) then
+      call set_layer_temperature_weights(kind, weight)
+      return
+    else if (N_KIND_NODES(kind) < 10) then
       weight(:N_KIND_NODES(kind), :) = 1.0_DP / real(N_KIND_NODES(kind), DP)
       return
     end if

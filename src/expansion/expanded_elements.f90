@@ -3,10 +3,11 @@
 !!
 !! | deck | solid | local nodes |
 !! |---|---|---|
-!! | S3, S4, S6, S8 | C3D6, C3D8I, C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
+!! | S3, S4 | CSS6, CSS8; under the calculix dialect C3D6, C3D8I | bottom, top |
+!! | S6, S8 | C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
 !! | B31, B32 | C3D8I, C3D20 | the first local axis along the beam, the second against direction 2, the third along direction 1 |
 !!
-!! S4R gives C3D8R, under the abaqus dialect C3D8I, which bends without hourglass stiffness; S8R gives C3D20R. The faces: 1 is
+!! S4R is S4 under the abaqus dialect and gives C3D8R under that of calculix; S8R gives C3D20R. The faces: 1 is
 !! SNEG, 2 is SPOS, 2 + k is edge k of a shell.
 module amontons_expanded_elements
   use amontons_kinds, only: DP
@@ -14,7 +15,7 @@ module amontons_expanded_elements
   use amontons_structural_data, only: structure_type, director_type
   use amontons_topology, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, &
     KIND_M3D6, KIND_M3D8, KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, &
-    KIND_C3D20, KIND_C3D20R
+    KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R
   implicit none
   private
   public :: expand_elements, expanded_kind
@@ -61,11 +62,17 @@ contains
     integer, intent(in) :: kind                  !< KIND_... of the deck
     logical, intent(in) :: is_calculix           !< dialect
     select case (kind)
-    case (KIND_S3, KIND_M3D3)
+    case (KIND_S3)
+      solid = merge(KIND_C3D6, KIND_CSS6, is_calculix)
+    case (KIND_S4)
+      solid = merge(KIND_C3D8I, KIND_CSS8, is_calculix)
+    case (KIND_S4R)
+      solid = merge(KIND_C3D8R, KIND_CSS8, is_calculix)
+    case (KIND_M3D3)
       solid = KIND_C3D6
-    case (KIND_S4, KIND_M3D4, KIND_B31)
+    case (KIND_M3D4, KIND_B31)
       solid = KIND_C3D8I
-    case (KIND_S4R, KIND_M3D4R, KIND_B31R)
+    case (KIND_M3D4R, KIND_B31R)
       solid = merge(KIND_C3D8R, KIND_C3D8I, is_calculix)
     case (KIND_S6, KIND_M3D6)
       solid = KIND_C3D15

@@ -11,7 +11,8 @@ module amontons_deck_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, find_node_directors
   use amontons_text, only: plural, to_text, parse_integer, parse_real, name_key, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, is_structural_family
+  use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, &
+    is_structural_family
   implicit none
   private
   public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature
@@ -192,7 +193,78 @@ contains
         to_text(mesh%element_label(bad_element)) // ' has no normal at one of its nodes: it has no area ' // &
         'there, or the first direction of a beam is along the beam.')
     end associate
+    if (reader%messages%n_errors > 0) return
+    call check_thinness(reader, model)
+    if (model%dialect /= DIALECT_CALCULIX) call check_curvature(reader, model)
   end subroutine read_structure
+
+
+  !> Quadratic triangles lock where an element curves by more than a part of its thickness: refused. A pinched hemisphere moves by
+  !! 0.73 of the right value at a sag of 0.9 t, a pinched cylinder by 0.65 at 0.5 t, a roof by 0.98 at 0.1 t.
+  subroutine check_curvature(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    real(DP), parameter :: MAX_SAG = 0.2_DP        !< over the thickness [-]
+    real(DP) :: sag
+    integer :: e, a, b
+    associate (structure => model%structure, X => model%mesh%coordinates)
+      if (.not. allocated(structure%directors)) return
+      do e = 1, size(structure%kind)
+        if (structure%kind(e) /= KIND_S6 .or. structure%section(e) == 0) cycle
+        do a = 0, 2
+          b = modulo(a + 1, 3)
+          associate (one => structure%directors(structure%director_of(structure%first(e) + a)), other => &
+            structure%directors(structure%director_of(structure%first(e) + b)))
+            sag = norm2(X(:, one%node) - X(:, other%node)) * norm2(one%axes(:, 1) - other%axes(:, 1)) / 8
+            if (sag <= MAX_SAG * min(one%thickness(1), other%thickness(1))) cycle
+          end associate
+          call report_error(reader, 0, 'The element ' // to_text(model%mesh%element_label(e)) // ' (S6, STRI65) curves by ' // &
+            'more than ' // to_text(MAX_SAG) // ' of its thickness: it would lock. Use S8R, S4 or S3, or smaller elements.')
+          return
+        end do
+      end do
+    end associate
+  end subroutine check_curvature
+
+
+  !> Shells so thin that rounding hides their bending stiffness. The stiffness across the thickness t exceeds that of the softest
+  !! bending of a body of extent L with elements of size h by (h L/t^2)^2; displacements of cantilevers of S4 and S8R err by 1e-14
+  !! times that (`python -m verify.study.thin_shells`).
+  subroutine check_thinness(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    real(DP), parameter :: ERROR_OF_ROUNDING = 1.0e-14_DP   !< of the displacements, over (h L/t^2)^2 [-]
+    real(DP), parameter :: MAX_ERROR = 0.01_DP, MAX_ERROR_UNTOLD = 1.0e-3_DP   !< refused; told [-]
+    real(DP) :: extent, worst, slenderness, t
+    integer :: e, worst_element
+    character(:), allocatable :: text
+    worst = 0
+    worst_element = 0
+    associate (structure => model%structure, X => model%mesh%coordinates)
+      if (.not. allocated(structure%directors)) return
+      extent = norm2(maxval(X(:, structure%directors%node), 2) - minval(X(:, structure%directors%node), 2))
+      do e = 1, size(structure%kind)
+        if (structure%section(e) == 0) cycle
+        if (structure%sections(structure%section(e))%family == FAMILY_BEAM) cycle
+        associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1), nodes => &
+          structure%nodes(structure%first(e):structure%first(e + 1) - 1))
+          t = minval(structure%directors(of)%thickness(1))
+          slenderness = norm2(maxval(X(:, nodes), 2) - minval(X(:, nodes), 2)) * extent / t**2
+        end associate
+        if (slenderness > worst) worst_element = e
+        worst = max(worst, slenderness)
+      end do
+    end associate
+    if (ERROR_OF_ROUNDING * worst**2 < MAX_ERROR_UNTOLD) return
+    text = 'The shell is very thin at element ' // to_text(model%mesh%element_label(worst_element)) // ': size of the element ' // &
+      'times extent of the shells over the square of the thickness is ' // to_text(anint(worst)) // '. Rounding may ' // &
+      'change bending by about ' // to_text(0.1_DP * anint(1000 * ERROR_OF_ROUNDING * worst**2)) // ' %: use smaller elements'
+    if (ERROR_OF_ROUNDING * worst**2 < MAX_ERROR) then
+      call report_note(reader, 0, text // '.')
+    else
+      call report_error(reader, 0, text // ' or a plane element.')
+    end if
+  end subroutine check_thinness
 
 
   !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. Knots make

@@ -7,7 +7,7 @@ module amontons_topology
   private
   public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
-  public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15
+  public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS8, KIND_CSS6
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
@@ -30,53 +30,55 @@ module amontons_topology
   integer, parameter :: KIND_C3D8I = 8        !< trilinear hexahedron, 8 points, nine incompatible modes
   integer, parameter :: KIND_C3D8R = 9        !< trilinear hexahedron, 1 point, hourglass stiffness
   integer, parameter :: KIND_C3D15 = 10       !< quadratic wedge, 9 points
-  integer, parameter :: N_SOLID_KINDS = 10    !< the kinds up to here are three-dimensional solids
-  integer, parameter :: KIND_CPS3 = 11        !< plane stress: triangle, 1 point
-  integer, parameter :: KIND_CPS4 = 12        !< quadrilateral, 4 points
-  integer, parameter :: KIND_CPS4R = 13       !< quadrilateral, 1 point, hourglass stiffness
-  integer, parameter :: KIND_CPS6 = 14        !< quadratic triangle, 3 points
-  integer, parameter :: KIND_CPS8 = 15        !< quadratic quadrilateral, 9 points
-  integer, parameter :: KIND_CPS8R = 16       !< the same, 4 points
-  integer, parameter :: KIND_CPE3 = 17        !< plane strain: the same six shapes ...
-  integer, parameter :: KIND_CPE4 = 18        !< ... with mean dilatation
-  integer, parameter :: KIND_CPE4_FULL = 19   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CPE4R = 20
-  integer, parameter :: KIND_CPE6 = 21
-  integer, parameter :: KIND_CPE8 = 22
-  integer, parameter :: KIND_CPE8R = 23
-  integer, parameter :: KIND_CAX3 = 24        !< axisymmetric about y, x is the radius: the same
-  integer, parameter :: KIND_CAX4 = 25        !< ... with mean dilatation
-  integer, parameter :: KIND_CAX4_FULL = 26   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CAX4R = 27
-  integer, parameter :: KIND_CAX6 = 28
-  integer, parameter :: KIND_CAX8 = 29
-  integer, parameter :: KIND_CAX8R = 30
-  integer, parameter :: KIND_T3D2 = 31        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 32        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 33     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 34     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 35     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 36      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 37        !< point mass
-  integer, parameter :: N_KINDS = 37
+  integer, parameter :: KIND_CSS8 = 11        !< solid-shell hexahedron: assumed strains, 2x2 points at five heights
+  integer, parameter :: KIND_CSS6 = 12        !< solid-shell wedge: the same, three points at five heights
+  integer, parameter :: N_SOLID_KINDS = 12    !< the kinds up to here are three-dimensional solids
+  integer, parameter :: KIND_CPS3 = 13        !< plane stress: triangle, 1 point
+  integer, parameter :: KIND_CPS4 = 14        !< quadrilateral, 4 points
+  integer, parameter :: KIND_CPS4R = 15       !< quadrilateral, 1 point, hourglass stiffness
+  integer, parameter :: KIND_CPS6 = 16        !< quadratic triangle, 3 points
+  integer, parameter :: KIND_CPS8 = 17        !< quadratic quadrilateral, 9 points
+  integer, parameter :: KIND_CPS8R = 18       !< the same, 4 points
+  integer, parameter :: KIND_CPE3 = 19        !< plane strain: the same six shapes ...
+  integer, parameter :: KIND_CPE4 = 20        !< ... with mean dilatation
+  integer, parameter :: KIND_CPE4_FULL = 21   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CPE4R = 22
+  integer, parameter :: KIND_CPE6 = 23
+  integer, parameter :: KIND_CPE8 = 24
+  integer, parameter :: KIND_CPE8R = 25
+  integer, parameter :: KIND_CAX3 = 26        !< axisymmetric about y, x is the radius: the same
+  integer, parameter :: KIND_CAX4 = 27        !< ... with mean dilatation
+  integer, parameter :: KIND_CAX4_FULL = 28   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CAX4R = 29
+  integer, parameter :: KIND_CAX6 = 30
+  integer, parameter :: KIND_CAX8 = 31
+  integer, parameter :: KIND_CAX8R = 32
+  integer, parameter :: KIND_T3D2 = 33        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 34        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 35     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 36     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 37     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 38      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 39        !< point mass
+  integer, parameter :: N_KINDS = 39
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 38          !< shells
-  integer, parameter :: KIND_S4 = 39
-  integer, parameter :: KIND_S4R = 40
-  integer, parameter :: KIND_S6 = 41
-  integer, parameter :: KIND_S8 = 42
-  integer, parameter :: KIND_S8R = 43
-  integer, parameter :: KIND_M3D3 = 44        !< membranes
-  integer, parameter :: KIND_M3D4 = 45
-  integer, parameter :: KIND_M3D4R = 46
-  integer, parameter :: KIND_M3D6 = 47
-  integer, parameter :: KIND_M3D8 = 48
-  integer, parameter :: KIND_M3D8R = 49
-  integer, parameter :: KIND_B31 = 50         !< beams
-  integer, parameter :: KIND_B31R = 51
-  integer, parameter :: KIND_B32 = 52         !< end, middle, end
-  integer, parameter :: KIND_B32R = 53
-  integer, parameter :: N_DECK_KINDS = 53
+  integer, parameter :: KIND_S3 = 40          !< shells
+  integer, parameter :: KIND_S4 = 41
+  integer, parameter :: KIND_S4R = 42
+  integer, parameter :: KIND_S6 = 43
+  integer, parameter :: KIND_S8 = 44
+  integer, parameter :: KIND_S8R = 45
+  integer, parameter :: KIND_M3D3 = 46        !< membranes
+  integer, parameter :: KIND_M3D4 = 47
+  integer, parameter :: KIND_M3D4R = 48
+  integer, parameter :: KIND_M3D6 = 49
+  integer, parameter :: KIND_M3D8 = 50
+  integer, parameter :: KIND_M3D8R = 51
+  integer, parameter :: KIND_B31 = 52         !< beams
+  integer, parameter :: KIND_B31R = 53
+  integer, parameter :: KIND_B32 = 54         !< end, middle, end
+  integer, parameter :: KIND_B32R = 55
+  integer, parameter :: N_DECK_KINDS = 55
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
@@ -138,6 +140,10 @@ contains
       entry = hexahedron_kind('C3D8I', 8, 8, 12)
     case (KIND_C3D8R)
       entry = hexahedron_kind('C3D8R', 8, 1, 12)
+    case (KIND_CSS8)
+      entry = hexahedron_kind('CSS8', 8, 20, 12)
+    case (KIND_CSS6)
+      entry = wedge_kind('CSS6', 6, 15, 13)
     case (KIND_CPS3:KIND_CPS8R)
       entry = plane_kind('CPS', FAMILY_PLANE_STRESS, kind - KIND_CPS3 + merge(1, 0, kind >= KIND_CPS4))
     case (KIND_CPE3:KIND_CPE8R)

@@ -13,7 +13,7 @@ module amontons_state
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
-  use amontons_topology, only: KIND_C3D8I, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_topology, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
@@ -138,7 +138,8 @@ contains
       end do
       allocate (new%user_memory(n_memory), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
-      if (n_history > 0 .and. any(model%mesh%kind == KIND_C3D8I)) then
+      if (n_history > 0 .and. any(model%mesh%kind == KIND_C3D8I .or. model%mesh%kind == KIND_CSS8 .or. &
+        model%mesh%kind == KIND_CSS6)) then
         deallocate (new%modes)
         allocate (new%modes(9, model%mesh%n_elements), source=0.0_DP)
       end if

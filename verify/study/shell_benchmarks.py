@@ -21,7 +21,7 @@ import numpy as np
 
 from verify.decks.shells import Floats, Shell, held, section, shell
 
-MESHES = [("S4", 8), ("S4", 16), ("S8R", 4), ("S8R", 8), ("S6", 8)]
+MESHES = [("S4", 8), ("S4", 16), ("S4", 32), ("S3", 16), ("S8R", 4), ("S8R", 8), ("S6", 8), ("S6", 16)]
 
 
 def step(load: str) -> str:

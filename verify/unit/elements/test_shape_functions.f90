@@ -6,7 +6,7 @@ program test_shape_functions
     facet_quadrature, facet_node_coordinates, choose_face_rule, MAX_FACET_POINTS
   use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, &
-    MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, &
+    MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_CSS6, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
     FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, element_kind_by_name
   use check, only: suite_type
@@ -128,6 +128,8 @@ contains
       is_exact = i + j <= 1 .and. k <= 3
     case (KIND_C3D15)
       is_exact = i + j <= 2 .and. k <= 5
+    case (KIND_CSS6)
+      is_exact = i + j <= 2 .and. k <= 3
     case (KIND_C3D8R)
       is_exact = max(i, j, k) <= 1
     case (KIND_C3D10)
@@ -164,7 +166,7 @@ contains
     select case (kind)
     case (KIND_C3D4, KIND_C3D10)
       exact_integral = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3)
-    case (KIND_C3D6, KIND_C3D15)
+    case (KIND_C3D6, KIND_C3D15, KIND_CSS6)
       exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2) * line_integral(k)
     case (KIND_CPS3:KIND_CAX8R)
       exact_integral = line_integral(i) * line_integral(j)

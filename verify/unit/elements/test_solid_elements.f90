@@ -7,7 +7,8 @@ program test_solid_elements
   use amontons_shape_functions, only: node_coordinates, shape_functions, quadrature
   use amontons_solid_elements, only: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, &
     set_solid_temperature_weights
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS
+  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS, &
+    KIND_CSS8, KIND_CSS6
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -87,7 +88,8 @@ contains
   end subroutine check_body_force
 
 
-  !> Equal temperatures stay equal; linear ones have their mean over the points; quadratic kinds have them at each point.
+  !> Equal temperatures stay equal; linear ones have their mean over the points; quadratic kinds have them at each point. (Solid
+  !! shells have a program of their own.)
   subroutine check_temperatures(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry
@@ -106,7 +108,8 @@ contains
         mean = mean + w(p) * at / sum(w(:n_rule))
         call shape_functions(kind, xi(:, p), N, dN)
         if (m > 8) call suite%near(trim(entry%name) // ': linear temperature', at, dot_product(N(:m), T(:m)), 1.0e-12_DP)
-        if (m <= 8) call suite%near(trim(entry%name) // ': mean temperature', at, sum(T(:m)) / real(m, DP), 1.0e-13_DP)
+        if (m <= 8 .and. kind /= KIND_CSS8 .and. kind /= KIND_CSS6) call suite%near(trim(entry%name) // ': mean temperature', &
+          at, sum(T(:m)) / real(m, DP), 1.0e-13_DP)
       end do
       at = 5
       if (m == 10) at = sum(T(:4)) / 4

@@ -80,7 +80,7 @@ contains
   subroutine test_volumes(suite)
     type(suite_type), intent(inout) :: suite
     real(DP), parameter :: PARENT(N_SOLID_KINDS) = [1 / 6.0_DP, 1.0_DP, 8.0_DP, 8.0_DP, &
-      1 / 6.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 1.0_DP]
+      1 / 6.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 1.0_DP, 8.0_DP, 1.0_DP]
     type(mesh_type) :: mesh
     type(element_kind_type) :: entry
     real(DP) :: volumes(MAX_ELEMENT_POINTS)
