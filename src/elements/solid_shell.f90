@@ -15,6 +15,9 @@
 !!
 !! The law is that of solids, at the deformation gradient R U: U^2 = 1 + 2 E, R the rotation of the displacements.
 !!
+!! Inside, the unknowns are the means and half differences of the nodes of a fibre, bottom and top (`pair_slopes`): the stiffness
+!! of the thickness exceeds that of bending by (length/thickness)^4, and rounding of the one should not spoil the other.
+!!
 !! References: E. N. Dvorkin, K.-J. Bathe, A continuum mechanics based four-node shell element for general non-linear analysis, Eng.
 !! Comput. 1 (1984) 77-88; P. Betsch, E. Stein, An assumed strain approach avoiding artificial thickness straining for a non-linear
 !! 4-node shell element, Commun. Numer. Meth. Engng 11 (1995) 899-909; S. Klinkel, F. Gruttmann, W. Wagner, A continuum based
@@ -52,7 +55,7 @@ module amontons_solid_shell
   !> A natural strain at a place of the middle face.
   type :: sample_type
     integer :: i = 0, j = 0                        !< its indices
-    real(DP) :: slope(3, MAX_NODES) = 0            !< derivatives of the shape functions by the natural coordinates [-]
+    real(DP) :: slope(3, MAX_NODES) = 0            !< derivatives by the natural coordinates, of means and half differences [-]
     real(DP) :: base(3, 3) = 0                     !< G_1, G_2, G_3 in columns [length]
     real(DP) :: weight(6, MAX_POINTS) = 0          !< its part of the assumed strains at the points, Voigt order [-]
   end type sample_type
@@ -62,7 +65,7 @@ module amontons_solid_shell
     integer :: n = 0, n_points = 0, n_samples = 0  !< nodes, integration points, places of strains
     integer :: n_amplitudes = 0                    !< numbers in use of the 3 * N_MODES
     type(sample_type) :: samples(MAX_SAMPLES)
-    real(DP) :: slope(3, MAX_NODES, MAX_POINTS)    !< derivatives of the shape functions [-]
+    real(DP) :: slope(3, MAX_NODES, MAX_POINTS)    !< derivatives, of means and half differences [-]
     real(DP) :: base(3, 3, MAX_POINTS)             !< G_1, G_2, G_3 in columns [length]
     real(DP) :: dual(3, 3, MAX_POINTS)             !< G^1, G^2, G^3 in rows [1/length]
     real(DP) :: to_cartesian(6, 6, MAX_POINTS)     !< natural strains to those of the global axes, engineering shears [1/length^2]
@@ -73,7 +76,7 @@ module amontons_solid_shell
   !> Its strains at given displacements, without those of the amplitudes.
   type :: layer_strains_type
     real(DP) :: strain(6, MAX_POINTS)              !< global axes, engineering shears [-]
-    real(DP) :: B(MAX_DOF, 6, MAX_POINTS)          !< their derivatives by displacements and amplitudes [1/length]
+    real(DP) :: B(MAX_DOF, 6, MAX_POINTS)          !< derivatives by means, half differences and amplitudes [1/length]
     real(DP) :: turn(3, 3, MAX_POINTS)             !< R - 1 [-]
   end type layer_strains_type
 
@@ -117,8 +120,10 @@ contains
         call integrate_stiffness(reference, kinematics, C, 1, .not. allocated(points%skew), stiffness)
         if (is_nlgeom) call add_geometric_stiffness(reference, S, stiffness)
         call condense_mode_amplitudes(n, .not. allocated(points%skew), force, stiffness, is_regular)
+        call part_stiffness(3 * n / 2, stiffness)
         call balance_translations(n, .not. allocated(points%skew), stiffness)
       end if
+      force(:, :n) = 0.5_DP * reshape([force(:, :n / 2) - force(:, n / 2 + 1:n), force(:, :n / 2) + force(:, n / 2 + 1:n)], [3, n])
       force(:, n + 1:) = 0
     end associate
   end subroutine evaluate_solid_shell
@@ -186,21 +191,50 @@ contains
     real(DP), intent(out) :: slope(3, MAX_NODES), base(3, 3)
     real(DP) :: N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     call shape_functions(kind, xi, N, dN)
-    slope = dN(:, :MAX_NODES)
-    base = relative_slopes(merge(8, 6, kind == KIND_CSS8), X, slope)
+    slope = pair_slopes(merge(4, 3, kind == KIND_CSS8), dN(:, :MAX_NODES))
+    base = relative_slopes(merge(4, 3, kind == KIND_CSS8), X, slope)
   end subroutine place_base
+
+
+  !> From the derivatives of nodes to those of means m and half differences d of fibres: bottom m - d, top m + d.
+  pure function pair_slopes(n, nodal) result(slope)
+    integer, intent(in) :: n                       !< fibres
+    real(DP), intent(in) :: nodal(3, MAX_NODES)
+    real(DP) :: slope(3, MAX_NODES)
+    slope = 0
+    slope(:, :n) = nodal(:, :n) + nodal(:, n + 1:2 * n)
+    slope(:, n + 1:2 * n) = nodal(:, n + 1:2 * n) - nodal(:, :n)
+  end function pair_slopes
+
+
+  !> From the stiffness of means and half differences to that of nodes.
+  pure subroutine part_stiffness(n, K)
+    integer, intent(in) :: n                       !< unknowns of one face
+    real(DP), intent(inout) :: K(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP) :: even(n, n), odd(n, n), mixed(n, n), turned(n, n)
+    even = K(:n, :n) + K(n + 1:2 * n, n + 1:2 * n)
+    odd = K(:n, :n) - K(n + 1:2 * n, n + 1:2 * n)
+    mixed = K(:n, n + 1:2 * n) + K(n + 1:2 * n, :n)
+    turned = K(:n, n + 1:2 * n) - K(n + 1:2 * n, :n)
+    K(:n, :n) = 0.25_DP * (even - mixed)
+    K(:n, n + 1:2 * n) = 0.25_DP * (odd + turned)
+    K(n + 1:2 * n, :n) = 0.25_DP * (odd - turned)
+    K(n + 1:2 * n, n + 1:2 * n) = 0.25_DP * (even + mixed)
+  end subroutine part_stiffness
 
 
   !> The derivatives of a field by the natural coordinates, in columns; a uniform field gives exactly zero.
   pure function relative_slopes(n, values, slope) result(base)
-    integer, intent(in) :: n                       !< nodes
+    integer, intent(in) :: n                       !< fibres
     real(DP), intent(in) :: values(:, :), slope(3, MAX_NODES)
-    real(DP) :: base(3, 3)
+    real(DP) :: base(3, 3), mean(3), difference(3)
     integer :: a, i
     base = 0
-    do a = 2, n
+    do a = 1, n
+      mean = 0.5_DP * ((values(:, a) - values(:, 1)) + (values(:, a + n) - values(:, 1)))
+      difference = 0.5_DP * (values(:, a + n) - values(:, a))
       do i = 1, 3
-        base(:, i) = base(:, i) + (values(:, a) - values(:, 1)) * slope(i, a)
+        base(:, i) = base(:, i) + slope(i, a) * mean + slope(i, a + n) * difference
       end do
     end do
   end function relative_slopes
@@ -294,12 +328,12 @@ contains
     n_dof = 3 * reference%n
     do m = 1, reference%n_samples
       associate (sample => reference%samples(m))
-        v = relative_slopes(reference%n, u, sample%slope)
+        v = relative_slopes(reference%n / 2, u, sample%slope)
         call natural_strain(sample%i, sample%j, sample%slope, sample%base, v, is_nlgeom, sampled(m), rows(:, m))
       end associate
     end do
     do p = 1, reference%n_points
-      v = relative_slopes(reference%n, u, reference%slope(:, :, p))
+      v = relative_slopes(reference%n / 2, u, reference%slope(:, :, p))
       if (is_nlgeom) then
         call find_rotation(matmul(v, reference%dual(:, :, p)), kinematics%turn(:, :, p), status)
         if (status /= ELEMENT_OK) return
@@ -326,7 +360,7 @@ contains
   end subroutine set_kinematics
 
 
-  !> A natural strain (twice it for i /= j) and its derivatives by the displacements of the nodes.
+  !> A natural strain (twice it for i /= j) and its derivatives by the means and half differences of the displacements.
   pure subroutine natural_strain(i, j, slope, base, v, is_nlgeom, value, row)
     integer, intent(in) :: i, j
     real(DP), intent(in) :: slope(3, MAX_NODES), base(3, 3), v(3, 3)   !< v: derivatives of the displacements [length]
@@ -583,8 +617,8 @@ contains
   end subroutine add_geometric_stiffness
 
 
-  !> Translations give no force: the block of a node is minus the sum of its other blocks. The stiffness of the thickness exceeds
-  !! that of bending by (length/thickness)^4; rounded over twenty points it would hold a thin shell against translations.
+  !> Translations give no force: the block of a node is minus the sum of its other blocks. Rounding of the
+  !! stiffness across the thickness would hold a thin shell against translations.
   pure subroutine balance_translations(n, is_symmetric, K)
     integer, intent(in) :: n                       !< nodes
     logical, intent(in) :: is_symmetric            !< then it stays so to the last bit
@@ -602,7 +636,7 @@ contains
   end subroutine balance_translations
 
 
-  !> Adds a stress times the second derivative of its natural strain by the displacements of two nodes.
+  !> Adds a stress times the second derivative of its natural strain by two means or half differences.
   pure subroutine add_second_derivative(i, j, stress, slope, block)
     integer, intent(in) :: i, j
     real(DP), intent(in) :: stress, slope(3, MAX_NODES)
