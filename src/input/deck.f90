@@ -26,7 +26,8 @@ module amontons_deck
   use amontons_deck_mpc, only: read_distributing_couplings, read_cyclic_symmetry
   use amontons_deck_springs, only: read_springs, read_distance_limits
   use amontons_deck_sets, only: read_sets
-  use amontons_deck_structure, only: read_structural_sections, read_structure, free_slave_nodes
+  use amontons_deck_structure, only: read_structural_sections, read_structure, free_slave_nodes, &
+    refine_thin_shells
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_deck_traps, only: report_traps
@@ -158,6 +159,7 @@ contains
     call read_orientations(reader, model)
     call read_initial_conditions(reader, model)
     call read_steps(reader, model)
+    call refine_thin_shells(model)
     call finalize_materials(model)
     call check_perturbations(reader, model)
     call report_traps(reader, model%mesh)

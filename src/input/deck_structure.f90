@@ -4,6 +4,7 @@ module amontons_deck_structure
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_controls, only: controls_type
   use amontons_deck_mesh, only: element_draft_type
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
@@ -15,7 +16,8 @@ module amontons_deck_structure
     is_structural_family
   implicit none
   private
-  public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature
+  public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature, &
+    refine_thin_shells
 
 contains
 
@@ -227,19 +229,34 @@ contains
   end subroutine check_curvature
 
 
-  !> Shells so thin that rounding hides their bending stiffness. The stiffness across the thickness t exceeds that of the softest
-  !! bending of a body of extent L with elements of size h by (h L/t^2)^2; displacements of cantilevers of S4 and S8R err by 1e-14
-  !! times that (`python -m verify.study.thin_shells`).
+  !> Shells so thin that rounding hides their bending stiffness are refused. Below, corrections converge (`refine_thin_shells`).
   subroutine check_thinness(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    real(DP), parameter :: ERROR_OF_ROUNDING = 1.0e-14_DP   !< of the displacements, over (h L/t^2)^2 [-]
-    real(DP), parameter :: MAX_ERROR = 0.01_DP, MAX_ERROR_UNTOLD = 1.0e-3_DP   !< refused; told [-]
+    real(DP), parameter :: MAX_ERROR = 0.3_DP      !< of the first solution [-]
+    real(DP) :: error
+    integer :: e
+    call estimate_rounding(model, error, e)
+    if (error > MAX_ERROR) call report_error(reader, 0, 'The shell is too thin at element ' // &
+      to_text(model%mesh%element_label(e)) // ' for its size and the extent of the shells: rounding would hide its bending. ' // &
+      'Use smaller elements or a plane element.')
+  end subroutine check_thinness
+
+
+  !> The part of bending that one linear solution loses by rounding. The stiffness across the thickness t exceeds that of the
+  !! softest bending of a body of extent L with elements of size h by (h L/t^2)^2; displacements of cantilevers of S4 err by
+  !! less than 1e-14 times that (`python -m verify.study.thin_shells`).
+  pure subroutine estimate_rounding(model, error, element)
+    type(model_type), intent(in) :: model
+    real(DP), intent(out) :: error                 !< of the displacements [-]
+    integer, intent(out) :: element                !< where it is largest; 0: there is no shell
+    real(DP), parameter :: ERROR_OF_ROUNDING = 1.0e-14_DP   !< over (h L/t^2)^2 [-]
     real(DP) :: extent, worst, slenderness, t
-    integer :: e, worst_element
-    character(:), allocatable :: text
+    integer :: e
     worst = 0
-    worst_element = 0
+    element = 0
+    error = 0
+    if (.not. allocated(model%structure)) return
     associate (structure => model%structure, X => model%mesh%coordinates)
       if (.not. allocated(structure%directors)) return
       extent = norm2(maxval(X(:, structure%directors%node), 2) - minval(X(:, structure%directors%node), 2))
@@ -251,20 +268,30 @@ contains
           t = minval(structure%directors(of)%thickness(1))
           slenderness = norm2(maxval(X(:, nodes), 2) - minval(X(:, nodes), 2)) * extent / t**2
         end associate
-        if (slenderness > worst) worst_element = e
+        if (slenderness > worst) element = e
         worst = max(worst, slenderness)
       end do
     end associate
-    if (ERROR_OF_ROUNDING * worst**2 < MAX_ERROR_UNTOLD) return
-    text = 'The shell is very thin at element ' // to_text(model%mesh%element_label(worst_element)) // ': size of the element ' // &
-      'times extent of the shells over the square of the thickness is ' // to_text(anint(worst)) // '. Rounding may ' // &
-      'change bending by about ' // to_text(0.1_DP * anint(1000 * ERROR_OF_ROUNDING * worst**2)) // ' %: use smaller elements'
-    if (ERROR_OF_ROUNDING * worst**2 < MAX_ERROR) then
-      call report_note(reader, 0, text // '.')
-    else
-      call report_error(reader, 0, text // ' or a plane element.')
-    end if
-  end subroutine check_thinness
+    error = ERROR_OF_ROUNDING * worst**2
+  end subroutine estimate_rounding
+
+
+  !> In thin shells a small residual does not make a small error: bending is soft beside the thickness. The residual of the elements
+  !! is exact, so that a second correction removes what rounding spoiled in the first: no residual is small enough to go without the
+  !! estimate of the error. Steps must be read.
+  subroutine refine_thin_shells(model)
+    type(model_type), intent(inout) :: model
+    type(controls_type) :: standard
+    real(DP), parameter :: MAX_UNREFINED = 1.0e-10_DP        !< of small displacements, one solution as a rule [-]
+    real(DP), parameter :: MAX_UNREFINED_FINITE = 1.0e-6_DP  !< of NLGEOM, which iterates anyway [-]
+    real(DP) :: error
+    integer :: e, k
+    call estimate_rounding(model, error, e)
+    do k = 1, size(model%steps)
+      if (error < merge(MAX_UNREFINED_FINITE, MAX_UNREFINED, model%steps(k)%is_nlgeom)) cycle
+      if (abs(model%steps(k)%controls%r_l - standard%r_l) <= 0) model%steps(k)%controls%r_l = 0
+    end do
+  end subroutine refine_thin_shells
 
 
   !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. Knots make
