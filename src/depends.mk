@@ -174,7 +174,8 @@ uses_model_check_contact = kinds text containers errors loads topology surfaces 
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_balanced_bodies = kinds text model state assembly external_loads model_check_bodies model_check_motion
-uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion
+uses_model_check_unpaired = kinds text containers errors topology surfaces model facets exterior_surface facet_search general_contact model_check_bodies
+uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear
 uses_active_set_history = kinds state

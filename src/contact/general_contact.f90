@@ -28,6 +28,8 @@ module amontons_general_contact
   implicit none
   private
   public :: general_pairs_type, find_general_pairs, find_unpaired_contact
+  public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
+  public :: are_near, list_facets, exterior_positions, body_name
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
@@ -43,7 +45,7 @@ module amontons_general_contact
     'supports hold the master', 'the slave is softer', 'the slave has the finer mesh', 'the slave is the smaller surface', &
     'both are alike', 'as *CONTACT FORMULATION says']
 
-  !> The faces of a body near another one.
+  !> The faces of a body near another one; modulus and edge are sums until they are divided by n.
   type :: side_type
     integer :: n = 0
     integer :: n_rigid = 0                         !< of them, of rigid bodies
@@ -89,15 +91,10 @@ contains
     type(face_data_type) :: data
     type(near_faces_type) :: near
     real(DP) :: motion
-    integer :: no_node_pairs(2, 0)
     text = ''
     allocate (found%pairs(0), found%surfaces(0))
     if (.not. allocated(model%general_contact)) return
-    if (allocated(model%pretension_node_pairs)) then
-      call build_exterior(model%mesh, absent_elements(model, 1), model%pretension_node_pairs, exterior)
-    else
-      call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
-    end if
+    call build_model_exterior(model, exterior)
     call collect_face_data(model, exterior, data)
     motion = estimate_motion(model)
     call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, motion, near)
@@ -108,8 +105,32 @@ contains
   end subroutine find_general_pairs
 
 
+  !> The exterior of the model in its first step.
+  subroutine build_model_exterior(model, exterior)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(out) :: exterior
+    integer :: no_node_pairs(2, 0)
+    if (allocated(model%pretension_node_pairs)) then
+      call build_exterior(model%mesh, absent_elements(model, 1), model%pretension_node_pairs, exterior)
+    else
+      call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
+    end if
+  end subroutine build_model_exterior
+
+
   !> Stiffness, supports, surfaces and groups of the exterior faces.
   subroutine collect_face_data(model, exterior, data)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(out) :: data
+    call collect_stiffness(model, exterior, data)
+    call collect_memberships(model, exterior, data)
+    call number_groups(exterior, data)
+  end subroutine collect_face_data
+
+
+  !> Stiffness and supports of the exterior faces.
+  subroutine collect_stiffness(model, exterior, data)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(out) :: data
@@ -138,9 +159,7 @@ contains
       i = model%mesh%material(exterior%element(f))
       if (i > 0) data%modulus(f) = small_strain_modulus(model%materials(i))
     end do
-    call collect_memberships(model, exterior, data)
-    call number_groups(exterior, data)
-  end subroutine collect_face_data
+  end subroutine collect_stiffness
 
 
   !> Young's modulus at small strain, for a comparison of bodies; of rubber and foam three times the sum of the first constants,
@@ -301,16 +320,12 @@ contains
     type(near_faces_type) :: near
     logical, allocatable :: is_covered(:)
     real(DP) :: span, approach
-    integer :: i, no_node_pairs(2, 0)
+    integer :: i
     message = ''
     if (.not. allocated(model%general_contact)) return
     span = displacement_span(model, u)
     if (span <= estimate_motion(model)) return
-    if (allocated(model%pretension_node_pairs)) then
-      call build_exterior(model%mesh, absent_elements(model, 1), model%pretension_node_pairs, exterior)
-    else
-      call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
-    end if
+    call build_model_exterior(model, exterior)
     call collect_face_data(model, exterior, data)
     call measure_faces(model%mesh, model%mesh%coordinates + u, exterior)
     approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(exterior%edge_length))
@@ -660,14 +675,7 @@ contains
     do i = 1, near%face%n
       if (near%partner%items(i) > data%n_groups) cycle
       associate (f => near%face%items(i), m => data%member(near%partner%items(i)))
-        associate (side => sides(exterior%body(f), exterior%body(m)))
-          side%n = side%n + 1
-          if (data%is_rigid(f)) side%n_rigid = side%n_rigid + 1
-          if (data%is_held(f)) side%n_held = side%n_held + 1
-          side%modulus = side%modulus + data%modulus(f)
-          side%edge = side%edge + exterior%edge_length(f)
-          side%area = side%area + exterior%area(f)
-        end associate
+        call add_to_side(exterior, data, f, sides(exterior%body(f), exterior%body(m)))
       end associate
     end do
     where (sides%n > 0)
@@ -677,8 +685,22 @@ contains
   end subroutine measure_sides
 
 
-  !> Whether the first of two faces is the slave: the deck says so; else its body is not rigid, not held along the normal by
-  !! supports, softer, of finer mesh, smaller, or the first one, in this order.
+  !> Adds a face to a side.
+  pure subroutine add_to_side(exterior, data, f, side)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: f                       !< face
+    type(side_type), intent(inout) :: side
+    side%n = side%n + 1
+    if (data%is_rigid(f)) side%n_rigid = side%n_rigid + 1
+    if (data%is_held(f)) side%n_held = side%n_held + 1
+    side%modulus = side%modulus + data%modulus(f)
+    side%edge = side%edge + exterior%edge_length(f)
+    side%area = side%area + exterior%area(f)
+  end subroutine add_to_side
+
+
+  !> Whether the first of two faces is the slave: the deck says so, or its side is the better slave.
   pure subroutine choose_slave(rules, exterior, data, sides, faces, is_slave, reason)
     type(general_contact_type), intent(in) :: rules
     type(exterior_type), intent(in) :: exterior
@@ -687,12 +709,7 @@ contains
     integer, intent(in) :: faces(2)
     logical, intent(out) :: is_slave
     integer, intent(out) :: reason                 !< REASON_...
-    type(side_type) :: own, other
-    integer :: k, a, b
-    a = exterior%body(faces(1))
-    b = exterior%body(faces(2))
-    own = sides(a, b)
-    other = sides(b, a)
+    integer :: k
     do k = size(rules%roles, 2), 1, -1
       reason = REASON_ROLE
       associate (g => data%group(faces(1)), h => data%group(faces(2)), slave => rules%roles(1, k), master => rules%roles(2, k))
@@ -700,6 +717,19 @@ contains
         if (is_slave .or. (is_of(data, g, master, 0) .and. is_of(data, h, slave, 0))) return
       end associate
     end do
+    associate (a => exterior%body(faces(1)), b => exterior%body(faces(2)))
+      call compare_sides(sides(a, b), sides(b, a), is_slave, reason)
+      if (reason == REASON_FIRST) is_slave = a < b
+    end associate
+  end subroutine choose_slave
+
+
+  !> Whether a side is the better slave: its body is not rigid, not held along the normal by supports, softer, of finer mesh, smaller,
+  !! or the first one, in this order.
+  pure subroutine compare_sides(own, other, is_slave, reason)
+    type(side_type), intent(in) :: own, other
+    logical, intent(out) :: is_slave
+    integer, intent(out) :: reason                 !< REASON_...
     if (own%n_rigid * other%n /= other%n_rigid * own%n) then
       reason = REASON_RIGID
       is_slave = own%n_rigid * other%n < other%n_rigid * own%n
@@ -717,9 +747,9 @@ contains
       is_slave = own%area < other%area
     else
       reason = REASON_FIRST
-      is_slave = a < b
+      is_slave = .true.
     end if
-  end subroutine choose_slave
+  end subroutine compare_sides
 
 
   !> The pair to which a near face belongs, as a number, and its side in it.

@@ -30,6 +30,7 @@ module amontons_model_check
   use amontons_model_check_bodies, only: report_error, report_warning, counted_noun, label_list, bodies_type, find_bodies, body_name
   use amontons_model_check_contact, only: check_contact, collect_pair_statistics, pair_statistics_type, is_closed
   use amontons_model_check_motion, only: check_rigid_motions
+  use amontons_model_check_unpaired, only: check_unpaired_bodies
   implicit none
   private
   public :: check_model, summarize_model
@@ -52,6 +53,7 @@ contains
     call check_materials(model, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
+    call check_unpaired_bodies(model, report)
     if (n_nonlinear_mpcs(model) > 0) then
       allocate (linear, source=model)
       call linearize_mpcs(model, equations)
