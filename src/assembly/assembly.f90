@@ -583,13 +583,14 @@ contains
     integer, intent(inout) :: failed
     type(integration_points_type) :: points
     real(DP) :: force(3, MAX_ELEMENT_NODES), X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
-    integer :: n, status, a, nodes(MAX_ELEMENT_NODES)
+    integer :: n, m, status, a, nodes(MAX_ELEMENT_NODES)
     call element_nodes(model%mesh, e, n, nodes)
     if (is_out(model, state%new%step, e)) then
       call clear_points(model%mesh, e, state%new)
       return
     end if
-    associate (material => model%materials(element_material(model, state%new%step, e)), fields => state%new)
+    m = element_material(model, state%new%step, e)      ! gfortran 14 takes no function of this module within associate
+    associate (material => model%materials(m), fields => state%new)
       call load_points(model, state, e, points)
       if (material%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
       call set_element_configuration(model%mesh, e, fields, X, u)

@@ -10,7 +10,7 @@ module amontons_logger
   use amontons_errors, only: diagnostic_list_type, diagnostic_type
   use amontons_text, only: plural, to_text, BLANK_CHARACTERS, NEWLINE
   use amontons_iteration_records, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES, PHASE_OTHER
-  use amontons_posix, only: peak_megabytes
+  use amontons_posix, only: peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, tell_heartbeat
   implicit none
   private
   public :: logger_type, log_sink_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
@@ -21,6 +21,7 @@ module amontons_logger
 
   integer, parameter :: MAX_ECHO_LENGTH = 1000         !< characters of a line of the deck that are shown
   integer, parameter :: MAX_DIAGNOSTICS_SHOWN = 500  !< diagnostics beyond this number are only counted
+  real(DP), parameter :: HEARTBEAT = 30         !< where nothing is written for so long, a line tells where the job is [s]
   integer, parameter :: LIVE_WIDTH = 79         !< a live line must not wrap
   character(*), parameter :: ESCAPE = achar(27), RETURN_KEY = achar(13)
 
@@ -48,6 +49,7 @@ module amontons_logger
     logical :: is_quiet = .true.                !< only failures are written
     logical :: is_terminal = .false.            !< colour
     logical :: is_live = .false.                !< a line that is overwritten repeatedly
+    type(heartbeat_type) :: heartbeat           !< on the screen, where there is no live line
     logical :: has_increments = .false.         !< a line per increment
     logical :: has_header = .false.               !< the header above the lines of the increments is written
     logical :: has_live_line = .false.          !< a live line is on the screen
@@ -95,6 +97,9 @@ contains
       logger%is_terminal = isatty(1_c_int) == 1
     end if
     logger%is_live = progress == PROGRESS_AUTO .and. logger%is_terminal
+    if (is_quiet .or. logger%is_live .or. progress == PROGRESS_NONE .or. present(unit) .or. present(listener)) return
+    call start_heartbeat(logger%heartbeat, 1_c_int, HEARTBEAT)
+    call tell_heartbeat(logger%heartbeat, '        At work: the first iteration is not done yet.')
   end subroutine open_logger
 
 
@@ -131,6 +136,7 @@ contains
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text
     integer :: first
+    call tell_heartbeat(self%heartbeat, '')
     first = index(text, NEWLINE)
     if (first > 0) call write_line(self, text(first + 1:))
     if (first == 0) first = len(text) + 1
@@ -233,6 +239,8 @@ contains
         call write_line(self, '        ' // trim(sanitized(record%report_lines(i))))
       end do
     end if
+    write (line, '(8x,2(a,i0))') 'At work after step ', record%step, ', increment ', record%increment
+    call tell_heartbeat(self%heartbeat, trim(line) // '.')
     if (record%is_converged) return
     if (allocated(record%reason)) then
       call write_line(self, '        This attempt failed: ' // sanitized(record%reason))
@@ -242,12 +250,19 @@ contains
   end subroutine show_increment
 
 
-  !> Shows one iteration on the live line of a terminal; no output elsewhere.
+  !> Shows one iteration on the live line of a terminal; elsewhere only where nothing else is written for half a minute.
   subroutine show_iteration(self, record)
     class(logger_type), intent(inout) :: self
     type(iteration_record_type), intent(in) :: record
     character(160) :: line
-    if (self%is_quiet .or. .not. self%is_live) return
+    if (self%is_quiet) return
+    if (.not. self%is_live) then
+      write (line, '(8x,3(a,i0),a,es8.1,2(a,i0),a)') 'At work after step ', record%step, ', increment ', record%increment, &
+        ', iteration ', record%iteration, ': residual', record%residual, ', stick ', record%n_status(1), ', slip ', &
+        record%n_status(2), '.'
+      call tell_heartbeat(self%heartbeat, trim(line))
+      return
+    end if
     write (line, '(3(a,i0),a,es7.1,2a)') 'Step ', record%step, ' inc ', record%increment, ' iter ', record%iteration, &
       ': ', record%residual, ', left ', adjustl(remaining_time(self))
     if (sum(record%n_status) > 0) write (line(len_trim(line) + 1:), '(2(a,i0),a,4(1x,i0))') ', stick ', &
@@ -262,6 +277,7 @@ contains
   subroutine show_summary(self, records)
     class(logger_type), intent(inout) :: self
     type(increment_record_type), intent(in) :: records(:)   !< all attempts of the job, in order
+    call tell_heartbeat(self%heartbeat, '')
     if (self%is_quiet .or. size(records) == 0) return
     call write_line(self, '')
     call write_counts(self, records)
@@ -385,6 +401,7 @@ contains
     logger%has_live_line = .false.
     write (logger%unit, '(a)', iostat=unused) text
     flush (logger%unit, iostat=unused)
+    call postpone_heartbeat(logger%heartbeat)
   end subroutine write_line
 
 

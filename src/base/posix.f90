@@ -1,14 +1,15 @@
-!> Operating-system services: atomic file writes, signals, memory limits, process lock.
+!> Operating-system services: atomic file writes, signals, memory limits, process lock, heartbeat.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_posix
-  use, intrinsic :: iso_c_binding, only: c_double, c_char, c_int, c_int64_t, c_null_char
-  use amontons_kinds, only: I64
+  use, intrinsic :: iso_c_binding, only: c_double, c_char, c_int, c_int64_t, c_null_char, c_ptr, c_null_ptr, c_associated
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
   implicit none
   private
   public :: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text
   public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
     is_status_requested, set_exit_handler, restart_passive_threads
+  public :: heartbeat_type, start_heartbeat, postpone_heartbeat, tell_heartbeat, stop_heartbeat
   public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
 
   !> The process lock of a thread around text output and formatting (reason in posix_shim.c); a procedure holds it until its end.
@@ -119,9 +120,70 @@ module amontons_posix
       import :: c_int
       integer(c_int), value :: is_on
     end subroutine set_exit_handler_c
+    function start_heartbeat_c(descriptor, seconds) bind(C, name='amontons_start_heartbeat') result(handle)
+      import :: c_int, c_double, c_ptr
+      integer(c_int), value :: descriptor
+      real(c_double), value :: seconds
+      type(c_ptr) :: handle
+    end function start_heartbeat_c
+
+    subroutine postpone_heartbeat_c(handle) bind(C, name='amontons_postpone_heartbeat')
+      import :: c_ptr
+      type(c_ptr), value :: handle
+    end subroutine postpone_heartbeat_c
+
+    subroutine tell_heartbeat_c(handle, text) bind(C, name='amontons_tell_heartbeat')
+      import :: c_ptr, c_char
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: text(*)
+    end subroutine tell_heartbeat_c
+
+    subroutine stop_heartbeat_c(handle) bind(C, name='amontons_stop_heartbeat')
+      import :: c_ptr
+      type(c_ptr), value :: handle
+    end subroutine stop_heartbeat_c
   end interface
 
+  !> A thread that writes a line where nothing else was written for some seconds.
+  type :: heartbeat_type
+    private
+    type(c_ptr) :: handle = c_null_ptr           !< null: there is none
+  end type heartbeat_type
+
 contains
+
+  !> Starts a heartbeat without text, which writes nothing yet.
+  subroutine start_heartbeat(beat, descriptor, seconds)
+    type(heartbeat_type), intent(out) :: beat
+    integer(c_int), intent(in) :: descriptor     !< of the open file
+    real(DP), intent(in) :: seconds              !< [s]
+    beat%handle = start_heartbeat_c(descriptor, real(seconds, c_double))
+  end subroutine start_heartbeat
+
+
+  !> A line was written just now: the next one is due in some seconds.
+  subroutine postpone_heartbeat(beat)
+    type(heartbeat_type), intent(in) :: beat
+    if (c_associated(beat%handle)) call postpone_heartbeat_c(beat%handle)
+  end subroutine postpone_heartbeat
+
+
+  !> Sets the line that a heartbeat writes; '': none.
+  subroutine tell_heartbeat(beat, text)
+    type(heartbeat_type), intent(in) :: beat
+    character(*), intent(in) :: text
+    if (c_associated(beat%handle)) call tell_heartbeat_c(beat%handle, text // c_null_char)
+  end subroutine tell_heartbeat
+
+
+  !> Ends a heartbeat.
+  subroutine stop_heartbeat(beat)
+    type(heartbeat_type), intent(inout) :: beat
+    if (c_associated(beat%handle)) call stop_heartbeat_c(beat%handle)
+    beat%handle = c_null_ptr
+  end subroutine stop_heartbeat
+
+
 
   !> Writes a file under a temporary name, flushes it to the storage device and renames it (atomic): at any moment the complete old
   !! or the complete new file exists.

@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM arrived */
@@ -98,6 +99,90 @@ void amontons_resume_turn(int before)
 {
   if (before) pthread_mutex_lock(&words);
   depth = before;
+}
+
+/* A thread that writes a line if nothing else was written for a while: an iteration in one long factorization says nothing. */
+struct heartbeat {
+  pthread_t thread;
+  pthread_mutex_t lock;
+  pthread_cond_t wake;
+  struct timespec due;
+  double seconds;
+  int descriptor, is_done;
+  char text[160];
+};
+
+static void set_due(struct heartbeat *beat)
+{
+  clock_gettime(CLOCK_REALTIME, &beat->due);
+  const double due = beat->due.tv_nsec + 1e9 * beat->seconds;
+  beat->due.tv_sec += (time_t)(due / 1e9);
+  beat->due.tv_nsec = (long)(due - 1e9 * (double)(time_t)(due / 1e9));
+}
+
+static void *write_beats(void *argument)
+{
+  struct heartbeat *beat = argument;
+  pthread_mutex_lock(&beat->lock);
+  while (!beat->is_done) {
+    const struct timespec due = beat->due;
+    if (pthread_cond_timedwait(&beat->wake, &beat->lock, &due) != ETIMEDOUT) continue;
+    if (due.tv_sec != beat->due.tv_sec || due.tv_nsec != beat->due.tv_nsec) continue; /* a line was written meanwhile */
+    set_due(beat);
+    const size_t n = strlen(beat->text);
+    if (n && write(beat->descriptor, beat->text, n) < 0) beat->is_done = 1; /* no reader */
+  }
+  pthread_mutex_unlock(&beat->lock);
+  return NULL;
+}
+
+/* Starts the thread; NULL if there is none. Signals go to other threads. */
+void *amontons_start_heartbeat(int descriptor, double seconds)
+{
+  struct heartbeat *beat = calloc(1, sizeof *beat);
+  sigset_t all, before;
+  if (!beat) return NULL;
+  beat->descriptor = descriptor;
+  beat->seconds = seconds;
+  pthread_mutex_init(&beat->lock, NULL);
+  pthread_cond_init(&beat->wake, NULL);
+  set_due(beat);
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  const int failed = pthread_create(&beat->thread, NULL, write_beats, beat);
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  if (!failed) return beat;
+  free(beat);
+  return NULL;
+}
+
+/* A line was written just now: the next one is due in some seconds. */
+void amontons_postpone_heartbeat(void *handle)
+{
+  struct heartbeat *beat = handle;
+  pthread_mutex_lock(&beat->lock);
+  set_due(beat);
+  pthread_mutex_unlock(&beat->lock);
+}
+
+/* Sets the text alone. */
+void amontons_tell_heartbeat(void *handle, const char *text)
+{
+  struct heartbeat *beat = handle;
+  pthread_mutex_lock(&beat->lock);
+  snprintf(beat->text, sizeof beat->text, "%s%s", text, *text ? "\n" : "");
+  pthread_mutex_unlock(&beat->lock);
+}
+
+void amontons_stop_heartbeat(void *handle)
+{
+  struct heartbeat *beat = handle;
+  pthread_mutex_lock(&beat->lock);
+  beat->is_done = 1;
+  pthread_cond_signal(&beat->wake);
+  pthread_mutex_unlock(&beat->lock);
+  pthread_join(beat->thread, NULL);
+  free(beat);
 }
 
 /* Runs when the process ends. Unless the main program announced a regular end, a run-time library has ended the process after

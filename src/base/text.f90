@@ -11,7 +11,7 @@ module amontons_text
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
   implicit none
   private
-  public :: upper_case, name_key, is_one_of, nth_word, count_words, to_text, joined_words, plural, is_blank
+  public :: upper_case, name_key, is_one_of, nth_word, count_words, to_text, joined_words, plural, verb, is_blank
   public :: parse_integer, parse_real, NUMBER_OK, NUMBER_EMPTY, NUMBER_INVALID, NUMBER_NOT_FINITE
   public :: BLANK_CHARACTERS, NEWLINE
   public :: format_value_rows
@@ -162,6 +162,16 @@ contains
     text = to_text(n) // ' ' // noun
     if (n /= 1) text = text // 's'
   end function plural
+
+
+  !> The form of a verb (or of any word) that agrees with a number: verb(1, 'has', 'have') is 'has'.
+  pure function verb(n, one, several) result(text)
+    integer, intent(in) :: n
+    character(*), intent(in) :: one, several
+    character(:), allocatable :: text
+    text = several
+    if (n == 1) text = one
+  end function verb
 
 
   !> An integer without blanks.

@@ -300,21 +300,19 @@ contains
     real(DP), allocatable :: values(:)             !< [force] or [stress]
     real(DP), allocatable :: sums(:)
     type(step_type) :: step
-    integer :: i
+    integer :: i, k
     step = driven_step(driven_loads, model, i_step)
     allocate (sums(max(3 * model%mesh%n_nodes, 6 * model%mesh%n_elements)), source=0.0_DP)
     if (kind == DRIVEN_FORCE) then
       do i = 1, size(step%concentrated)
-        associate (sum => sums(item_of_force(step%concentrated(i))))
-          sum = sum + load_now(model, step, step%concentrated(i), now(2), now(1))
-        end associate
+        k = item_of_force(step%concentrated(i))
+        sums(k) = sums(k) + load_now(model, step, step%concentrated(i), now(2), now(1))
       end do
     else
       do i = 1, size(step%distributed)
         if (step%distributed(i)%kind /= DISTRIBUTED_PRESSURE) cycle
-        associate (sum => sums(item_of_pressure(step%distributed(i))))
-          sum = sum + load_now(model, step, step%distributed(i), now(2), now(1))
-        end associate
+        k = item_of_pressure(step%distributed(i))
+        sums(k) = sums(k) + load_now(model, step, step%distributed(i), now(2), now(1))
       end do
     end if
     values = sums(items)

@@ -8,7 +8,7 @@ module amontons_job_query
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_containers, only: name_table_type
-  use amontons_text, only: name_key, to_text, parse_integer, NUMBER_OK
+  use amontons_text, only: plural, verb, name_key, to_text, parse_integer, NUMBER_OK
   use amontons_topology, only: element_kind_type, facet_kind_type, element_kind, facet_kind
   use amontons_mesh, only: mesh_extent
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
@@ -518,7 +518,8 @@ contains
     call find_interaction(analysis, set, i, error)
     if (allocated(error)) return
     if (size(values) /= 1) then
-      call set_error(error, EXIT_USAGE, to_text(size(values)) // ' values of FRICTION were given; it takes 1.')
+      call set_error(error, EXIT_USAGE, plural(size(values), 'value') // ' of FRICTION ' // &
+        verb(size(values), 'was', 'were') // ' given; it takes 1.')
     else if (values(1) < 0.0_DP) then
       call set_error(error, EXIT_USAGE, 'A coefficient of friction must not be negative.')
     else
@@ -541,8 +542,8 @@ contains
     if (kind /= DRIVEN_PRESSURE .and. kind /= DRIVEN_TEMPERATURE .and. &
       len(name_key(quantity)) == merge(2, 1, kind == DRIVEN_FORCE)) width = 3
     if (size(values) /= width .and. size(values) /= size(items)) then
-      call set_error(error, EXIT_USAGE, to_text(size(values)) // ' values of ' // quantity // ' were given; it takes ' // &
-        to_text(width) // ' or ' // to_text(size(items)) // '.')
+      call set_error(error, EXIT_USAGE, plural(size(values), 'value') // ' of ' // quantity // &
+        verb(size(values), ' was', ' were') // ' given; it takes ' // to_text(width) // ' or ' // to_text(size(items)) // '.')
       return
     end if
     now = [analysis%stepper%total_time, time_in_step(analysis)]

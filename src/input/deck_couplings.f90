@@ -17,7 +17,7 @@ module amontons_deck_couplings
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
-  use amontons_text, only: parse_real, parse_integer, plural, name_key, NUMBER_OK
+  use amontons_text, only: parse_real, parse_integer, plural, verb, name_key, NUMBER_OK
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at, &
     MPC_RIGID_BODY
   use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
@@ -750,7 +750,8 @@ contains
     side = pack(side, [(any(element == side(i)), i=1, n)])
     if (size(side) == n) return
     call report_note(reader, reader%cards%cards(c)%line, plural(n - size(side), &
-      'element') // ' beside the section touch it with no ' // &
+      'element') // verb(n - size(side), ' beside the section touches it with no ', &
+      ' beside the section touch it with no ') // &
       'more than an edge or a corner. CalculiX leaves them tied to its other side, where they carry load past the section, ' // &
       'and so does its dialect here; the abaqus dialect parts them.')
   end subroutine restrict_to_face_elements

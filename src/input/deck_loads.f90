@@ -20,7 +20,7 @@ module amontons_deck_loads
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
-  use amontons_text, only: name_key, to_text, plural, is_one_of, NUMBER_OK
+  use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
@@ -482,8 +482,9 @@ contains
           active_loads%step, active_loads%is_step, active_loads%pressures, is_by_user(field_text(reader%cards, row, 2)))
       end if
     end do
-    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here take no load ' // label // &
-      '; tetrahedra have 4 faces (P1 to P4), wedges 5, hexahedra 6; shells take P and EDNOR1 to EDNOR4.')
+    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
+      verb(n_without, 'takes', 'take') // ' no load ' // label // '; tetrahedra have 4 faces (P1 to P4), wedges 5, ' // &
+      'hexahedra 6; shells take P and EDNOR1 to EDNOR4.')
   end subroutine read_face_pressure
 
 
@@ -642,7 +643,7 @@ contains
   end subroutine read_axis
 
 
-  !> Reports materials without a density in elements under gravity or rotation, and densities in other units than the modulus.
+  !> Reports materials without a density in elements under gravity or rotation, and gravity in other units than the density.
   subroutine check_density(reader, model, row, place, value)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -658,7 +659,7 @@ contains
       if (is_reported(m)) cycle
       is_reported(m) = .true.
       if (model%materials(m)%has_density) then
-        call report_units(reader, row, model%materials(m), place%kind, value)
+        if (place%kind == DISTRIBUTED_GRAVITY) call report_gravity(reader, row, model%materials(m), value)
         cycle
       end if
       call report_error(reader, row%line, 'Gravity and rotation need a density; the material ''' // model%materials(m)%name // &
@@ -667,35 +668,19 @@ contains
   end subroutine check_density
 
 
-  !> Hints at a density in other units than Young's modulus: sqrt(E/rho), the speed of sound, is 10 to 20000 m/s in all solids.
-  !! Then, in mm and t, at gravity in m/s2.
-  subroutine report_units(reader, row, material, kind, value)
+  !> Hints at gravity in m/s2 beside a density in t/mm3.
+  subroutine report_gravity(reader, row, material, value)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     type(material_type), intent(in) :: material
-    integer, intent(in) :: kind                  !< DISTRIBUTED_...
     real(DP), intent(in) :: value                !< of the load
-    real(DP), parameter :: SLOWEST = 10.0_DP, FASTEST = 2.0e7_DP        ! [m/s] in N, m, kg; [mm/s] in N, mm, t
     real(DP), parameter :: METALS(2) = [1.0e3_DP, 2.0e6_DP]             ! [MPa]
-    real(DP), parameter :: IN_KG_PER_MM3(2) = [5.0e-7_DP, 3.0e-5_DP]
     real(DP), parameter :: IN_T_PER_MM3 = 3.0e-8_DP, GRAVITY(2) = [9.7_DP, 9.9_DP]
-    real(DP) :: speed
-    logical :: is_metal
-    associate (modulus => material%youngs_modulus, density => material%density)
-      if (.not. (modulus > 0 .and. density > 0)) return
-      speed = sqrt(modulus / density)
-      is_metal = modulus >= METALS(1) .and. modulus <= METALS(2)
-      if (speed < SLOWEST .or. speed > FASTEST .or. &
-        (is_metal .and. density >= IN_KG_PER_MM3(1) .and. density <= IN_KG_PER_MM3(2))) then
-        call report_note(reader, row%line, 'No solid has both the Young''s modulus ' // to_text(modulus) // ' and the density ' &
-          // to_text(density) // ' of ''' // material%name // ''' in one system of units. Steel has 210000 and 7.85e-9 in ' // &
-          'N, mm, t; 2.1e11 and 7850 in N, m, kg.')
-      else if (kind == DISTRIBUTED_GRAVITY .and. is_metal .and. density < IN_T_PER_MM3 .and. abs(value) > GRAVITY(1) .and. &
-        abs(value) < GRAVITY(2)) then
-        call report_note(reader, row%line, 'The density of ''' // material%name // ''' is in N, mm, t, where gravity is 9810, ' // &
-          'not ' // to_text(value) // '.')
-      end if
-    end associate
-  end subroutine report_units
+    if (material%youngs_modulus < METALS(1) .or. material%youngs_modulus > METALS(2)) return
+    if (material%density <= 0.0_DP .or. material%density >= IN_T_PER_MM3) return
+    if (abs(value) <= GRAVITY(1) .or. abs(value) >= GRAVITY(2)) return
+    call report_note(reader, row%line, 'The density of ''' // material%name // ''' is in N, mm, t, where gravity is 9810, ' // &
+      'not ' // to_text(value) // '.')
+  end subroutine report_gravity
 
 end module amontons_deck_loads

@@ -15,7 +15,7 @@ module amontons_deck_mesh
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: to_text, plural, is_one_of, NUMBER_OK
+  use amontons_text, only: to_text, plural, verb, is_one_of, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_CPE4, &
     KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
@@ -41,6 +41,7 @@ module amontons_deck_mesh
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
     integer, allocatable :: section(:)           !< (n) index into the sections of shells and beams, 0: none
+    integer, allocatable :: section_card(:)      !< (n) the card that gives its section, 0: none
     integer, allocatable :: mesh_index(:)              !< (n) index in the mesh, 0: dropped
     integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
     integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
@@ -236,7 +237,7 @@ contains
     call draft%labels%build(draft%label)
     call report_duplicate_labels(reader, draft%labels, draft%label, draft%line, 'element')
     call check_connectivity(reader, mesh, draft)
-    allocate (draft%material(draft%n), source=0)
+    allocate (draft%material(draft%n), draft%section_card(draft%n), source=0)
     allocate (draft%section_value(draft%n), source=1.0_DP)
     allocate (draft%directions(2, draft%n), source=0)
     allocate (draft%spring(draft%n), source=0)
@@ -409,6 +410,7 @@ contains
             e = members(i)
             if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
             draft%material(e) = merge(material, -1, material > 0)
+            draft%section_card(e) = c
             if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
             if (.not. is_shell_or_beam(draft%kind(e))) cycle
             call report_error(reader, line, 'The element ' // to_text(draft%label(e)) // ' is a shell, a membrane or a beam; ' // &
@@ -548,6 +550,7 @@ contains
     integer, parameter :: T3D3_NODE_ORDER(3) = [1, 3, 2]   ! a deck lists the middle node of T3D3 second
     mesh%n_elements = n
     allocate (mesh%section_value(n), mesh%directions(2, n))
+    mesh%section = pack(section_numbers(draft%section_card), draft%mesh_index > 0)
     if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
     allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n), mesh%is_in_plane(n))
     n_nodes = 0
@@ -574,6 +577,21 @@ contains
   end subroutine build_mesh
 
 
+  !> The sections of elements, numbered in the order of their cards.
+  pure function section_numbers(card) result(number)
+    integer, intent(in) :: card(:)               !< of each element, 0: none
+    integer :: number(size(card))
+    integer :: rank(0:maxval([0, card])), c
+    rank = 0
+    rank(card) = 1
+    rank(0) = 0
+    do c = 1, ubound(rank, 1)
+      rank(c) = rank(c) + rank(c - 1)
+    end do
+    number = rank(card)
+  end function section_numbers
+
+
   !> Reports elements without a section, once for each ELEMENT card.
   subroutine report_missing_sections(reader, draft)
     type(reader_type), intent(inout) :: reader
@@ -598,8 +616,8 @@ contains
         if (first == 0) first = draft%label(e)
       end do
       if (n > 0) call report_error(reader, reader%cards%cards(c)%line, plural(n, 'element') // &
-        ' of this card (the first is ' // to_text(first) // ') have no section: no *' // card // ' names a set ' // &
-        'that holds them.')
+        ' of this card (the first is ' // to_text(first) // ') ' // verb(n, 'has', 'have') // ' no section: no *' // card // &
+        ' names a set that holds ' // verb(n, 'it', 'them') // '.')
     end do
   end subroutine report_missing_sections
 
@@ -646,8 +664,9 @@ contains
         end if
       end associate
     end do
-    if (n_dropped > 0) call report_note(reader, 0, plural(n_dropped, 'element') // ' that are lines or faces of solids ' // &
-      'and have no section are left out (mesh generators write them).')
+    if (n_dropped > 0) call report_note(reader, 0, plural(n_dropped, 'element') // verb(n_dropped, &
+      ' that is a line or face of solids and has no section is left out', &
+      ' that are lines or faces of solids and have no section are left out') // ' (mesh generators write them).')
   end subroutine report_omitted_elements
 
 

@@ -55,6 +55,7 @@ contains
       end if
       associate (members => model%mesh%element_sets(set)%members)
         if (.not. check_member_kinds(reader, draft, c, members, trim(CARDS(k)))) cycle
+        draft%section_card(members) = c
         draft%section_value(members) = 1               ! named by a card, whatever its data are worth
         select case (k)
         case (1)
@@ -434,6 +435,7 @@ contains
     call draft%nodes%add(nodes(2))
     draft%first = [draft%first(:n), draft%first(n) + 2]
     draft%material = [draft%material(:draft%n), 0]
+    draft%section_card = [draft%section_card(:draft%n), 0]
     draft%section_value = [draft%section_value(:draft%n), 1.0_DP]
     draft%spring = [draft%spring(:draft%n), spring]
     draft%n = n

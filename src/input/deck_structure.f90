@@ -11,7 +11,7 @@ module amontons_deck_structure
   use amontons_expansion, only: expand_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, find_node_directors
-  use amontons_text, only: plural, to_text, parse_integer, parse_real, name_key, NUMBER_OK
+  use amontons_text, only: plural, verb, to_text, parse_integer, parse_real, name_key, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, &
     is_structural_family
   implicit none
@@ -74,6 +74,7 @@ contains
       e = model%mesh%element_sets(set)%members(i)
       draft%material(e) = merge(material, -1, material > 0)
       draft%section(e) = size(model%structure%sections)
+      draft%section_card(e) = c
       if (draft%kind(e) == 0) cycle
       entry = element_kind(draft%kind(e))
       if (entry%family == family) cycle
@@ -323,7 +324,8 @@ contains
       if (model%nonlinear_mpcs(i)%expansion > 0) is_bound(model%nonlinear_mpcs(i)%node) = .true.
     end do
     if (any(is_slave .and. is_bound)) call report_note(reader, 0, plural(count(is_slave .and. is_bound), 'slave node') // &
-      ' belong to knots of shells or beams (edges between plates, nodes whose rotations are held or loaded): contact does not ' // &
+      verb(count(is_slave .and. is_bound), ' belongs', ' belong') // ' to knots of shells or beams (edges between plates, ' // &
+      'nodes whose rotations are held or loaded): contact does not ' // &
       'act there. Make this surface the master if they may touch.')
   end subroutine free_slave_nodes
 

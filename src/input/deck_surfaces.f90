@@ -17,7 +17,7 @@ module amontons_deck_surfaces
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
-  use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, NUMBER_OK, NEWLINE
+  use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, verb, NUMBER_OK, NEWLINE
   use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
@@ -469,8 +469,9 @@ contains
         call faces%add(face)
       end do
       if (n_without > 0) is_ok = .false.
-      if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here have no face ' // &
-        label // '; tetrahedra have 4 faces (S1 to S4), wedges 5, hexahedra 6; shells have SPOS, SNEG and edges E1 to E4.')
+      if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
+        verb(n_without, 'has', 'have') // ' no face ' // label // '; tetrahedra have 4 faces (S1 to S4), wedges 5, ' // &
+        'hexahedra 6; shells have SPOS, SNEG and edges E1 to E4.')
     end do
     if (is_ok .and. elements%n == 0) call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // &
       surface%name // ''' has no faces.')
@@ -508,7 +509,8 @@ contains
         field_text(reader%cards, row, 1) // ''' have no free face; name the faces S1 to S6.')
       if (size(element) == 0) is_ok = .false.
     end if
-    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here lie on no face of a solid.')
+    if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
+      verb(n_without, 'lies', 'lie') // ' on no face of a solid.')
     if (n_without > 0) is_ok = .false.
     do i = 1, size(element)
       if (stamp(6 * element(i) - 6 + face(i)) == -c) cycle
@@ -650,7 +652,8 @@ contains
       end if
       if (row%n > 3 * (n_terms - terms%n) .or. modulo(row%n, 3) /= 0) then
         call report_error(reader, row%line, 'This line must hold terms of three values, node, degree of freedom, ' // &
-          'coefficient; at most ' // plural(n_terms - terms%n, 'term') // ' are missing.')
+          'coefficient; at most ' // plural(n_terms - terms%n, 'term') // &
+          verb(n_terms - terms%n, ' is', ' are') // ' missing.')
         is_ok = .false.
         return
       end if

@@ -1,14 +1,17 @@
-!> Warnings of slips that a deck survives: decimal commas, keywords without a star, sets without members.
+!> Warnings of slips that a deck survives: decimal commas, keywords without a star, sets without members, mixed units.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_traps
   use amontons_cards, only: data_row_type, parameter_type, next_row, field_text
   use amontons_card_schema, only: find_entry, parameter_text, ENTRY_SUPPORTED
   use amontons_deck_reader, only: reader_type, open_card, report_note, has_decimal_comma, DECIMAL_COMMA_TEXT
-  use amontons_mesh, only: mesh_type
-  use amontons_text, only: name_key, is_one_of
+  use amontons_kinds, only: DP
+  use amontons_materials, only: material_type
+  use amontons_mesh, only: mesh_type, mesh_extent
+  use amontons_model, only: model_type
+  use amontons_text, only: name_key, is_one_of, to_text
   implicit none
   private
-  public :: report_traps
+  public :: report_traps, report_mixed_units
 
   character(*), parameter :: BULK_CARDS = 'NODE|ELEMENT'      !< many lines, each of which begins with a number
   character(*), parameter :: REAL_CARDS = 'ELASTIC|DENSITY|EXPANSION|PLASTIC|CREEP|FRICTION|SURFACEBEHAVIOR|STATIC|VISCO|' // &
@@ -96,5 +99,55 @@ contains
         reader%cards%cards(c)%line, 'The element set ''' // name // ''' has no members.')
     end if
   end subroutine report_empty_sets
+
+
+  !> Hints at moduli, densities and lengths that no solid has together in N, m, kg or N, mm, t. Of all solids the speed of sound
+  !! sqrt(E/rho) is 10 to 20000 m/s, and diamond is the stiffest with 1.2e12 Pa.
+  subroutine report_mixed_units(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    logical :: is_used(0:size(model%materials))
+    real(DP) :: extent
+    integer :: m
+    is_used = .false.
+    is_used(model%mesh%material) = .true.
+    extent = mesh_extent(model%mesh)
+    do m = 1, size(model%materials)
+      if (is_used(m) .and. model%materials(m)%youngs_modulus > 0.0_DP) call report_material(reader, model%materials(m), extent)
+    end do
+  end subroutine report_mixed_units
+
+
+  !> The hints at one material.
+  subroutine report_material(reader, material, extent)
+    type(reader_type), intent(inout) :: reader
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: extent               !< of the mesh [length]
+    real(DP), parameter :: STIFFEST = 2.0e12_DP, SURELY_IN_PA = 5.0e9_DP, LONGEST_IN_M = 50.0_DP
+    real(DP), parameter :: METALS(2) = [1.0e4_DP, 1.3e6_DP], SHORTEST_IN_MM = 0.2_DP       ! [MPa], [mm]
+    real(DP), parameter :: SLOWEST = 10.0_DP, FASTEST = 2.0e7_DP        ! [m/s] in N, m, kg; [mm/s] in N, mm, t
+    real(DP), parameter :: SOFT_METALS(2) = [1.0e3_DP, 2.0e6_DP], IN_KG_PER_MM3(2) = [5.0e-7_DP, 3.0e-5_DP]
+    character(*), parameter :: STEEL = ' Steel has 210000 and 7.85e-9 in N, mm, t; 2.1e11 and 7850 in N, m, kg.'
+    real(DP) :: speed
+    associate (modulus => material%youngs_modulus, density => material%density)
+      if (modulus > STIFFEST) then
+        call report_note(reader, 0, 'No solid has the Young''s modulus ' // to_text(modulus) // ' of ''' // material%name // &
+          ''' in Pa or MPa.' // STEEL)
+      else if (modulus >= SURELY_IN_PA .and. extent > LONGEST_IN_M) then
+        call report_note(reader, 0, 'The Young''s modulus ' // to_text(modulus) // ' of ''' // material%name // &
+          ''' is in Pa, which belongs to lengths in m; the model is ' // to_text(extent) // ' long. Is it in mm?' // STEEL)
+      else if (modulus >= METALS(1) .and. modulus <= METALS(2) .and. extent < SHORTEST_IN_MM) then
+        call report_note(reader, 0, 'The Young''s modulus ' // to_text(modulus) // ' of ''' // material%name // &
+          ''' looks like MPa, which belong to lengths in mm; the model is ' // to_text(extent) // ' long. Is it in m?' // STEEL)
+      end if
+      if (.not. density > 0.0_DP) return
+      speed = sqrt(modulus / density)
+      if (speed >= SLOWEST .and. speed <= FASTEST .and. .not. (modulus >= SOFT_METALS(1) .and. modulus <= SOFT_METALS(2) .and. &
+        density >= IN_KG_PER_MM3(1) .and. density <= IN_KG_PER_MM3(2))) return
+      call report_note(reader, 0, 'No solid has both the Young''s modulus ' // to_text(modulus) // ' and the density ' // &
+        to_text(density) // ' of ''' // material%name // ''' in one system of units: the speed of sound would be ' // &
+        to_text(speed) // '.' // STEEL)
+    end associate
+  end subroutine report_material
 
 end module amontons_deck_traps

@@ -32,6 +32,7 @@ module amontons_mesh
     real(DP), allocatable :: section_value(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
+    integer, allocatable :: section(:)             !< (n_elements) number of its *... SECTION card (or the like) in the deck; 0: none
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
     logical, allocatable :: is_auxiliary(:)         !< (n_nodes) it has no displacement but a rotation vector or a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)
@@ -61,6 +62,7 @@ contains
     end do
     mesh%n_points = mesh%point_first(mesh%n_elements + 1) - 1
     if (.not. allocated(mesh%section_value)) allocate (mesh%section_value(mesh%n_elements), source=1.0_DP)
+    if (.not. allocated(mesh%section)) allocate (mesh%section(mesh%n_elements), source=0)
     if (.not. allocated(mesh%directions)) allocate (mesh%directions(2, mesh%n_elements), source=0)
     if (allocated(mesh%is_unstiffened)) deallocate (mesh%is_unstiffened)
     if (allocated(mesh%has_elements)) deallocate (mesh%has_elements)

@@ -3,7 +3,7 @@
 module amontons_model_check_contact
   use amontons_kinds, only: DP
   use amontons_errors, only: diagnostic_list_type
-  use amontons_text, only: to_text, plural
+  use amontons_text, only: to_text, plural, verb
   use amontons_containers, only: integer_list_type
   use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
@@ -153,8 +153,8 @@ contains
       end if
     else if (statistic%n_projected < statistic%n_slaves) then
       call report_warning(report, to_text(statistic%n_slaves - statistic%n_projected) // ' of the ' // &
-        plural(statistic%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // ' do not project on the master ' // &
-        'at the start; this is normal where they overhang.')
+        plural(statistic%n_slaves, 'slave node') // ' of ' // pair_name(model, p) // verb(statistic%n_slaves - &
+        statistic%n_projected, ' does', ' do') // ' not project on the master at the start; this is normal where they overhang.')
     end if
   end subroutine check_projection
 
@@ -170,7 +170,8 @@ contains
     if (2 * statistic%n_same_direction > statistic%n_near) then
       where = 'at ' // to_text(statistic%n_same_direction) // ' of ' // plural(statistic%n_near, 'slave node') // ' near the master'
     else if (statistic%n_facing_away > 0 .and. statistic%n_facing_away == statistic%n_projected) then
-      where = 'at all ' // to_text(statistic%n_facing_away) // ' slave nodes that project on the master'
+      where = 'at all ' // to_text(statistic%n_facing_away) // verb(statistic%n_facing_away, ' slave node that projects', &
+        ' slave nodes that project') // ' on the master'
     else
       return
     end if

@@ -8,7 +8,7 @@
 module amontons_model_check_unpaired
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: diagnostic_list_type
-  use amontons_text, only: to_text, plural, NEWLINE
+  use amontons_text, only: to_text, plural, verb, NEWLINE
   use amontons_containers, only: integer_list_type, find_root, unite_trees, ascending_order, sort_integers
   use amontons_topology, only: element_kind, element_kind_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
@@ -63,7 +63,8 @@ contains
       if (n <= MAX_PAIRS_SHOWN) call report_warning(report, meeting_text(model, exterior, meetings(i)))
     end do
     if (n > MAX_PAIRS_SHOWN) call report_warning(report, plural(n - MAX_PAIRS_SHOWN, 'more pair') // &
-      ' of bodies meet without a contact pair or a tie. *CONTACT with *CONTACT INCLUSIONS, ALL EXTERIOR finds all pairs.')
+      verb(n - MAX_PAIRS_SHOWN, ' of bodies meets', ' of bodies meet') // ' without a contact pair or a ' // &
+      'tie. *CONTACT with *CONTACT INCLUSIONS, ALL EXTERIOR finds all pairs.')
   end subroutine check_unpaired_bodies
 
 

@@ -1,4 +1,4 @@
-!> Cell data of the result file: body, material and label of each element, and membership in the element sets of the deck.
+!> Cell data of the result file: body, material, section and label of each element, and membership in the element sets of the deck.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The arrays are static: the tables of /VTKHDF/Steps give all frames the same cells, so that one copy serves them all.
@@ -29,6 +29,8 @@ contains
       'Body of each element, counted from 1: elements that share nodes.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'MATERIAL', [mesh%material, none], '[-]', &
       'Material of each element, counted from 1 as in /AMONTONS/materials; 0: none.', error)
+    if (.not. allocated(error)) call write_data(store, ROOT // 'SECTION', [mesh%section, none], '[-]', &
+      'Section of each element: its *SOLID SECTION, *SHELL SECTION, ... counted from 1 in the order of the deck; 0: none.', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'ELEMENT', [mesh%element_label, none], '[-]', &
       'Label of each element in the deck.', error)
     if (.not. allocated(mesh%element_sets)) return

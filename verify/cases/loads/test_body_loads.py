@@ -212,3 +212,20 @@ def test_units_of_a_weight(run_deck: Run, modulus: float, density: float, gravit
     words = " ".join(done.stdout.split())
     assert ("*WARNING" in words) == (hint != "")
     assert hint in words
+
+
+@pytest.mark.parametrize(("modulus", "scale", "hint"), [
+    (210000.0, 100.0, ""), (2.1e11, 0.1, ""), (210000.0, 1.0, ""), (3e7, 1.0, ""), (5.0, 0.01, ""), (2.1e11, 1.0, ""),
+    (210000.0, 0.05, "looks like MPa"), (2.1e11, 100.0, "is in Pa, which belongs to lengths in m"), (2.1e14, 1.0, "No solid has the Young's modulus"),
+])  # fmt: skip
+def test_units_of_lengths(run_deck: Run, modulus: float, scale: float, hint: str) -> None:
+    """Millimetres with MPa, metres with Pa, psi with inches and soft small parts get no hint; metres with MPa and millimetres with Pa do."""
+    deck = WEIGHT.format(modulus=modulus, density=1.0, gravity=1.0).replace("*DENSITY\n1.0\n", "").replace("*DLOAD\nE, GRAV, 1.0, 0., 0., -1.\n", "")
+    first, last = deck.index("*NODE"), deck.index("*ELEMENT")
+    rows = [line.split(",") for line in deck[first:last].splitlines()[1:]]
+    nodes = "".join(f"{row[0]}, " + ", ".join(repr(scale * float(x)) for x in row[1:4]) + "\n" for row in rows)
+    done = run_deck(deck[:first] + deck[first:last].splitlines()[0] + "\n" + nodes + deck[last:])
+    assert done.returncode == 0, done.stdout
+    words = " ".join(done.stdout.split())
+    assert ("*WARNING" in words) == (hint != ""), words
+    assert hint in words

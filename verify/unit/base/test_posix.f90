@@ -1,20 +1,95 @@
 !> Unit test of amontons_posix: whole files, cuts, checksums, memory and locks.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_posix
+  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
   use amontons_errors, only: error_type, EXIT_IO
   use amontons_kinds, only: DP, I64
   use amontons_posix, only: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text, &
-    has_memory, available_megabytes, total_megabytes, peak_megabytes
+    has_memory, available_megabytes, total_megabytes, peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, &
+    tell_heartbeat, stop_heartbeat
   use check, only: suite_type
   implicit none
+  interface
+    !> POSIX: creates a file for writing.
+    function creat(path, mode) bind(C, name='creat') result(descriptor)
+      import :: c_char, c_int
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int), value :: mode
+      integer(c_int) :: descriptor
+    end function creat
+
+    !> POSIX: waits.
+    function usleep(microseconds) bind(C, name='usleep') result(status)
+      import :: c_int
+      implicit none
+      integer(c_int), value :: microseconds
+      integer(c_int) :: status
+    end function usleep
+  end interface
+
   type(suite_type) :: suite
   character(*), parameter :: PATH = 'test_posix.bin'
   call check_files()
   call check_checksums()
   call check_machine()
+  call check_heartbeat()
   call suite%finish()
 
 contains
+
+  !> Nothing without a text; then a line each 0.1 s, unless others are written; nothing after the end.
+  subroutine check_heartbeat()
+    type(heartbeat_type) :: beat
+    integer :: i, n
+    call start_heartbeat(beat, creat('test_posix.beats' // c_null_char, 384_c_int), 0.1_DP)
+    call wait(250)
+    call suite%that('silent at first', beats() == 0)
+    call tell_heartbeat(beat, 'still here')
+    call wait(1050)
+    n = beats()
+    call suite%that('ten a second', n >= 5 .and. n <= 11)
+    i = beats()
+    call stop_heartbeat(beat)
+    call wait(250)
+    call suite%that('none after the end', beats() == i)
+    call start_heartbeat(beat, creat('test_posix.beats' // c_null_char, 384_c_int), 2.0_DP)
+    call tell_heartbeat(beat, 'still here')
+    do i = 1, 12
+      call wait(250)
+      call postpone_heartbeat(beat)
+    end do
+    call suite%that('none where others write', beats() == 0)
+    call stop_heartbeat(beat)
+    call tell_heartbeat(beat, 'nobody')            ! without a thread: nothing happens
+  end subroutine check_heartbeat
+
+
+  !> Waits.
+  subroutine wait(milliseconds)
+    integer, intent(in) :: milliseconds
+    integer(c_int) :: unused
+    integer :: i
+    do i = 1, milliseconds / 50
+      unused = usleep(50000_c_int)
+    end do
+  end subroutine wait
+
+
+  !> The number of lines written.
+  integer function beats()
+    character(20) :: line
+    integer :: unit, status
+    beats = 0
+    open (newunit=unit, file='test_posix.beats', action='read', status='old')
+    do
+      read (unit, '(a)', iostat=status) line
+      if (status /= 0) exit
+      if (line == 'still here') beats = beats + 1
+    end do
+    close (unit)
+  end function beats
+
 
   !> What is written is there, whole; a cut shortens it; what cannot be done is an error with a reason.
   subroutine check_files()

@@ -278,7 +278,7 @@ contains
     call expect_error(suite, MODEL_PART // T // '3,1,2,3,4,5,6,7,8,11;' // STEP_PART, 'has 9 nodes')
     call expect_error(suite, MODEL_PART // T // '3,1,2,x,4,5,6,7,8;' // STEP_PART, 'number of a node')
     call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=C3D8, ELSET=F;3,1,2,3,4,5,6,7,8;' // STEP_PART, &
-      'have no section', '*ELEMENT, TYPE=C3D8, ELSET=F')
+      'no section', '*ELEMENT, TYPE=C3D8, ELSET=F')
     call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=C3D8P, ELSET=E;3,1,2,3,4,5,6,7,8;' // STEP_PART, &
       'C3D8P is not supported. Use C3D8')
     call expect_error(suite, MODEL_PART // '*ELEMENT, TYPE=SPRINGA;3,1,2;' // STEP_PART, 'no *SPRING names')
@@ -342,7 +342,7 @@ contains
     call suite%that('with its thickness', model%mesh%kind(3) == KIND_CPS4 .and. abs(model%mesh%section_value(3) - 0.5_DP) &
       <= 0)
     call expect_error(suite, MODEL_PART // '*NODE;99,9,9,9;*ELEMENT,TYPE=T3D2;60,1,99;' // STEP_PART, &
-      'have no section')
+      'no section')
     call expect_error(suite, MODEL_PART // LINES // '*SURFACE,NAME=S;Surface1,S1;' // STEP_PART, 'no solids')
     call expect_error(suite, MODEL_PART // LINES // STEP_START // '*DLOAD;53,P1,1.;' // STEP_END, 'no solid;')
   end subroutine test_leftovers

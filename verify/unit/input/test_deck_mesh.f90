@@ -98,21 +98,21 @@ contains
     call expect_message(PLANE // SECTION // '0.;', 'must be positive')
     call expect_message(SOLID // '*MATERIAL, NAME=N;*ELASTIC;2.,0.;*SOLID SECTION, ELSET=E, MATERIAL=N;', &
       '1 element had another material', is_note=.true.)
-    call expect_message('*ELEMENT, TYPE=C3D8' // CUBE // '*SOLID SECTION, ELSET=F, MATERIAL=M;*ELSET, ELSET=F;', 'have no section')
+    call expect_message('*ELEMENT, TYPE=C3D8' // CUBE // '*SOLID SECTION, ELSET=F, MATERIAL=M;*ELSET, ELSET=F;', 'no section')
   end subroutine check_sections
 
 
   !> Faces and lines of the body without a section are left out; with a node of their own they are an error.
   subroutine check_leftovers()
-    call expect_message('*ELEMENT, TYPE=S4, ELSET=F;11,1,2,3,4;' // SOLID, '1 element that are lines or faces', is_note=.true.)
+    call expect_message('*ELEMENT, TYPE=S4, ELSET=F;11,1,2,3,4;' // SOLID, '1 element that is a line or face', is_note=.true.)
     call expect_read('*ELEMENT, TYPE=CPS4, ELSET=F;11,1,2,3,4;*ELEMENT, TYPE=T3D2, ELSET=L;12,1,2;' // SOLID // &
       '*SURFACE, NAME=S;F;', model)
     call suite%that('the body alone', model%mesh%n_elements == 1 .and. model%mesh%element_label(1) == 1)
     call suite%that('its sets', size(model%mesh%element_sets(1)%members) == 0)
     call suite%that('the face below the leftover', model%surfaces(1)%element(1) == 1 .and. model%surfaces(1)%face(1) == 1)
-    call expect_message('*NODE;20,9,9,9;*ELEMENT, TYPE=CPS4, ELSET=F;11,1,2,3,20;' // SOLID, 'have no section')
+    call expect_message('*NODE;20,9,9,9;*ELEMENT, TYPE=CPS4, ELSET=F;11,1,2,3,20;' // SOLID, 'no section')
     call expect_message('*ELEMENT, TYPE=CPS4, ELSET=F;11,1,2,3,4;*ELEMENT, TYPE=CPS4, ELSET=E;1,1,2,3,4;' // SECTION, &
-      'have no section')
+      'no section')
     call expect_message('*ELEMENT, TYPE=DASHPOTA, ELSET=F;11,1,7;' // SOLID, 'Dashpots resist rates', DIALECT_CALCULIX, &
       is_note=.true.)
     call expect_message('*ELEMENT, TYPE=DASHPOTA, ELSET=F;11,1,7;' // SOLID, 'leave the dashpots out')
@@ -122,7 +122,7 @@ contains
   !> Types that are not supported, each with its replacement; empty decks.
   subroutine check_errors()
     call expect_message(SOLID // '*ELEMENT, TYPE=C3D8P, ELSET=F;11,1,2,3,4,5,6,7,8;', 'Use C3D8, which has a mean dilatation')
-    call expect_message(SOLID // '*NODE;20,9,9,9;*ELEMENT, TYPE=S4R, ELSET=F;11,1,2,3,20;', 'have no section')
+    call expect_message(SOLID // '*NODE;20,9,9,9;*ELEMENT, TYPE=S4R, ELSET=F;11,1,2,3,20;', 'no section')
     call expect_message(SOLID // '*ELEMENT, TYPE=CPE5, ELSET=F;11,1,2,3,4,5;*SOLID SECTION, ELSET=F, MATERIAL=M;', &
       'Plane kinds have')
     call expect_message(SOLID // '*ELEMENT, TYPE=GAPCYL, ELSET=F;11,1,7;', 'Use GAPUNI')
