@@ -125,6 +125,7 @@ contains
     real(DP), intent(in) :: extent               !< of the mesh [length]
     real(DP), parameter :: STIFFEST = 2.0e12_DP, SURELY_IN_PA = 5.0e9_DP, LONGEST_IN_M = 50.0_DP
     real(DP), parameter :: METALS(2) = [1.0e4_DP, 1.3e6_DP], SHORTEST_IN_MM = 0.2_DP       ! [MPa], [mm]
+    real(DP), parameter :: NO_UNITS(2) = [1.0e3_DP, 5.0e2_DP]           ! smaller moduli with smaller densities: no units
     real(DP), parameter :: SLOWEST = 10.0_DP, FASTEST = 2.0e7_DP        ! [m/s] in N, m, kg; [mm/s] in N, mm, t
     real(DP), parameter :: SOFT_METALS(2) = [1.0e3_DP, 2.0e6_DP], IN_KG_PER_MM3(2) = [5.0e-7_DP, 3.0e-5_DP]
     character(*), parameter :: STEEL = ' Steel has 210000 and 7.85e-9 in N, mm, t; 2.1e11 and 7850 in N, m, kg.'
@@ -140,7 +141,7 @@ contains
         call report_note(reader, 0, 'The Young''s modulus ' // to_text(modulus) // ' of ''' // material%name // &
           ''' looks like MPa, which belong to lengths in mm; the model is ' // to_text(extent) // ' long. Is it in m?' // STEEL)
       end if
-      if (.not. density > 0.0_DP) return
+      if (.not. density > 0.0_DP .or. (modulus < NO_UNITS(1) .and. density < NO_UNITS(2))) return
       speed = sqrt(modulus / density)
       if (speed >= SLOWEST .and. speed <= FASTEST .and. .not. (modulus >= SOFT_METALS(1) .and. modulus <= SOFT_METALS(2) .and. &
         density >= IN_KG_PER_MM3(1) .and. density <= IN_KG_PER_MM3(2))) return

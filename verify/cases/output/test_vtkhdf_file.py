@@ -204,7 +204,8 @@ def test_cell_arrays(run_deck: Run, tmp_path: Path) -> None:
         grid = pyvista.wrap(grid_at(reader, time))
         tools = grid.n_cells - 3
         assert tools > 100
-        expected = {"BODY": [1, 2, 2], "MATERIAL": [2, 1, 1], "ELEMENT": labels, "ELSET UPPER": [1, 0, 0], "ELSET LOWER": [0, 1, 1], "ELSET LEFT": [1, 1, 0]}
+        expected = {"BODY": [1, 2, 2], "MATERIAL": [2, 1, 1], "SECTION": [2, 1, 1], "ELEMENT": labels,
+                    "ELSET UPPER": [1, 0, 0], "ELSET LOWER": [0, 1, 1], "ELSET LEFT": [1, 1, 0]}  # fmt: skip
         assert set(grid.cell_data) == set(expected)
         for name, values in expected.items():
             np.testing.assert_array_equal(grid.cell_data[name], values + [0] * tools, err_msg=name)

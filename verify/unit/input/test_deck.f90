@@ -764,7 +764,7 @@ contains
     call expect_error(suite, MODEL_PART // STEP_START // '*DSLOAD;X,P1,1.;' // STEP_END, 'must be P')
     call expect_error(suite, MODEL_PART // STEP_START // '*DLOAD;E,GRAV,9.81;' // STEP_END, 'must not be zero')
     call expect_error(suite, MODEL_PART // '*ELEMENT,TYPE=C3D4,ELSET=E;3,1,2,3,5;' // STEP_START // '*DLOAD;E,P6,1.;' &
-      // STEP_END, 'take no load P6')
+      // STEP_END, 'takes no load P6')
     call expect_error(suite, NODES // CUBES // '*MATERIAL,NAME=STEEL;*ELASTIC;1.,0.;*SOLID SECTION,ELSET=E,' // &
       'MATERIAL=STEEL;' // STEP_START // '*DLOAD;E,GRAV,9.81,0,0,-1;' // STEP_END, 'no *DENSITY')
     call expect_error(suite, MODEL_PART // '*SURFACE,NAME=N,TYPE=NODE;1;' // STEP_START // '*DLOAD;N,P,1.;' // &

@@ -153,7 +153,7 @@ contains
 
   !> What is refused.
   subroutine check_errors()
-    call expect('*DLOAD;A,P6,1.;', 'take no load P6')
+    call expect('*DLOAD;A,P6,1.;', 'takes no load P6')
     call expect('*DLOAD;E,PRESS,1.;', 'it is ''PRESS''')
     call expect('*DSLOAD;UP,P1,1.;', 'TRVEC, a force')
     call expect('*DSLOAD;E,P,1.;', 'is a set of elements')
