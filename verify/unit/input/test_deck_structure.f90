@@ -125,7 +125,7 @@ contains
     call expect_message(SHELL // BEAM // '*MPC;TIE,1,5;', 'binds rotations')
     call expect_message('*NODE;9,9,9,9;' // SHELL // BEAM // '*SURFACE, NAME=A, TYPE=NODE;1;2;*COUPLING, REF NODE=9, ' // &
       'SURFACE=A, CONSTRAINT NAME=C;*KINEMATIC;1,4;', 'binds all three')
-    call expect_message(SHELL // BEAM, 'take no load P1', step='*STEP;*STATIC;*DLOAD;E,P1,2.;*END STEP;')
+    call expect_message(SHELL // BEAM, 'takes no load P1', step='*STEP;*STATIC;*DLOAD;E,P1,2.;*END STEP;')
   end subroutine check_errors
 
 
