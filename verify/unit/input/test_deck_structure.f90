@@ -120,7 +120,7 @@ contains
     call expect_message(SHELL // BEAM // '*NORMAL;1,2,0,0,0;', 'normal must not be zero')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, NODAL THICKNESS;*NODAL THICKNESS;1,.1;2,.1;3,.1;' // BEAM, &
       'The node 4 has no thickness')
-    call expect_message(SHELL // BEAM // '*SURFACE, NAME=A;B,SPOS;', 'have no face SPOS')
+    call expect_message(SHELL // BEAM // '*SURFACE, NAME=A;B,SPOS;', 'has no face SPOS')
     call expect_message(SHELL // BEAM // '*MPC;BEAM,1,5;', 'binds rotations')
     call expect_message(SHELL // BEAM // '*MPC;TIE,1,5;', 'binds rotations')
     call expect_message('*NODE;9,9,9,9;' // SHELL // BEAM // '*SURFACE, NAME=A, TYPE=NODE;1;2;*COUPLING, REF NODE=9, ' // &
