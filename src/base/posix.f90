@@ -184,7 +184,6 @@ contains
   end subroutine stop_heartbeat
 
 
-
   !> Writes a file under a temporary name, flushes it to the storage device and renames it (atomic): at any moment the complete old
   !! or the complete new file exists.
   subroutine write_whole_file(path, words, error)

@@ -581,14 +581,14 @@ contains
   pure function section_numbers(card) result(number)
     integer, intent(in) :: card(:)               !< of each element, 0: none
     integer :: number(size(card))
-    integer :: rank(0:maxval([0, card])), c
-    rank = 0
-    rank(card) = 1
-    rank(0) = 0
-    do c = 1, ubound(rank, 1)
-      rank(c) = rank(c) + rank(c - 1)
+    integer :: place(0:maxval([0, card])), c
+    place = 0
+    place(card) = 1
+    place(0) = 0
+    do c = 1, ubound(place, 1)
+      place(c) = place(c) + place(c - 1)
     end do
-    number = rank(card)
+    number = place(card)
   end function section_numbers
 
 
