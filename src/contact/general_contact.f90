@@ -724,8 +724,8 @@ contains
   end subroutine choose_slave
 
 
-  !> Whether a side is the better slave: its body is not rigid, not held along the normal by supports, softer, of finer mesh, smaller,
-  !! or the first one, in this order.
+  !> Whether a side is the better slave: its body is not rigid, not held along the normal by supports, softer, of finer mesh,
+  !! smaller, or the first one, in this order.
   pure subroutine compare_sides(own, other, is_slave, reason)
     type(side_type), intent(in) :: own, other
     logical, intent(out) :: is_slave

@@ -32,7 +32,7 @@ module amontons_mesh
     real(DP), allocatable :: section_value(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
-    integer, allocatable :: section(:)             !< (n_elements) number of its *... SECTION card (or the like) in the deck; 0: none
+    integer, allocatable :: section(:)             !< (n_elements) number of its SECTION card (or the like) in the deck; 0: none
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
     logical, allocatable :: is_auxiliary(:)         !< (n_nodes) it has no displacement but a rotation vector or a pre-tension
     logical, allocatable :: has_elements(:)        !< (n_nodes)

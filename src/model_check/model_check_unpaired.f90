@@ -1,9 +1,10 @@
 !> Model check of bodies that touch, overlap or nearly meet without a contact pair or a tie, with the cards that pair them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Two faces of different bodies *meet* if their normals oppose, their boxes are within a twentieth of an edge, or a quarter where they
-!! overlap, and neither lies behind the other by more than the elements below them are deep. Bodies are *joined* if a contact pair or a tie has surfaces on both, or if
-!! an equation, a multi-point constraint, a spring or the like has nodes of both, directly or by nodes without a body (reference nodes).
+!! Two faces of different bodies *meet* if their normals oppose, their boxes are within a twentieth of an edge, or a quarter where
+!! they overlap, and neither lies behind the other by more than the elements below them are deep. Bodies are *joined* if a contact
+!! pair or a tie has surfaces on both, or if an equation, a multi-point constraint, a spring or the like has nodes of both, directly
+!! or by nodes without a body (reference nodes).
 !! Cost: linear in the faces, and pairs of bodies that meet times contact pairs.
 module amontons_model_check_unpaired
   use amontons_kinds, only: DP, I64
