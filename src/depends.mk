@@ -24,6 +24,10 @@ uses_partition = errors sparse
 uses_two_level_preconditioner = kinds dense sparse
 uses_woodbury_interface = kinds errors blas dense sparse krylov
 
+# distributed
+uses_ranks = kinds errors
+uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner ranks
+
 # model
 uses_analytic_profiles = kinds tensor
 uses_controls = kinds
@@ -55,7 +59,8 @@ uses_truss_spring_mass = kinds materials topology elasticity material_point inte
 uses_hourglass = kinds tensor topology
 uses_plane_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass
 uses_incompatible_modes = kinds tensor topology
-uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes
+uses_solid_shell = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions incompatible_modes
+uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
 uses_element = kinds tensor materials topology integration_points shape_functions truss_spring_mass plane_elements solid_elements
 uses_hex8_simd = kinds materials topology elasticity shape_functions
 
@@ -73,7 +78,7 @@ uses_card_table = card_schema card_materials
 uses_deck_labels = kinds text containers topology cards
 uses_deck_reader = kinds text containers mesh model cards card_schema
 uses_deck_mesh = kinds text containers materials topology mesh model cards card_schema deck_labels deck_reader
-uses_deck_structure = kinds text topology structural_data model expansion cards card_schema deck_reader deck_mesh
+uses_deck_structure = kinds text controls topology structural_data model expansion cards card_schema deck_reader deck_mesh
 uses_deck_initial_conditions = kinds text containers loads materials model cards card_schema deck_reader deck_structure
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
@@ -93,7 +98,7 @@ uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_m
 uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads materials topology structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
-uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
+uses_deck_steps = kinds text distributed_solver controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
 uses_deck_traps = kinds text materials mesh model cards card_schema deck_reader
 uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
 
@@ -129,7 +134,7 @@ uses_user_state = kinds errors loads user_routines materials topology mesh model
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
-uses_assembly = kinds containers errors sparse partition materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
+uses_assembly = kinds containers errors sparse partition ranks materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
 uses_external_loads = kinds tensor loads materials topology mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
 uses_stabilization = kinds sparse mesh steps state
 
@@ -152,14 +157,15 @@ uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_l
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
 
 # equilibrium
-uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner controls mesh steps constraints
+uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner ranks distributed_solver controls mesh steps constraints
 uses_skin_tiles = kinds containers errors blas sparse
-uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles
+uses_skin_coarse_space = kinds blas sparse constraints reduced_system skin_tiles
+uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles skin_coarse_space
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
 uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
@@ -204,9 +210,10 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
-uses_job_files = kinds text errors iteration_records restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization restart_file steps model deck state model_change user_state stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_job_files = kinds text errors iteration_records ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
-uses_main = errors posix logger version model card_table deck model_setup analysis
+uses_job_estimate = kinds text errors posix logger blas steps model assembly reduced_system schur_interface equilibrium newton_step job_files analysis
+uses_main = kinds errors posix logger version ranks distributed_solver model card_table deck model_setup analysis job_estimate

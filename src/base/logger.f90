@@ -97,7 +97,7 @@ contains
       logger%is_terminal = isatty(1_c_int) == 1
     end if
     logger%is_live = progress == PROGRESS_AUTO .and. logger%is_terminal
-    if (is_quiet .or. logger%is_live .or. progress == PROGRESS_NONE .or. present(unit) .or. present(listener)) return
+    if (is_quiet .or. logger%is_live .or. progress == PROGRESS_NONE .or. present(unit) .or. present(log_sink)) return
     call start_heartbeat(logger%heartbeat, 1_c_int, HEARTBEAT)
     call tell_heartbeat(logger%heartbeat, '        At work: the first iteration is not done yet.')
   end subroutine open_logger
