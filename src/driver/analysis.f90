@@ -621,8 +621,8 @@ contains
   end subroutine sum_works
 
 
-  !> Whether loads and supports alone change the energies: temperatures, elements and materials that change, and interferences take or
-  !! give energy that no work measures.
+  !> Whether loads and supports alone change the energies: temperatures, elements and materials that change, and interferences
+  !! take or give energy that no work measures.
   pure logical function has_energy_balance(step)
     type(step_type), intent(in) :: step
     has_energy_balance = .not. (step%has_creep .or. allocated(step%is_inactive) .or. allocated(step%is_reactivated) .or. &
@@ -632,8 +632,8 @@ contains
   end function has_energy_balance
 
 
-  !> Energy that a snap releases within an increment [energy]: the external work beyond all energies, if no path of equilibria from its
-  !! start to its end can explain it. Forces that change monotonically do a work within 1/2 |dF'du| of the trapezoidal rule; half of
+  !> Energy that a snap releases within an increment [energy]: the external work beyond all energies, if no path of equilibria
+  !! from its start to its end can explain it. Forces that change monotonically do a work within 1/2 |dF'du| of the trapezoidal rule; half of
   !! what friction, plasticity and contact took is allowed for the error of their rules.
   pure real(DP) function released_energy(old, new) result(energy)
     type(fields_type), intent(in) :: old, new      !< at the start and at the end

@@ -167,9 +167,9 @@ contains
   end function skin_merit_tolerance
 
 
-  !> The admissible residual of a direction: larger than 0 where another Newton iteration follows, to save work. Within the tolerance
-  !! of Newton's residual it is r_l at most: only the estimate of the error asks for another direction then, and a direction of zero
-  !! would answer it without any work.
+  !> The admissible residual of a direction: larger than 0 where another Newton iteration follows, to save work. Within the
+  !! tolerance of Newton's residual it is r_l at most: only the estimate of the error requires another direction then, and a
+  !! direction of zero would satisfy it without any work.
   pure real(DP) function admissible_residual(system, step) result(allowed_residual)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step

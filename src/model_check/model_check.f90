@@ -53,7 +53,7 @@ contains
     call check_materials(model, report)
     call check_equations(model, report)
     call check_contact(model, contact, slaves, report)
-    call check_unpaired_bodies(model, report)
+    if (report%n_errors == 0) call check_unpaired_bodies(model, report)   ! a faulty pair may be the one that joins them
     if (n_nonlinear_mpcs(model) > 0) then
       allocate (linear, source=model)
       call linearize_mpcs(model, equations)

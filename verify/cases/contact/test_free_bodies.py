@@ -220,7 +220,7 @@ def test_snap_through_of_friction(proof: Proof) -> None:
 def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
     """A soft block dragged over eight facets with mu = 1: its rear lifts, its front sticks and separates at once; any size of increment gets to the end.
 
-    A proximal shift moves it into contact again or on to the next equilibrium, which the terminal and .cvg tell.
+    Proximal steps lead it to the next equilibrium, which the terminal and .cvg report.
     """
     body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
     press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
@@ -229,7 +229,6 @@ def test_block_that_snaps_on(run: Run, tmp_path: Path, size: float) -> None:
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    outcomes = {"moved into contact": "proximal steps in", "snap-through to another equilibrium": "snap-through to another equilibrium"}
-    told = [message for message in outcomes if message in done.stdout]
-    assert told, done.stdout
-    assert all(outcomes[message] in (tmp_path / "job.cvg").read_text() for message in told)
+    message = "snap-through to another equilibrium"
+    assert message in done.stdout, done.stdout
+    assert message in (tmp_path / "job.cvg").read_text()
