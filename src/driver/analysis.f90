@@ -632,9 +632,9 @@ contains
   end function has_energy_balance
 
 
-  !> Energy that a snap releases within an increment [energy]: the external work beyond all energies, if no path of equilibria
-  !! from its start to its end can explain it. Forces that change monotonically do a work within 1/2 |dF'du| of the trapezoidal rule; half of
-  !! what friction, plasticity and contact took is allowed for the error of their rules.
+  !> Energy that a snap releases within an increment [energy]: the external work beyond all energies, if no path of equilibria from
+  !! its start to its end can explain it. Forces that change monotonically do a work within 1/2 |dF'du| of the trapezoidal rule;
+  !! half of what friction, plasticity and contact took is allowed for the error of their rules.
   pure real(DP) function released_energy(old, new) result(energy)
     type(fields_type), intent(in) :: old, new      !< at the start and at the end
     real(DP) :: external, stored, taken, allowed
