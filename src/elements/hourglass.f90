@@ -31,7 +31,8 @@ module amontons_hourglass
 
   integer, parameter :: MAX_ELEMENT_CORNERS = 8, MAX_MODES = 4
   real(DP), parameter :: ARTIFICIAL_HOURGLASS_FACTOR = 0.0005_DP      !< of CalculiX's hourglass stiffness [-]
-  real(DP), parameter :: THICKNESS_FACTOR = 1.0e-3_DP   !< of the thickness stabilization, over the stiffness of the material [-]
+  real(DP), parameter :: THICKNESS_FACTOR = 1.0e-5_DP   !< of the thickness stabilization, over the stiffness of the material [-]
+                                                         !! larger: coarse shells stiffen (doc/theory/elements.md)
 
   !> Nodes at the bottom and top of the fibres of a C3D20: corners, then mid-sides.
   integer, parameter :: FIBRE(2, 8) = reshape([1, 5, 2, 6, 3, 7, 4, 8, 9, 13, 10, 14, 11, 15, 12, 16], [2, 8])
