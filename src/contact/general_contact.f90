@@ -308,7 +308,7 @@ contains
   end function estimate_motion
 
 
-  !> Whether bodies that travelled farther than the search looked touch each other without a pair, or may do so in an increment
+  !> Whether bodies that moved farther than the search looked touch each other without a pair, or may do so in an increment
   !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing.
   subroutine find_unpaired_contact(model, u, du, message)
     type(model_type), intent(in) :: model

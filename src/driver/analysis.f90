@@ -393,12 +393,12 @@ contains
       record%megabytes(PHASE_OUTPUT) = record%megabytes(PHASE_OUTPUT) + peak_megabytes() - peak
       call logger%show_increment(record, done_fraction(analysis))
     end associate
-    call check_travel(analysis, error)
+    call check_unpaired_contact(analysis, error)
   end subroutine commit_analysis
 
 
   !> Ends the job where bodies under NLGEOM have come together that general contact does not know to be near.
-  subroutine check_travel(analysis, error)
+  subroutine check_unpaired_contact(analysis, error)
     type(analysis_type), intent(in) :: analysis
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
@@ -407,7 +407,7 @@ contains
       call find_unpaired_contact(analysis%model, now%u, now%time_increment * now%v, message)
     end associate
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
-  end subroutine check_travel
+  end subroutine check_unpaired_contact
 
 
   !> Stores the state as the last commit.

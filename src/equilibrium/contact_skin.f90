@@ -418,12 +418,12 @@ contains
     type(skin_type), intent(in) :: self
     real(DP), intent(in) :: d(:)                   !< (n_free) r - J x [force]
     real(DP), intent(inout) :: x(:)                !< (n_free) [length]
-    real(DP) :: force(size(self%free_of)), correction(size(self%free_of)), carried(size(self%free_of))
+    real(DP) :: force(size(self%free_of)), correction(size(self%free_of)), of_masters(size(self%free_of))
     call multiply_transpose(self%jumps, d(self%free_of), force)
     correction = 0.0_DP
     call correct_tiles(self%tiles, d(self%free_of) + force, correction)
-    call multiply(self%jumps, correction, carried)
-    x(self%free_of) = x(self%free_of) + correction + carried
+    call multiply(self%jumps, correction, of_masters)
+    x(self%free_of) = x(self%free_of) + correction + of_masters
   end subroutine apply_tiles
 
 

@@ -324,7 +324,7 @@ contains
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call forget_origins(system%contact, state%old%slaves, state%new%slaves)
-    if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters travel
+    if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call compute_norms(system, state%new%applied_force, state%new)
     system%force_rounding = ROUNDING_FACTOR * rounding_force(system%contact%laws, system%contact%local_equilibrium, &
@@ -493,7 +493,7 @@ contains
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
     call condense_forces(system%base, start%applied_force - state%new%internal_force, system%imbalance)
-    if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters travel
+    if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
     call compute_norms(system, start%applied_force, state%new)
     call stop_clock(system, clock, PHASE_CONTACT)

@@ -105,7 +105,7 @@ contains
   end subroutine mark_loaded
 
 
-  !> Forces, with those on dependent unknowns carried to the free ones.
+  !> Forces, with those on dependent unknowns transferred to the free ones.
   function condensed(base, f) result(g)
     type(constraints_type), intent(in) :: base
     real(DP), intent(in) :: f(:)                   !< (n_unknowns) [force]

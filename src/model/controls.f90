@@ -59,7 +59,7 @@ module amontons_controls
     real(DP) :: max_step_edges = 0.5_DP    !< largest step in edges of the master while a slave node approaches it [-] |
                                            !! proximal_step
     real(DP) :: max_flight_edges = 2.5_DP   !< the same while none does: within the search radius of 3 [-] | proximal_step
-    real(DP) :: min_travel_edges = 0.25_DP   !< a longer step carries a body on, and no limit counts its iteration [-] |
+    real(DP) :: min_approach_edges = 0.25_DP   !< a longer step moves a loose body, and no limit counts its iteration [-] |
                                            !! proximal_step
     real(DP) :: min_approach_gap = 1.0e-3_DP   !< least distance to first contact, over an edge of the master [-] | set
     real(DP) :: min_step_extent = 1.0e-6_DP   !< least limit of a step over the size of the model [-] | set

@@ -16,7 +16,7 @@ module amontons_convergence
   !> Measures of an iterate for the verdict.
   type :: convergence_measures_type
     integer :: iteration = 0
-    integer :: n_travelling = 0                    !< iterations that carried a body towards a support: limits do not count them
+    integer :: n_approaching = 0                   !< iterations that moved a loose body towards a support: limits do not count them
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
     real(DP) :: residual_at_gap = 0                            !< residual with compliant laws at the actual gap, over the
                                                                !! largest force [-]
@@ -56,10 +56,10 @@ contains
   end function assess_convergence
 
 
-  !> Iterations of the attempt that count for the limits: all but those that carried a body towards a support.
+  !> Iterations of the attempt that count for the limits: all but those that moved a loose body towards a support.
   pure integer function n_counted(measures) result(n)
     type(convergence_measures_type), intent(in) :: measures
-    n = measures%iteration - measures%n_travelling
+    n = measures%iteration - measures%n_approaching
   end function n_counted
 
 

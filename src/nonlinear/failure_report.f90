@@ -103,7 +103,7 @@ contains
       all(family_of(failure) /= [FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) failure = diagnose_contact_limit(model, system, state)
     if (failure%code == FAILURE_NONE .and. (system%n_shifted > newton%n_shifted .or. newton%n_ascent_directions > 1 .or. &
       newton%globalization%n_proximal > newton%globalization%n_snap_through)) failure%code = FAILURE_LIMIT_POINT
-    if (is_unsupported .and. (family_of(failure) /= FAMILY_LEFT_MASTER .or. newton%measures%n_travelling > 1)) &
+    if (is_unsupported .and. (family_of(failure) /= FAMILY_LEFT_MASTER .or. newton%measures%n_approaching > 1)) &
       failure = unsupported_body_sentence(model, state, newton)
     if (all(family_of(failure) /= [FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) &
       call diagnose_free_motion(model, system, state, newton, failure)

@@ -39,7 +39,7 @@ module amontons_newton
     type(globalization_type) :: globalization                    !< kind of the last step, and consecutive unsolved subproblems
     integer :: most_closed = 0                     !< closed slave nodes of an iterate of the attempt, at most
     real(DP), allocatable :: direction(:, :)       !< (3, n_nodes) of the last step [length]
-    real(DP) :: travel = 0                         !< sum of the lengths of the steps that carried a body [length]
+    real(DP) :: approach = 0                       !< sum of the lengths of the steps that moved a loose body [length]
     integer :: n_ascent_directions = 0                        !< iterations with an ascent direction of the merit
     integer :: n_cycles_treated = 0                        !< active-set cycles that were treated
     integer :: n_shifted = 0                       !< factorizations before this attempt that needed a shift
@@ -152,7 +152,7 @@ contains
     newton%globalization%is_rejected = report%is_rejected
     if (newton%globalization%step_kind /= STEP_KIND_NEWTON) call end_proximal_step(newton, system, model, state, u, residual)
     if (newton%outcome /= OUTCOME_OK) return
-    call note_travel(newton, system, model, step%controls%globalization, report%correction, state)
+    call note_approach(newton, system, model, step%controls%globalization, report%correction, state)
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     call check_displacements(newton, system, model, step%controls%newton, state)
     if (newton%outcome /= OUTCOME_OK) return
@@ -280,7 +280,7 @@ contains
   !> Notes a proximal step that carries a body towards a support: it closes more slave nodes than any iterate before, or moves by a
   !! good part of an edge. The limits of the iterations do not count it, as long as the path of these steps is within that of a body
   !! that finds a support: the search for supports of many bodies in a row goes on in one attempt.
-  pure subroutine note_travel(newton, system, model, controls, length, state)
+  pure subroutine note_approach(newton, system, model, controls, length, state)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
@@ -288,16 +288,16 @@ contains
     real(DP), intent(in) :: length                 !< of the step [length]
     type(state_type), intent(in) :: state
     integer :: n_closed
-    logical :: is_carried
+    logical :: is_approach
     n_closed = count(state%new%slaves%status /= STATUS_OPEN)
-    is_carried = newton%globalization%step_kind == STEP_KIND_PROXIMAL .and. newton%travel <= mesh_extent(model%mesh)
-    if (is_carried) is_carried = n_closed > newton%most_closed .or. &
-      length >= controls%min_travel_edges * minval(system%contact%edge)
+    is_approach = newton%globalization%step_kind == STEP_KIND_PROXIMAL .and. newton%approach <= mesh_extent(model%mesh)
+    if (is_approach) is_approach = n_closed > newton%most_closed .or. &
+      length >= controls%min_approach_edges * minval(system%contact%edge)
     newton%most_closed = max(newton%most_closed, n_closed)
-    if (.not. is_carried) return
-    newton%travel = newton%travel + length
-    newton%measures%n_travelling = newton%measures%n_travelling + 1
-  end subroutine note_travel
+    if (.not. is_approach) return
+    newton%approach = newton%approach + length
+    newton%measures%n_approaching = newton%measures%n_approaching + 1
+  end subroutine note_approach
 
 
   !> Tunnelling check: rejects a converged iterate if a slave node passed through its master within the increment.

@@ -94,7 +94,7 @@ contains
 
 
   !> Nearest rung of a ladder of shifts, between the smallest and the largest. The motion of a free body is known to epsilon/s only:
-  !! a shift reckoned from it would carry that rounding into the path of friction.
+  !! a shift computed from it would bring that rounding into the path of friction.
   pure real(DP) function shift_rung(limits, shift)
     type(globalization_controls_type), intent(in) :: limits
     real(DP), intent(in) :: shift                  !< [-]

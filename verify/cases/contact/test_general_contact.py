@@ -145,7 +145,7 @@ def stretched(options: str = "") -> str:
     return flat_deck([(parts[0], SOFT), (parts[1], STIFF)], "CPE4R", rules + step(loads, 20, is_nlgeom=True))
 
 
-def test_travel(run: Run, tmp_path: Path) -> None:
+def test_motion(run: Run, tmp_path: Path) -> None:
     """A body that comes from too far ends the job with a sentence; with REACH it finds its contact."""
     (tmp_path / "short.inp").write_text(stretched())
     done = run(["--outdir", tmp_path, tmp_path / "short.inp"], tmp_path)

@@ -20,7 +20,7 @@ program test_general_contact
   call check_rules()
   call check_sheets()
   call check_corner()
-  call check_travel()
+  call check_motion()
   call check_profile()
   call suite%finish()
 
@@ -141,7 +141,7 @@ contains
 
 
   !> Under NLGEOM a prescribed displacement widens the search; without NLGEOM it does not.
-  subroutine check_travel()
+  subroutine check_motion()
     character(*), parameter :: PUSH = '*STATIC;*BOUNDARY;NLOW,1,3;NUP,3,3,-13.;*END STEP;'
     call find(two_blocks(12.0_DP, 100.0_DP, 100.0_DP) // GENERAL // '*STEP;' // PUSH)
     call suite%that('small displacements', size(found%pairs) == 0)
@@ -151,7 +151,7 @@ contains
     call find(two_blocks(12.0_DP, 100.0_DP, 100.0_DP) // GENERAL // '*STEP, NLGEOM;*STATIC;' // &
       '*BOUNDARY;NLOW,1,3;NUP,3,3,-1.;*END STEP;')
     call suite%that('too short a way', size(found%pairs) == 0)
-  end subroutine check_travel
+  end subroutine check_motion
 
 
   !> A block on an analytic plane.

@@ -29,7 +29,7 @@ program test_analytic_master
 contains
 
   !> Facets of a profile whose carriers are the nodes 2 to 5 (flat: 2 to 4); node 1 is the slave.
-  subroutine carry(profile, facets, x)
+  subroutine move_profile(profile, facets, x)
     type(analytic_profile_type), intent(inout) :: profile
     type(facets_type), intent(out) :: facets
     real(DP), intent(out) :: x(3, 5)
@@ -44,7 +44,7 @@ contains
       x(:, k + 1) = profile%anchor + merge(profile%span, 0.0_DP, [1, 2, 3] == k - 1)
     end do
     call build_profile_facets(profile, 0.1_DP, facets)
-  end subroutine carry
+  end subroutine move_profile
 
 
   !> A rotation by an angle about an axis through the origin, then a translation.
@@ -78,7 +78,7 @@ contains
     real(DP), parameter :: POINTS(3, 3) = reshape([-2.3_DP, 0.4_DP, 0.7_DP, -1.5_DP, -0.8_DP, 0.9_DP, -3.0_DP, 0.0_DP, 0.0_DP], &
       [3, 3])
     call make_ball(profile)
-    call carry(profile, facets, x)
+    call move_profile(profile, facets, x)
     y = moved(x, 0.7_DP, [1.0_DP, 2.0_DP, -3.0_DP])
     centre = [1.0_DP, 2.0_DP, -3.0_DP]
     do i = 1, 3
@@ -105,7 +105,7 @@ contains
     real(DP) :: x(3, 5)
     profile%kind = PROFILE_EXTRUDED
     call add_arc(profile, [1.5_DP, 0.0_DP], [0.0_DP, 1.5_DP], [0.0_DP, 0.0_DP])
-    call carry(profile, facets, x)
+    call move_profile(profile, facets, x)
     x(:, 1) = [0.6_DP, 0.8_DP, 40.0_DP]
     call find_projection(facets, search, x, x(:, 1), 5.0_DP, found)
     call suite%near('bore: gap', found%gap, 0.5_DP, 1.0e-14_DP)
@@ -124,7 +124,7 @@ contains
     call add_arc(profile, [1.0_DP, 0.0_DP], [0.0_DP, 1.0_DP], [1.0_DP, 1.0_DP])
     call add_line(profile, [0.0_DP, 1.0_DP], [0.0_DP, 3.0_DP])
     call add_line(profile, [0.0_DP, 3.0_DP], [1.0_DP, 3.0_DP])
-    call carry(profile, facets, x)
+    call move_profile(profile, facets, x)
     f = 1
     call track_projection(facets, x, [-0.1_DP, 2.0_DP, 0.0_DP], f, xi, g, n, status)
     call suite%that('walk: to the wall', f == 3 .and. status == PROJECTION_INSIDE)
@@ -152,7 +152,7 @@ contains
     type(projection_type) :: found
     real(DP) :: x(3, 5)
     call add_line(profile, [-1.0_DP, 0.0_DP], [1.0_DP, 0.0_DP])
-    call carry(profile, facets, x)
+    call move_profile(profile, facets, x)
     call find_projection(facets, search, x, [0.2_DP, -0.4_DP, 0.0_DP], 0.3_DP, found)
     call suite%that('deep: none', found%facet == 0 .and. found%status == PROJECTION_OUTSIDE)
     call find_projection(facets, search, x, [0.2_DP, 9.0_DP, 0.0_DP], 0.3_DP, found)
@@ -195,7 +195,7 @@ contains
     call add_arc(profile, [1.0_DP, -0.6_DP], [1.6_DP, 0.0_DP], [1.6_DP, -0.6_DP])
     call add_line(profile, [1.6_DP, 0.0_DP], [2.4_DP, 0.5_DP])
     call add_arc(profile, [0.2_DP, -1.4_DP], [0.8_DP, -0.8_DP], [0.2_DP, -0.8_DP])
-    call carry(profile, facets, x)
+    call move_profile(profile, facets, x)
     worst = 0.0_DP
     do i = 1, 4
       x(:, 1) = merge(POINTS(:, i), 0.0_DP, [.true., .true., kind /= PROFILE_PLANAR])
@@ -204,7 +204,7 @@ contains
       call find_projection(facets, search, x, x(:, 1), 5.0_DP, found)
       if (found%facet == 0) error stop 'a point of the derivative test has no place'
       call compare(facets, x, found, worst)
-      call carry(profile, facets, x)
+      call move_profile(profile, facets, x)
     end do
     call suite%near('derivatives against central differences', worst, 0.0_DP, 1.0e-8_DP)
   end subroutine check_derivatives
@@ -253,7 +253,7 @@ contains
     type(projection_type) :: found
     real(DP) :: x(3, 5), worst
     call make_ball(profile)
-    call carry(profile, facets, x)
+    call move_profile(profile, facets, x)
     x(:, 1) = [-2.2_DP, 0.0_DP, 0.0_DP]
     call find_projection(facets, search, x, x(:, 1), 5.0_DP, found)
     worst = 0.0_DP

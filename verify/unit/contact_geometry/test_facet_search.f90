@@ -21,7 +21,7 @@ program test_facet_search
   call check_place_and_size(suite)
   call check_size_of_grid(suite)
   call check_empty(suite)
-  call check_travelling(suite)
+  call check_moving(suite)
   call suite%finish()
 
 contains
@@ -43,8 +43,8 @@ contains
   end subroutine make_grid
 
 
-  !> A surface that travels: the grid follows once it has moved farther than the slack.
-  subroutine check_travelling(suite)
+  !> A surface that moves: the grid follows once it has moved farther than the slack.
+  subroutine check_moving(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(facets_type) :: facets
@@ -67,7 +67,7 @@ contains
     call find_near_facets(search, point, list, n)
     call suite%that('beyond it the grid follows', any(list(:n) == 1))
     call suite%that('its margin stays', abs(search%margin - 0.5_DP) <= 0.0_DP)
-  end subroutine check_travelling
+  end subroutine check_moving
 
 
   !> Distance from a point to the nearest corner of a facet: never less than the distance to the facet.

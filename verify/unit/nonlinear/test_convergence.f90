@@ -15,7 +15,7 @@ program test_convergence
   call check_divergence(suite)
   call check_estimate(suite)
   call check_early_end(suite)
-  call check_travel(suite)
+  call check_approach(suite)
   call suite%finish()
 
 contains
@@ -45,19 +45,19 @@ contains
   end function sample_measures
 
 
-  !> Iterations that carry a body count for no limit.
-  subroutine check_travel(suite)
+  !> Iterations that move a loose body count for no limit.
+  subroutine check_approach(suite)
     type(suite_type), intent(inout) :: suite
     type(convergence_measures_type) :: measures
     measures = sample_measures()
     measures%residual = [0.5_DP, 0.4_DP, 0.3_DP]   ! grows
     measures%iteration = 20
     call suite%that('too many iterations', assess_convergence(sample_controls(), measures) == VERDICT_TOO_SLOW)
-    measures%n_travelling = 16
+    measures%n_approaching = 16
     call suite%that('four of them count', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
-    measures%n_travelling = 15
+    measures%n_approaching = 15
     call suite%that('five count: divergence', assess_convergence(sample_controls(), measures) == VERDICT_DIVERGES)
-  end subroutine check_travel
+  end subroutine check_approach
 
 
   !> Convergence: by both limits, by the scaled correction, by a residual below r_l, by the weaker limit of late iterations.
