@@ -32,7 +32,7 @@ TIMES = [0.0, 0.5, 1.0]
 #: VTK cell type, nodes and volume of the parent element of each kind, in the order of topology.f90: the solids
 KINDS = [
     (10, 4, 1 / 6), (13, 6, 1.0), (12, 8, 8.0), (12, 8, 8.0), (24, 10, 1 / 6), (25, 20, 8.0), (25, 20, 8.0), (12, 8, 8.0),
-    (12, 8, 8.0), (26, 15, 1.0),
+    (12, 8, 8.0), (26, 15, 1.0), (12, 8, 8.0), (13, 6, 1.0),
 ]  # fmt: skip
 
 
