@@ -161,13 +161,15 @@ $(addprefix $(B)/,$(addsuffix .o,dense woodbury_interface)): dense.inc
 unit: $(UNITS) ## Build the unit test programs
 	@:
 
-$(B)/unit/check.o: verify/unit/check.f90
+.SECONDARY: $(B)/unit/check.o $(B)/unit/samples.o
+
+$(B)/unit/%.o: verify/unit/%.f90 $(LIB)/libamontons.a
 	@echo "compiling $<" && mkdir -p $(@D)
-	$(Q)$(FC) $(FFLAGS) -J$(@D) -c $< -o $@
+	$(Q)$(FC) $(FFLAGS) -I$(B) -J$(@D) -c $< -o $@
 
 vpath test_%.f90 $(sort $(dir $(UNIT_SOURCES)))
 
-$(B)/unit/test_%: test_%.f90 $(B)/unit/check.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
+$(B)/unit/test_%: test_%.f90 $(B)/unit/check.o $(B)/unit/samples.o $(LIB)/libamontons.a $(wildcard verify/unit/*.inc)
 	@echo "compiling $<" && mkdir -p $@.modules
 	$(Q)$(FC) $(FFLAGS) $(UNIT_$(BUILD)) -Wno-integer-division -I$(B) -I$(@D) -Iverify/unit $(INCLUDES) -J$@.modules -rdynamic -o $@ $(filter-out %.inc,$^) $(LDLIBS)
 

@@ -287,7 +287,7 @@ contains
   end subroutine solve_distributed
 
 
-  !> This rank's rows of a vector, and room for a whole one in the order of the rows.
+  !> This rank's rows of a vector, and space for a whole one in the order of the rows.
   subroutine scatter(self, b, own, whole)
     type(distributed_solver_type), intent(in) :: self
     real(DP), intent(in) :: b(:)

@@ -9,8 +9,8 @@ program test_external_loads
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_sparse, only: multiply_symmetric
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
-  use amontons_text, only: NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   real(DP), parameter :: TOL = 1.0e-12_DP            ! rounding of sums of forces of size 100
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,2,0,0;3,2,3,0;4,0,3,0;5,0,0,4;6,2,0,4;7,2,3,4;8,0,3,4;' // &

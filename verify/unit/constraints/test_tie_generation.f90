@@ -6,9 +6,9 @@ program test_tie_generation
   use amontons_kinds, only: DP
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
-  use amontons_text, only: NEWLINE
   use amontons_tie_generation, only: generate_ties
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   real(DP), parameter :: TOL = 1.0e-13_DP            ! rounding of sums of numbers of size 10
   ! Below: two cubes of side 2 side by side. Above: one of side 1, its bottom 0.01 above them.

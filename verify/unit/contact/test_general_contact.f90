@@ -4,10 +4,11 @@ program test_general_contact
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE, to_text
+  use amontons_text, only: to_text
   use amontons_model, only: model_type, job_options_type
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
   character(*), parameter :: LINEAR_STEP = '*STEP;*STATIC;*BOUNDARY;11,1,3;*END STEP;'
@@ -184,13 +185,8 @@ contains
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     type(job_options_type) :: options
-    character(:), allocatable :: deck
     integer :: i
-    deck = cards
-    do i = 1, len(deck)
-      if (deck(i:i) == ';') deck(i:i) = NEWLINE
-    end do
-    call read_deck_text(deck, options, model, diagnostics, error)
+    call read_deck_text(deck_lines(cards), options, model, diagnostics, error)
     call suite%that('deck', .not. allocated(error))
     if (allocated(error)) then
       do i = 1, diagnostics%n_items

@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_analysis
   use check, only: suite_type
+  use samples, only: deck_lines
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, solve_increment, begin_trial, iterate_trial, &
     commit_analysis, rollback_analysis, finish_analysis, is_at_end
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
@@ -9,7 +10,6 @@ program test_analysis
   use amontons_kinds, only: DP
   use amontons_logger, only: logger_type
   use amontons_model, only: job_options_type
-  use amontons_text, only: NEWLINE
   implicit none
   real(DP), parameter :: TOL = 1.0e-9_DP
   type(suite_type) :: suite

@@ -24,6 +24,7 @@ program test_c_interface
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_funloc, c_funptr, c_int, c_int32_t, &
     c_int64_t, c_loc, c_null_char, c_null_funptr, c_null_ptr, c_ptr
   use check, only: suite_type
+  use samples, only: deck_lines
   use lines_of_c, only: count_line
   use amontons_kinds, only: DP
   use amontons_errors, only: EXIT_SUCCESS, EXIT_USAGE, EXIT_DECK

@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_job_estimate
   use check, only: suite_type
+  use samples, only: deck_lines
   use amontons_errors, only: error_type, EXIT_DECK
   use amontons_job_estimate, only: estimate_job, job_estimate_type, describe_estimate
   use amontons_kinds, only: DP
@@ -28,11 +29,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(logger_type) :: logger                    ! never opened: quiet
     type(job_options_type) :: options
-    integer :: i
-    options%deck_text = deck
-    do i = 1, len(deck)
-      if (deck(i:i) == ';') options%deck_text(i:i) = NEWLINE
-    end do
+    options%deck_text = deck_lines(deck)
     options%n_threads = 1
     call estimate_job(options, logger, estimate, error)
   end subroutine estimate_deck

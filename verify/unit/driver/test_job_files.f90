@@ -2,13 +2,13 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_job_files
   use check, only: suite_type
+  use samples, only: deck_lines
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, solve_increment, finish_analysis
   use amontons_errors, only: error_type
   use amontons_job_files, only: describe_result_files, is_at_end
   use amontons_kinds, only: DP
   use amontons_logger, only: logger_type
   use amontons_model, only: job_options_type
-  use amontons_text, only: NEWLINE
   implicit none
   real(DP), parameter :: TOL = 1.0e-9_DP
   character(*), parameter :: JOB = 'test_job_files_cube'

@@ -3,13 +3,13 @@
 program test_job_query
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use check, only: suite_type
+  use samples, only: deck_lines
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis
   use amontons_errors, only: error_type, EXIT_USAGE
   use amontons_job_query, only: query_values, set_driven_values, query_names, current_step, time_in_step, time_left_in_step
   use amontons_kinds, only: DP
   use amontons_logger, only: logger_type
   use amontons_model, only: job_options_type
-  use amontons_text, only: NEWLINE
   implicit none
   real(DP), parameter :: TOL = 1.0e-9_DP
   type(suite_type) :: suite

@@ -25,6 +25,7 @@ end module letter_counter
 
 program test_library
   use check, only: suite_type
+  use samples, only: deck_lines
   use letter_counter, only: memory_type
   use amontons_kinds, only: DP
   use amontons_text, only: NEWLINE

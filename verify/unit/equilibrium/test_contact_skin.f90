@@ -6,11 +6,12 @@ program test_contact_skin
   use amontons_mesh, only: mesh_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_factorization, only: FACTOR_OK
-  use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
-    add_constraint_row, eliminate_constraints
+  use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, &
+    eliminate_constraints
   use amontons_reduced_system, only: factorise_reduced_system
   use amontons_contact_skin, only: skin_type, partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
   use check, only: suite_type
+  use samples, only: dense_of, add_oblique_row, make_chain_mesh
   implicit none
   integer, parameter :: N_NODES = 20, N = 3 * N_NODES, SLAVE = 11, MASTER = 10
   real(DP), parameter :: MU = 0.3_DP
@@ -30,27 +31,15 @@ contains
 
   !> Bars between neighbours but for nodes 10 and 11; both ends fixed. The slave's row is oblique, its friction acts along y.
   subroutine make_chains()
-    type(constraint_row_type) :: row
     type(error_type), allocatable :: error
-    integer :: i, status
-    integer, parameter :: AT = 3 * (SLAVE - 1), TO = 3 * (MASTER - 1)
+    integer :: i
     call sparse_from_triplets(N, N, [(i, i=1, N), (i, i=1, N - 3)], [(i, i=1, N), (i + 3, i=1, N - 3)], &
       [(5.0_DP, i=1, N), (merge(0.0_DP, -2.0_DP, (i + 2) / 3 == MASTER), i=1, N - 3)], K, error)
     call fix_ends(base)
     call eliminate_constraints(base)
     call fix_ends(whole)
-    row%unknown = [AT + 1, AT + 2, TO + 1, TO + 2]
-    row%coefficient = [1.0_DP, 0.5_DP, -1.0_DP, -0.5_DP]
-    call add_constraint_row(whole, row, 1, 1.0e-9_DP, status)
-    call eliminate_constraints(whole)
-    call sparse_from_triplets(N, N, [AT + 1, AT + 2, TO + 1, TO + 2], [AT + 1, AT + 1, AT + 1, AT + 1], &
-      [-0.2_DP, MU, 0.2_DP, -MU], D_R, error)
-    call sparse_from_triplets(N, N, [AT + 3, TO + 3], [AT + 3, AT + 2], [-0.7_DP, 0.4_DP], D_u, error)
-    mesh%n_nodes = N_NODES
-    mesh%n_elements = N_NODES - 1
-    mesh%coordinates = reshape([(real(mod(i, 7), DP) + real(i, DP), i=1, N)], [3, N_NODES])
-    mesh%first = [(2 * i - 1, i=1, N_NODES)]
-    mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (N_NODES - 1))]
+    call add_oblique_row(SLAVE, MASTER, MU, whole, D_R, D_u)
+    call make_chain_mesh([(real(mod(i, 7), DP) + real(i, DP), i=1, N)], mesh)
   end subroutine make_chains
 
 
@@ -91,28 +80,12 @@ contains
   end subroutine make_skin
 
 
-  !> A matrix with all entries; of a symmetric one the upper triangle is given.
-  pure function dense_of(matrix, is_symmetric) result(full)
-    type(sparse_type), intent(in) :: matrix
-    logical, intent(in) :: is_symmetric
-    real(DP) :: full(matrix%n_rows, matrix%n_columns)
-    integer :: i, p
-    full = 0.0_DP
-    do i = 1, matrix%n_rows
-      do p = matrix%first(i), matrix%first(i + 1) - 1
-        full(i, matrix%column(p)) = matrix%value(p)
-        if (is_symmetric) full(matrix%column(p), i) = matrix%value(p)
-      end do
-    end do
-  end function dense_of
-
-
   !> J = C' ((1 + D_R) K - D_u) C.
   pure function tangent() result(J)
     real(DP) :: J(whole%n_free, whole%n_free), C(N, whole%n_free), stiffness(N, N)
-    C = dense_of(whole%transformation, .false.)
-    stiffness = dense_of(K, .true.)
-    J = matmul(transpose(C), matmul(stiffness + matmul(dense_of(D_R, .false.), stiffness) - dense_of(D_u, .false.), C))
+    C = dense_of(whole%transformation)
+    stiffness = dense_of(K, is_symmetric=.true.)
+    J = matmul(transpose(C), matmul(stiffness + matmul(dense_of(D_R), stiffness) - dense_of(D_u), C))
   end function tangent
 
 
@@ -132,9 +105,9 @@ contains
     call make_skin(base, skin)
     r = numbers(base%n_free, 3)
     call apply_bulk(skin, r, x)
-    C = dense_of(base%transformation, .false.)
-    call suite%near('no rows: K x = r', maxval(abs(matmul(transpose(C), matmul(dense_of(K, .true.), matmul(C, x))) - r)), 0.0_DP, &
-      1.0e-12_DP)
+    C = dense_of(base%transformation)
+    call suite%near('no rows: K x = r', &
+      maxval(abs(matmul(transpose(C), matmul(dense_of(K, is_symmetric=.true.), matmul(C, x))) - r)), 0.0_DP, 1.0e-12_DP)
   end subroutine check_bulk_alone
 
 
@@ -184,7 +157,7 @@ contains
     du = numbers(N, 1)
     d_imbalance = numbers(N, 2)
     w = numbers(N, 3)
-    expected = w - matmul(dense_of(D_R, .false.), d_imbalance) - matmul(dense_of(D_u, .false.), du)
+    expected = w - matmul(dense_of(D_R), d_imbalance) - matmul(dense_of(D_u), du)
     call subtract_contact(skin, du, d_imbalance, w)
     call suite%near('forces', maxval(abs(w - expected)), 0.0_DP, 1.0e-14_DP)
   end subroutine check_forces

@@ -12,6 +12,7 @@ program test_schur_interface
   use amontons_schur_interface, only: schur_interface_type, is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, &
     factorise_woodbury, apply_schur_interface
   use check, only: suite_type
+  use samples, only: dense_of
   implicit none
   type(suite_type) :: suite
   integer, parameter :: N = 30                     ! unknowns: a chain of 10 nodes
@@ -106,20 +107,6 @@ contains
     K = K + matmul(dense_of(imbalance_tangent), matmul(free, K)) - dense_of(displacement_tangent)
     J = matmul(transpose(C), matmul(K, C))
   end function dense_tangent
-
-
-  !> A sparse matrix with all its zeros.
-  pure function dense_of(matrix) result(a)
-    type(sparse_type), intent(in) :: matrix
-    real(DP) :: a(matrix%n_rows, matrix%n_columns)
-    integer :: i, p
-    a = 0.0_DP
-    do i = 1, matrix%n_rows
-      do p = matrix%first(i), matrix%first(i + 1) - 1
-        a(i, matrix%column(p)) = matrix%value(p)
-      end do
-    end do
-  end function dense_of
 
 
   !> The unknowns of nodes 5 to 9.

@@ -7,12 +7,13 @@ program test_skin_coarse_space
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_sum
   use amontons_factorization, only: FACTOR_OK
   use amontons_dense, only: solve_small
-  use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
-    add_constraint_row, eliminate_constraints
+  use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, &
+    eliminate_constraints
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system
   use amontons_skin_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
     correct_coarse
   use check, only: suite_type
+  use samples, only: dense_of, add_oblique_row, make_chain_mesh
   implicit none
   integer, parameter :: N_NODES = 12, HALF = 6, N = 3 * N_NODES, SLAVE = 9, MASTER = 3, N_PATCHES = 2
   real(DP), parameter :: MU = 0.3_DP
@@ -33,10 +34,8 @@ contains
 
   !> Chains of the nodes 1 to 6 and 7 to 12 with springs between node i and i + 6. Each chain has one fixed unknown.
   subroutine make_chains()
-    type(constraint_row_type) :: row
     type(error_type), allocatable :: error
-    integer :: i, status
-    integer, parameter :: AT = 3 * (SLAVE - 1), TO = 3 * (MASTER - 1)
+    integer :: i
     call sparse_from_triplets(N, N, [(i, i=1, N), (i, i=1, N - 3)], [(i, i=1, N), (i + 3, i=1, N - 3)], &
       [(5.0_DP + 0.1_DP * real(mod(i, 4), DP), i=1, N), (merge(0.0_DP, -2.0_DP, (i + 2) / 3 == HALF), i=1, N - 3)], K, error)
     call sparse_from_triplets(N, N, [(i, i=1, N), (i, i=1, N / 2)], [(i, i=1, N), (i + N / 2, i=1, N / 2)], &
@@ -44,18 +43,8 @@ contains
     call fix_unknowns(base)
     call eliminate_constraints(base)
     call fix_unknowns(whole)
-    row%unknown = [AT + 1, AT + 2, TO + 1, TO + 2]
-    row%coefficient = [1.0_DP, 0.5_DP, -1.0_DP, -0.5_DP]
-    call add_constraint_row(whole, row, 1, 1.0e-9_DP, status)
-    call eliminate_constraints(whole)
-    call sparse_from_triplets(N, N, [AT + 1, AT + 2, TO + 1, TO + 2], [AT + 1, AT + 1, AT + 1, AT + 1], &
-      [-0.2_DP, MU, 0.2_DP, -MU], D_R, error)
-    call sparse_from_triplets(N, N, [AT + 3, TO + 3], [AT + 3, AT + 2], [-0.7_DP, 0.4_DP], D_u, error)
-    mesh%n_nodes = N_NODES
-    mesh%n_elements = N_NODES - 1
-    mesh%coordinates = reshape([(real(i, DP) + 0.3_DP * real(mod(i, 5), DP), i=1, N)], [3, N_NODES])
-    mesh%first = [(2 * i - 1, i=1, N_NODES)]
-    mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (N_NODES - 1))]
+    call add_oblique_row(SLAVE, MASTER, MU, whole, D_R, D_u)
+    call make_chain_mesh([(real(i, DP) + 0.3_DP * real(mod(i, 5), DP), i=1, N)], mesh)
     is_slave = [(i > HALF, i=1, N_NODES)]
   end subroutine make_chains
 
@@ -79,7 +68,7 @@ contains
       if (whole%free_of(i) > 0) unknown_of(whole%free_of(i)) = i
     end do
     p = findloc(base%owner == 0 .and. whole%owner > 0, .true., dim=1)
-    T = dense_of(whole%transformation, .false.)
+    T = dense_of(whole%transformation)
     A = 0.0_DP
     A(unknown_of) = -T(p, :)
     A(p) = A(p) + 1.0_DP
@@ -90,33 +79,17 @@ contains
   end subroutine make_rows
 
 
-  !> A matrix with all entries; of a symmetric one the upper triangle is given.
-  pure function dense_of(matrix, is_symmetric) result(full)
-    type(sparse_type), intent(in) :: matrix
-    logical, intent(in) :: is_symmetric
-    real(DP) :: full(matrix%n_rows, matrix%n_columns)
-    integer :: i, p
-    full = 0.0_DP
-    do i = 1, matrix%n_rows
-      do p = matrix%first(i), matrix%first(i + 1) - 1
-        full(i, matrix%column(p)) = matrix%value(p)
-        if (is_symmetric) full(matrix%column(p), i) = matrix%value(p)
-      end do
-    end do
-  end function dense_of
-
-
   !> J = T' ((1 + D_R E) K - D_u) T: the condensation E leaves out the reactions of fixed unknowns.
   pure function tangent() result(J)
     real(DP) :: J(whole%n_free, whole%n_free), T(N, whole%n_free), stiffness(N, N), condensed(N, N)
     integer :: i
-    T = dense_of(whole%transformation, .false.)
-    stiffness = dense_of(K, .true.)
+    T = dense_of(whole%transformation)
+    stiffness = dense_of(K, is_symmetric=.true.)
     condensed = stiffness
     do i = 1, N
       if (base%free_of(i) == 0) condensed(i, :) = 0.0_DP
     end do
-    J = matmul(transpose(T), matmul(stiffness + matmul(dense_of(D_R, .false.), condensed) - dense_of(D_u, .false.), T))
+    J = matmul(transpose(T), matmul(stiffness + matmul(dense_of(D_R), condensed) - dense_of(D_u), T))
   end function tangent
 
 
@@ -124,8 +97,8 @@ contains
   pure function projected(g) result(x)
     real(DP), intent(in) :: g(N)
     real(DP) :: x(whole%n_free), moved(N), A(1, N), D(1, N)
-    A = dense_of(rows, .false.)
-    D = dense_of(directions, .false.)
+    A = dense_of(rows)
+    D = dense_of(directions)
     moved = g - D(1, :) * dot_product(A(1, :), g)
     x = moved(unknown_of)
   end function projected
@@ -139,9 +112,9 @@ contains
     do i = 1, N / 2
       loads(N / 2 + i, i) = 1.0_DP
     end do
-    matrix = dense_of(S, .true.)
+    matrix = dense_of(S, is_symmetric=.true.)
     loads = matmul(matrix, loads)
-    matrix = matrix + dense_of(K, .true.)
+    matrix = matrix + dense_of(K, is_symmetric=.true.)
     do i = 1, N
       if (base%free_of(i) > 0) cycle
       matrix(i, :) = 0.0_DP

@@ -4,10 +4,10 @@ program test_directors
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_directors, only: find_element_normals
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;'
   character(*), parameter :: STEP_PART = '*STEP;*STATIC;*END STEP;'

@@ -4,7 +4,6 @@ program test_expanded_elements
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_expanded_elements, only: expanded_kind
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
   use amontons_shape_functions, only: shape_functions, quadrature
@@ -12,6 +11,7 @@ program test_expanded_elements
   use amontons_topology, only: element_kind, element_kind_type, KIND_S4R, KIND_S8R, KIND_C3D4, KIND_C3D8R, KIND_CSS8, &
     KIND_C3D20R, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,2,0,0;3,2,1,0;4,0,1,0;5,1,0,0;6,2,.5,0;7,1,1,0;8,0,.5,0;9,1,.5,0;' // &
     '*MATERIAL, NAME=M;*ELASTIC;100.,0.3;'

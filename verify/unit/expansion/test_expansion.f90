@@ -3,10 +3,10 @@
 program test_expansion
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
   use amontons_topology, only: KIND_C3D8, KIND_CSS8
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;11,0,0,0;12,1,0,0;13,1,1,0;14,0,1,0;15,0,0,1;16,1,0,1;17,1,1,1;18,0,1,1;' // &
     '*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*ELEMENT, TYPE=C3D8, ELSET=S;7,11,12,13,14,15,16,17,18;*SOLID SECTION, ELSET=S, ' // &

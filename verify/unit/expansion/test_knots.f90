@@ -4,12 +4,12 @@ program test_knots
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_constraints, only: constraint_row_type
   use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_MEAN_ROTATION
   use amontons_nonlinear_mpc, only: evaluate_mpc_rows, rotation_matrix
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,1,0,1;6,1,1,1;*MATERIAL, NAME=M;*ELASTIC;' // &
     '100.,0.3;*ELEMENT, TYPE=S4, ELSET=E;1,1,2,3,4;*SHELL SECTION, ELSET=E, MATERIAL=M;.1;'

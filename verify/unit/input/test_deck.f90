@@ -15,6 +15,7 @@ program test_deck
   use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D20, KIND_CPS4, &
     KIND_CPE4, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: NL = NEWLINE
   ! Two cubes of side 1: element 1 below (z from 0 to 1), element 2 above it with nodes of its own (z from 1 to 2).
@@ -71,20 +72,8 @@ contains
     integer, intent(in), optional :: dialect
     type(job_options_type) :: options
     if (present(dialect)) options%dialect = dialect
-    call read_deck_text(with_newlines(text), options, model, diagnostics, error)
+    call read_deck_text(deck_lines(text), options, model, diagnostics, error)
   end subroutine read
-
-
-  !> A deck with its semicolons turned into newlines.
-  pure function with_newlines(text) result(lines)
-    character(*), intent(in) :: text
-    character(len(text)) :: lines
-    integer :: i
-    lines = text
-    do i = 1, len(text)
-      if (text(i:i) == ';') lines(i:i) = NEWLINE
-    end do
-  end function with_newlines
 
 
   !> Reads a valid deck.
@@ -196,7 +185,7 @@ contains
     if (status /= 0 .or. folder == '') folder = '/tmp'
     options%deck = trim(folder) // '/amontons_test_deck'
     open (newunit=unit, file=options%deck // '.inp', access='stream', form='unformatted', status='replace')
-    write (unit) with_newlines(MODEL_PART // STEP_PART)
+    write (unit) deck_lines(MODEL_PART // STEP_PART)
     close (unit)
     call read_deck(options, model, diagnostics, error)
     call suite%that('deck from a file', .not. allocated(error) .and. model%mesh%n_nodes == 16)

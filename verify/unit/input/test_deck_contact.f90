@@ -4,11 +4,11 @@ program test_deck_contact
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_surfaces, only: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, &
     BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;11,0,0,1;' // &
     '12,1,0,1;13,1,1,1;14,0,1,1;15,0,0,2;16,1,0,2;17,1,1,2;18,0,1,2;*ELEMENT, TYPE=C3D8, ELSET=E;1,1,2,3,4,5,6,7,8;' // &

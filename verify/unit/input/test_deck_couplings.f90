@@ -5,9 +5,9 @@ program test_deck_couplings
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, dof_direction, DIALECT_ABAQUS, DIALECT_CALCULIX
-  use amontons_text, only: NEWLINE
   use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE, NSET=ALL;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;' // &
     '8,0,1,1;11,0,0,2;12,1,0,2;13,1,1,2;14,0,1,2;90,0,0,3;91,5,5,5;*ELEMENT, TYPE=C3D8, ELSET=E;' // &
@@ -37,19 +37,15 @@ contains
     character(*), intent(in), optional :: step
     type(job_options_type) :: options
     character(:), allocatable :: whole
-    integer :: i
     whole = MODEL_PART // text
     if (present(step)) then
       whole = whole // step
     else
       whole = whole // STEP_PART
     end if
-    do i = 1, len(whole)
-      if (whole(i:i) == ';') whole(i:i) = NEWLINE
-    end do
     options%dialect = DIALECT_ABAQUS
     if (present(dialect)) options%dialect = dialect
-    call read_deck_text(whole, options, model, diagnostics, error)
+    call read_deck_text(deck_lines(whole), options, model, diagnostics, error)
   end subroutine read
 
 

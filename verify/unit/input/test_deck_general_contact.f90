@@ -3,10 +3,10 @@
 program test_deck_general_contact
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type
   use amontons_surfaces, only: BEHAVIOR_HARD
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;11,0,0,1;' // &
     '12,1,0,1;13,1,1,1;14,0,1,1;15,0,0,2;16,1,0,2;17,1,1,2;18,0,1,2;*ELEMENT, TYPE=C3D8, ELSET=E;1,1,2,3,4,5,6,7,8;' // &
@@ -77,13 +77,7 @@ contains
     type(diagnostic_list_type), intent(out) :: diagnostics
     type(error_type), allocatable, intent(out) :: error
     type(job_options_type) :: options
-    character(:), allocatable :: deck
-    integer :: i
-    deck = MODEL_PART // cards // STEP_PART
-    do i = 1, len(deck)
-      if (deck(i:i) == ';') deck(i:i) = NEWLINE
-    end do
-    call read_deck_text(deck, options, model, diagnostics, error)
+    call read_deck_text(deck_lines(MODEL_PART // cards // STEP_PART), options, model, diagnostics, error)
   end subroutine read_with
 
 

@@ -5,8 +5,8 @@ program test_deck_generate
   use amontons_cards, only: cards_type, deck_messages_type, open_cards_text, line_text
   use amontons_deck_generate, only: generate_mesh
   use amontons_deck_labels, only: label_scope_type, clear_scope, read_mesh_card, find_label_index, find_element
-  use amontons_text, only: NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   real(DP), parameter :: TOL = 1.0e-14_DP            ! rounding of coordinates of size 10
   type(suite_type) :: suite
@@ -26,13 +26,8 @@ contains
     type(cards_type), intent(out) :: cards
     type(deck_messages_type), intent(out) :: messages
     type(label_scope_type), intent(out) :: scope
-    character(len(text)) :: lines
     integer :: i
-    lines = text
-    do i = 1, len(text)
-      if (text(i:i) == ';') lines(i:i) = NEWLINE
-    end do
-    call open_cards_text(lines, 'deck', cards, messages)
+    call open_cards_text(deck_lines(text), 'deck', cards, messages)
     call generate_mesh(cards, messages)
     call clear_scope(scope)
     do i = 1, cards%n_cards

@@ -6,8 +6,8 @@ program test_deck_labels
   use amontons_containers, only: integer_list_type
   use amontons_deck_labels, only: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, &
     add_element, sort_unique, find_label_index, find_element, to_cartesian
-  use amontons_text, only: NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   type(suite_type) :: suite
   call check_coordinates()
@@ -26,13 +26,8 @@ contains
     type(label_scope_type), intent(out) :: scope
     type(cards_type) :: cards
     type(deck_messages_type) :: messages
-    character(len(text)) :: lines
     integer :: i
-    lines = text
-    do i = 1, len(text)
-      if (text(i:i) == ';') lines(i:i) = NEWLINE
-    end do
-    call open_cards_text(lines, 'deck', cards, messages)
+    call open_cards_text(deck_lines(text), 'deck', cards, messages)
     call clear_scope(scope)
     do i = 1, cards%n_cards
       call read_mesh_card(cards, i, scope)

@@ -6,9 +6,9 @@ program test_deck_loads
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, &
     DISTRIBUTED_TRACTION
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;11,0,0,2;' // &
     '12,1,0,2;13,1,1,2;14,0,1,2;90,5,5,5;91,0,3,0;92,1,3,0;93,1,4,0;94,0,4,0;*ELEMENT, TYPE=C3D8, ELSET=E;' // &

@@ -8,8 +8,8 @@ program test_deck_materials
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     SYSTEM_CYLINDRICAL, HISTORY_PEEQ, HISTORY_INELASTIC, HISTORY_BACK
   use amontons_model, only: model_type, job_options_type, DIALECT_CALCULIX, DIALECT_ABAQUS
-  use amontons_text, only: NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: NODES = '*NODE,NSET=ALL;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;' // &
     '8,0,1,1;*ELEMENT,TYPE=C3D8,ELSET=E;1,1,2,3,4,5,6,7,8;'
@@ -38,14 +38,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, intent(in) :: dialect
     type(job_options_type) :: options
-    character(len(text)) :: lines
-    integer :: i
-    lines = text
-    do i = 1, len(text)
-      if (text(i:i) == ';') lines(i:i) = NEWLINE
-    end do
     options%dialect = dialect
-    call read_deck_text(lines, options, model, diagnostics, error)
+    call read_deck_text(deck_lines(text), options, model, diagnostics, error)
   end subroutine read
 
 

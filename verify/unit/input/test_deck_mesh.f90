@@ -5,12 +5,12 @@ program test_deck_mesh
   use amontons_deck, only: read_deck_text
   use amontons_deck_mesh, only: is_in_family
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_C3D10, KIND_CPE4, KIND_CPE4_FULL, &
     KIND_CPS4, &
     KIND_T3D2, FAMILY_SOLID, FAMILY_TRUSS
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;' // &
     '*MATERIAL, NAME=M;' &

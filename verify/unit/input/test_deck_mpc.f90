@@ -5,10 +5,10 @@ program test_deck_mpc
   use amontons_deck, only: read_deck_text
   use amontons_deck_mpc, only: unique_nodes, make_rotation_node
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,2,0,0;4,3,0,0;5,0,1,0;6,1,1,0;7,0,0,1;8,0,1,1;9,1,1,1;' // &
     '10,1,0,1;11,0,0,2;12,0,0,0;13,0,5,5;*ELEMENT, TYPE=C3D8, ELSET=E;1,1,2,6,5,7,10,9,8;*MATERIAL, NAME=M;*ELASTIC;1.,0.;' // &

@@ -6,9 +6,9 @@ program test_deck_output
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_steps, only: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, FRD_DISP, FRD_FORC, FRD_STRESS, FRD_ERROR, &
     FRD_TOSTRAIN, FRD_CONTACT, FRD_PE
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;*NODE;' // &
     '91,0,3,0;' // &

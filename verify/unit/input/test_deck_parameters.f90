@@ -2,11 +2,11 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck_parameters
   use check, only: suite_type
+  use samples, only: deck_lines
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_kinds, only: DP
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
-  use amontons_text, only: NEWLINE
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE, NSET=ALL;1,0,0,0;2,1,0,0;3,0,1,0;4,0,0,1;*ELEMENT, TYPE=C3D4, ELSET=E;' // &
     '1,1,2,3,4;' // &

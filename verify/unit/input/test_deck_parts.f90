@@ -6,9 +6,9 @@ program test_deck_parts
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_mesh, only: set_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*PART, NAME=P;*NODE, NSET=ALL;1,0,0,0;2,2,0,0;3,2,1,0;4,0,1,0;5,0,0,1;6,2,0,1;' // &
     '7,2,1,1;8,0,1,1;*ELEMENT, TYPE=C3D8, ELSET=E;1,1,2,3,4,;5,6,7,8;*NSET, NSET=N, GENERATE;1,7,3;*SURFACE, NAME=S;E,S2;' // &

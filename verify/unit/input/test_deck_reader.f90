@@ -8,8 +8,8 @@ program test_deck_reader
   use amontons_deck_reader, only: reader_type, open_card, report_note, read_real, read_integer, check_n_fields, check_no_data, &
     read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
   use amontons_mesh, only: mesh_type, set_type
-  use amontons_text, only: NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   type(suite_type) :: suite
   call check_fields()
@@ -28,14 +28,9 @@ contains
     type(reader_type), intent(out) :: reader
     type(parameter_type), allocatable, intent(out) :: parameters(:)
     type(data_row_type), intent(out) :: row
-    character(len(text)) :: lines
     integer :: i
     logical :: is_short
-    lines = text
-    do i = 1, len(text)
-      if (text(i:i) == ';') lines(i:i) = NEWLINE
-    end do
-    call open_cards_text(lines, 'deck', reader%cards, reader%messages)
+    call open_cards_text(deck_lines(text), 'deck', reader%cards, reader%messages)
     call make_card_table(reader%table)
     do i = 1, reader%cards%n_cards
       call find_entry(reader%table, reader%cards%cards(i)%key, reader%cards%cards(i)%entry, is_short)

@@ -7,8 +7,8 @@ program test_deck_restart
   use amontons_kinds, only: DP, I64
   use amontons_model, only: job_options_type, restart_origin_type, DIALECT_CALCULIX
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, append_restart_state
-  use amontons_text, only: NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: OLD = '*NODE;1,0,0,0;*STEP;*STATIC;*CLOAD;1,1,5.;*END STEP;*STEP;*STATIC;*CLOAD;1,1,6.;*END STEP;' // &
     '*STEP;*STATIC;*END STEP;'
@@ -24,25 +24,13 @@ program test_deck_restart
 
 contains
 
-  !> A text with semicolons as lines.
-  function lines(text) result(deck)
-    character(*), intent(in) :: text
-    character(len(text)) :: deck
-    integer :: i
-    deck = text
-    do i = 1, len(text)
-      if (text(i:i) == ';') deck(i:i) = NEWLINE
-    end do
-  end function lines
-
-
   !> The restart file of a job with states in its first two steps; the second is not complete.
   subroutine write_old_job(path)
     character(*), intent(in) :: path
     type(restart_file_type) :: file
     type(error_type), allocatable :: error
     integer(I64), parameter :: WORDS(3) = [1_I64, 2_I64, 3_I64]
-    call create_restart_file(file, path, lines(OLD), DIALECT_CALCULIX, error)
+    call create_restart_file(file, path, deck_lines(OLD), DIALECT_CALCULIX, error)
     call append_restart_state(file, state_key_type(step=1, increment=3, is_step_done=.true., step_time=1.0_DP, total_time=1.0_DP), &
       WORDS, .false., error)
     call append_restart_state(file, state_key_type(step=2, increment=1, step_time=0.25_DP, total_time=1.25_DP), WORDS, .false., &
@@ -72,7 +60,7 @@ contains
     options%old_job = 'old'
     if (present(old_job)) options%old_job = old_job
     if (options%old_job == '') deallocate (options%old_job)
-    call open_cards_text(lines(text), 'new.inp', cards, messages)
+    call open_cards_text(deck_lines(text), 'new.inp', cards, messages)
     call join_decks(cards, messages, options, origin, error)
   end subroutine join
 
@@ -139,7 +127,7 @@ contains
     call suite%that('.res', .not. allocated(error))
     options%deck = 'somewhere/new.inp'
     options%job = 'new'
-    call open_cards_text(lines('*RESTART, READ;' // NEW_STEP), 'new.inp', cards, messages)
+    call open_cards_text(deck_lines('*RESTART, READ;' // NEW_STEP), 'new.inp', cards, messages)
     call join_decks(cards, messages, options, origin, error)
     call suite%that('beside the deck', origin%path == 'somewhere/new.rin' .and. allocated(error))
     if (allocated(error)) call suite%that('which is not there', error%code == EXIT_IO)

@@ -3,9 +3,9 @@
 program test_deck_sets
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE, NSET=ALL;10,0,0,0;20,1,0,0;30,1,1,0;40,0,1,0;50,0,0,1;60,1,0,1;' // &
     '70,1,1,1;80,0,1,1;90,0,0,2;*ELEMENT, TYPE=C3D8, ELSET=E;7,10,20,30,40,50,60,70,80;*MATERIAL, NAME=M;*ELASTIC;1.,0.;' // &

@@ -4,9 +4,9 @@ program test_deck_structure
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: MODEL_PART = '*NODE, NSET=N;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,3,0,0;6,4,0,0;*MATERIAL, NAME=M;' // &
     '*ELASTIC;100.,0.3;*ELEMENT, TYPE=S4, ELSET=E;1,1,2,3,4;*ELEMENT, TYPE=B31, ELSET=B;2,5,6;'

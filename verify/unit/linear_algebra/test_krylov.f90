@@ -265,7 +265,7 @@ contains
     options%absolute_tolerance = 2 * norm2(b)
     x = 1
     call conjugate_gradients(a, identity, b, x, options, report)
-    call suite%that('b below the floor: x = 0', all(abs(x) <= 0) .and. report%status == KRYLOV_CONVERGED)
+    call suite%that('b below the threshold: x = 0', all(abs(x) <= 0) .and. report%status == KRYLOV_CONVERGED)
   end subroutine test_guesses
 
 

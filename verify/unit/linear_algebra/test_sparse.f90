@@ -7,6 +7,7 @@ program test_sparse
     sparse_transpose, full_from_upper, sparse_product, sparse_sum, multiply, multiply_transpose, multiply_symmetric, &
     analyse_reduction, reduce_matrix
   use check, only: suite_type
+  use samples, only: dense_of
   implicit none
   type(suite_type) :: suite
   integer, parameter :: SIZES(5) = [1, 2, 5, 40, 100]
@@ -73,20 +74,6 @@ contains
     end do
     call sparse_from_triplets(n, n, row, column, value, sparse, error)
   end subroutine random_symmetric
-
-
-  !> The dense equivalent of a sparse matrix.
-  function dense_of(sparse) result(dense)
-    type(sparse_type), intent(in) :: sparse
-    real(DP) :: dense(sparse%n_rows, sparse%n_columns)
-    integer :: i, p
-    dense = 0
-    do i = 1, sparse%n_rows
-      do p = sparse%first(i), sparse%first(i + 1) - 1
-        dense(i, sparse%column(p)) = dense(i, sparse%column(p)) + sparse%value(p)
-      end do
-    end do
-  end function dense_of
 
 
   !> Columns ascend strictly in every row, and the row starts fit.

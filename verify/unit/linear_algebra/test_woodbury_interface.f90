@@ -9,6 +9,7 @@ program test_woodbury_interface
   use amontons_woodbury_interface, only: woodbury_type, contact_springs_type, invert_interface_stiffness, &
     factorise_spring_coupling, solve_woodbury
   use check, only: suite_type
+  use samples, only: dense_of
   implicit none
   type(suite_type) :: suite
   integer :: k
@@ -65,20 +66,6 @@ contains
     column = [(1 + mod(i, n_columns), i=1, ubound(row, 1))]
     call sparse_from_triplets(n_rows, n_columns, row, column, size * value, matrix, error)
   end subroutine random_matrix
-
-
-  !> The matrix with all its zeros.
-  pure function dense_of(matrix) result(a)
-    type(sparse_type), intent(in) :: matrix
-    real(DP) :: a(matrix%n_rows, matrix%n_columns)
-    integer :: i, p
-    a = 0.0_DP
-    do i = 1, matrix%n_rows
-      do p = matrix%first(i), matrix%first(i + 1) - 1
-        a(i, matrix%column(p)) = matrix%value(p)
-      end do
-    end do
-  end function dense_of
 
 
   !> The residual of the solution meets the limit, down to rounding, and the solution is LAPACK's.

@@ -4,9 +4,9 @@ program test_balanced_bodies
   use amontons_balanced_bodies, only: balancing_support_type, find_balancing_supports
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: NEWLINE
   use amontons_model, only: model_type, job_options_type
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
   character(*), parameter :: CUBE = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;9,5,5,5;' // &
     '*ELEMENT, TYPE=C3D8, ELSET=CUBE;1,1,2,3,4,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;1000.,0.3;*EXPANSION;1E-5;' // &
@@ -85,13 +85,7 @@ contains
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     type(job_options_type) :: options
-    character(:), allocatable :: deck
-    integer :: i
-    deck = CUBE // cards // '*STEP;*STATIC;' // loads // '*END STEP;'
-    do i = 1, len(deck)
-      if (deck(i:i) == ';') deck(i:i) = NEWLINE
-    end do
-    call read_deck_text(deck, options, model, diagnostics, error)
+    call read_deck_text(deck_lines(CUBE // cards // '*STEP;*STATIC;' // loads // '*END STEP;'), options, model, diagnostics, error)
     call suite%that('deck: ' // loads, .not. allocated(error))
     call find_balancing_supports(model, supports, text)
   end subroutine find

@@ -8,6 +8,7 @@ program test_model_check_unpaired
   use amontons_model_check_unpaired, only: check_unpaired_bodies
   use amontons_text, only: to_text, NEWLINE
   use check, only: suite_type
+  use samples, only: deck_lines
   implicit none
 
   character(*), parameter :: STEP = '*STEP;*STATIC;*BOUNDARY;1,1,3;*END STEP;'
@@ -136,14 +137,9 @@ contains
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     type(job_options_type) :: options
-    character(:), allocatable :: deck
     integer :: i
-    deck = cards
-    do i = 1, len(deck)
-      if (deck(i:i) == ';') deck(i:i) = NEWLINE
-    end do
     report = diagnostic_list_type()
-    call read_deck_text(deck, options, model, diagnostics, error)
+    call read_deck_text(deck_lines(cards), options, model, diagnostics, error)
     do i = 1, diagnostics%n_items
       call suite%that(diagnostics%items(i)%text, diagnostics%items(i)%is_warning)
     end do

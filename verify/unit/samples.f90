@@ -1,0 +1,83 @@
+!> Samples that several unit tests share: lines of a deck, dense matrices, chains of elements with a contact row.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module samples
+  use amontons_kinds, only: DP
+  use amontons_errors, only: error_type
+  use amontons_text, only: NEWLINE
+  use amontons_mesh, only: mesh_type
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
+  use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, eliminate_constraints
+  implicit none
+  private
+  public :: deck_lines, dense_of, add_oblique_row, make_chain_mesh
+
+contains
+
+  !> The lines of a deck that is written with a semicolon at the end of each.
+  pure function deck_lines(text) result(lines)
+    character(*), intent(in) :: text
+    character(len(text)) :: lines
+    integer :: i
+    lines = text
+    do i = 1, len(text)
+      if (text(i:i) == ';') lines(i:i) = NEWLINE
+    end do
+  end function deck_lines
+
+
+  !> A sparse matrix with all its zeros; of a symmetric one the upper triangle is given.
+  pure function dense_of(matrix, is_symmetric) result(full)
+    type(sparse_type), intent(in) :: matrix
+    logical, intent(in), optional :: is_symmetric  !< .false. if absent
+    real(DP) :: full(matrix%n_rows, matrix%n_columns)
+    logical :: is_mirrored
+    integer :: i, p
+    is_mirrored = .false.
+    if (present(is_symmetric)) is_mirrored = is_symmetric
+    full = 0.0_DP
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        full(i, matrix%column(p)) = matrix%value(p)
+        if (is_mirrored) full(matrix%column(p), i) = matrix%value(p)
+      end do
+    end do
+  end function dense_of
+
+
+  !> An oblique contact row between two nodes, with friction along y that follows the reaction (D_R) and a force that follows the
+  !! displacement along z (D_u).
+  subroutine add_oblique_row(slave, master, mu, constraints, D_R, D_u)
+    integer, intent(in) :: slave, master           !< nodes
+    real(DP), intent(in) :: mu                     !< friction coefficient
+    type(constraints_type), intent(inout) :: constraints   !< in: supports, not yet eliminated; out: eliminated
+    type(sparse_type), intent(out) :: D_R, D_u
+    type(constraint_row_type) :: row
+    type(error_type), allocatable :: error
+    integer :: at, to, n, status
+    at = 3 * (slave - 1)
+    to = 3 * (master - 1)
+    n = constraints%n_unknowns
+    row%unknown = [at + 1, at + 2, to + 1, to + 2]
+    row%coefficient = [1.0_DP, 0.5_DP, -1.0_DP, -0.5_DP]
+    call add_constraint_row(constraints, row, 1, 1.0e-9_DP, status)
+    call eliminate_constraints(constraints)
+    call sparse_from_triplets(n, n, [at + 1, at + 2, to + 1, to + 2], [at + 1, at + 1, at + 1, at + 1], &
+      [-0.2_DP, mu, 0.2_DP, -mu], D_R, error)
+    call sparse_from_triplets(n, n, [at + 3, to + 3], [at + 3, at + 2], [-0.7_DP, 0.4_DP], D_u, error)
+  end subroutine add_oblique_row
+
+
+  !> Nodes that bars join one after the other.
+  subroutine make_chain_mesh(coordinates, mesh)
+    real(DP), intent(in) :: coordinates(:)         !< x, y, z of each node
+    type(mesh_type), intent(out) :: mesh
+    integer :: i, n
+    n = size(coordinates) / 3
+    mesh%n_nodes = n
+    mesh%n_elements = n - 1
+    mesh%coordinates = reshape(coordinates, [3, n])
+    mesh%first = [(2 * i - 1, i=1, n)]
+    mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (n - 1))]
+  end subroutine make_chain_mesh
+
+end module samples
