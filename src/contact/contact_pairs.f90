@@ -524,13 +524,15 @@ contains
 
 
   !> Sets the stick origin of a node to a point of a facet.
-  subroutine set_stick_origin(contact, model, u, facet, xi, slave)
+  subroutine set_stick_origin(contact, model, u, facet, xi, slave, u_old, fraction)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)
     integer, intent(in) :: facet
     real(DP), intent(in) :: xi(2)
     type(slave_state_type), intent(inout) :: slave
+    real(DP), intent(in), optional :: u_old(:, :)  !< (3, n_nodes) with `fraction`: the configuration is u_old + fraction (u - u_old),
+    real(DP), intent(in), optional :: fraction     !< for a row that does not change [length], [-]
     real(DP) :: d(3)
     slave%origin_facet = facet
     slave%origin_xi = xi
@@ -541,6 +543,7 @@ contains
     end if
     if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then
       d = contact_slip_vector(contact, model, u, slave)
+      if (present(fraction)) d = (1.0_DP - fraction) * contact_slip_vector(contact, model, u_old, slave) + fraction * d
       slave%origin_offset = d - dot_product(slave%normal, d) * slave%normal
     end if
     slave%origin_offset = slave%origin_offset - slave%offset * slave%normal
@@ -676,9 +679,16 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) current displacements [length]
     type(slave_state_type), intent(inout) :: slave
     type(slave_state_type) :: touch
+    type(contact_row_type) :: row
     real(DP), allocatable :: u_touch(:, :)
     real(DP) :: gap
-    if (slave%gap < 0.0_DP) then
+    if (slave%gap >= 0.0_DP) then
+      call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
+    else if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then     ! the row stays: no field of all nodes is needed
+      call current_row(contact, slave, row)
+      gap = max(slave%offset + dot_product(slave%normal, evaluate_relative_position(row, model%mesh%coordinates, u_old)), 0.0_DP)
+      call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave, u_old, gap / (gap - slave%gap))
+    else
       touch = slave
       call update_gap(contact, model%mesh%coordinates + u_old, touch)
       gap = max(touch%gap, 0.0_DP)
@@ -686,10 +696,10 @@ contains
       if (touch%facet > 0) call update_gap(contact, model%mesh%coordinates + u_touch, touch)
       if (touch%facet > 0) then
         call set_stick_origin(contact, model, u_touch, touch%facet, touch%xi, slave)
-        return
+      else
+        call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
       end if
     end if
-    call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
   end subroutine set_first_touch_origin
 
 end module amontons_contact_pairs

@@ -69,14 +69,16 @@ contains
 
 
   !> d = sum w_k x_k, for positions or any other nodal vector field.
-  pure function evaluate_relative_position(row, x) result(d)
+  pure function evaluate_relative_position(row, x, u) result(d)
     type(contact_row_type), intent(in) :: row
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(in), optional :: u(:, :)      !< (3, n_nodes) displacements of x [length]
     real(DP) :: d(3)
     integer :: i
     d = 0.0_DP
     do i = 1, size(row%nodes)
       d = d + row%weights(i) * x(:, row%nodes(i))
+      if (present(u)) d = d + row%weights(i) * u(:, row%nodes(i))
     end do
   end function evaluate_relative_position
 

@@ -23,6 +23,7 @@ module amontons_skin_coarse_space
   public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, correct_coarse
 
   integer, parameter :: BLOCK_ROWS = 4096          !< rows of W of one product
+  integer, parameter :: BLOCK_UNKNOWNS = 64        !< unknowns whose values of all directions fit into a cache
 
   !> The coarse space.
   type :: coarse_space_type
@@ -137,12 +138,15 @@ contains
     type(coarse_rows_type), intent(in) :: tangent
     integer, allocatable :: unknown(:), place(:), moved(:), free_place(:)
     real(SP), allocatable :: u(:, :), f(:, :), shift(:, :), e(:, :)
-    integer :: k, status
+    integer :: k, low, high, status
     if (self%n == 0) return
     call number_unknowns(self, tangent, place, unknown, moved)
     allocate (u(self%n, size(unknown)), f(self%n, size(unknown)))
-    do k = 1, self%n
-      u(k, :) = self%w(unknown, k)
+    do low = 1, size(unknown), BLOCK_UNKNOWNS
+      high = min(low + BLOCK_UNKNOWNS - 1, size(unknown))
+      do k = 1, self%n
+        u(k, low:high) = self%w(unknown(low:high), k)
+      end do
     end do
     call project_onto_rows(tangent, place, moved, u, shift)
     f = 0.0_SP
@@ -247,19 +251,26 @@ contains
     real(SP), intent(in), contiguous :: u(:, :)                !< (n, unknowns)
     real(SP), intent(inout), contiguous :: f(:, :)             !< (n, unknowns)
     real(SP), allocatable :: change(:, :)
+    integer, allocatable :: changed(:)
     integer :: k, p
-    allocate (change(size(f, 1), size(f, 2)), source=0.0_SP)
     associate (D_R => tangent%by_imbalance, D_u => tangent%by_displacement)
-      do k = 1, size(unknown)
-        do p = D_R%first(unknown(k)), D_R%first(unknown(k) + 1) - 1
-          change(:, k) = change(:, k) + real(D_R%value(p), SP) * f(:, place(D_R%column(p)))
-        end do
-        do p = D_u%first(unknown(k)), D_u%first(unknown(k) + 1) - 1
-          change(:, k) = change(:, k) - real(D_u%value(p), SP) * u(:, place(D_u%column(p)))
-        end do
+      changed = pack([(k, k=1, size(unknown))], D_R%first(unknown + 1) > D_R%first(unknown) .or. &
+        D_u%first(unknown + 1) > D_u%first(unknown))
+      allocate (change(size(f, 1), size(changed)), source=0.0_SP)
+      do k = 1, size(changed)
+        associate (i => unknown(changed(k)))
+          do p = D_R%first(i), D_R%first(i + 1) - 1
+            change(:, k) = change(:, k) + real(D_R%value(p), SP) * f(:, place(D_R%column(p)))
+          end do
+          do p = D_u%first(i), D_u%first(i + 1) - 1
+            change(:, k) = change(:, k) - real(D_u%value(p), SP) * u(:, place(D_u%column(p)))
+          end do
+        end associate
       end do
     end associate
-    f = f + change
+    do k = 1, size(changed)
+      f(:, changed(k)) = f(:, changed(k)) + change(:, k)
+    end do
   end subroutine subtract_contact_forces
 
 

@@ -15,7 +15,8 @@ the upper plate in x and y. Step 1 presses the top by 50 in ten increments, step
 | --blocks | N x N x N elements on 1.3 N x 1.3 N x N in place of the plates, both of the height 1 |
 
 Processor time is the operating system's account of the process. Rounds are corrections of directions and directions themselves:
-solutions of the linearised contact problem. Exponents are fitted over all sizes.
+solutions of the linearised contact problem. The program measures its phases in elapsed time; here they are scaled to processor time.
+Exponents are fitted over all sizes: seconds a round over the unknowns, and seconds a round of each phase over the slave nodes.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -24,12 +25,13 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
@@ -77,6 +79,7 @@ class Cost:
     krylov: int = 0
     factorisations: int = 0
     ended: int = 0
+    phases: dict[str, float] = field(default_factory=dict)  #: processor time of each [s]
 
 
 def plates(model: Model) -> Mesh:
@@ -134,7 +137,8 @@ def timed(command: list[str], folder: Path, threads: int, limit: float) -> Cost:
     """Time and peak memory of one process; ended is its exit code, or -1 where the limit was passed."""
     environment = os.environ | {"OMP_NUM_THREADS": str(threads), "CCX_NPROC_STIFFNESS": "1", "NUMBER_OF_CPUS": "1"}
     start = time.monotonic()
-    process = subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
+    with (folder / "job.out").open("w") as out:
+        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=out, stderr=subprocess.STDOUT)
     ended = None
     while ended is None:
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)
@@ -163,6 +167,16 @@ def read_counts(path: Path, cost: Cost) -> None:
         cost.krylov = int(iterations["n_krylov"][:].sum())
 
 
+def read_phases(path: Path, cost: Cost) -> None:
+    """The table of the phases that the program prints at its end, scaled from elapsed to processor time."""
+    _, _, table = path.read_text().partition("by phase")
+    rows = re.findall(r"^ +([a-z][a-z ]*?) {2,}([0-9.]+) ", table.partition("nodes by scenario")[0], re.MULTILINE)
+    elapsed = {name: float(seconds) for name, seconds in rows}
+    whole = elapsed.pop("the whole job", 0.0)
+    if whole > 0.0:
+        cost.phases = {name: seconds * cost.seconds / whole for name, seconds in elapsed.items()}
+
+
 def run(model: Model, options: argparse.Namespace) -> Cost:
     """One job."""
     with tempfile.TemporaryDirectory() as temporary:
@@ -172,6 +186,7 @@ def run(model: Model, options: argparse.Namespace) -> Cost:
         command = [str(options.program.resolve()), "--progress=plain", "--threads", str(options.threads), "job.inp"]
         cost = timed(command, folder, options.threads, options.limit)
         read_counts(folder / "job.vtkhdf", cost)
+        read_phases(folder / "job.out", cost)
         if shutil.which("ccx") and options.ccx:
             theirs = timed(["ccx", "-i", "job"], folder, 1, options.limit)
             print(f"CalculiX: {theirs.seconds:.1f} s, {theirs.megabytes:.0f} MB, exit code {theirs.ended}")
@@ -184,16 +199,20 @@ HEAD = (
 )
 
 
+def unknowns_of(model: Model) -> int:
+    """Unknowns of both bodies, those at supports counted."""
+    layers = model.size if model.is_block else 3
+    return 3 * (layers + 1) * ((model.size + 1) ** 2 + (round(1.3 * model.size) + 1) ** 2)
+
+
 def row_of(model: Model, cost: Cost) -> str:
     """A row of the table."""
-    layers = model.size if model.is_block else 3
-    unknowns = 3 * (layers + 1) * ((model.size + 1) ** 2 + (round(1.3 * model.size) + 1) ** 2)
     cells = [
         model.law + (", NLGEOM" if model.is_nlgeom else "") + (", blocks" if model.is_block else ""),
         model.kind,
         str(model.size),
         str((model.size + 1) ** 2),
-        str(unknowns),
+        str(unknowns_of(model)),
         str(cost.increments),
         str(cost.failed),
         f"{cost.iterations / max(cost.increments, 1):.1f}",
@@ -209,9 +228,23 @@ def row_of(model: Model, cost: Cost) -> str:
 
 
 def growth(points: list[tuple[float, float]]) -> str:
-    """The exponent of a fit of costs over unknowns."""
+    """The exponent of a fit of costs over sizes."""
     slope = np.polyfit(np.log([n for n, _ in points]), np.log([t for _, t in points]), 1)[0]
     return f"{slope:.2f}"
+
+
+def phase_table(ended: list[tuple[int, Cost]]) -> str:
+    """Processor time of the phases at each number of slave nodes, and the exponents of their growth."""
+    lines = [
+        "| phase | " + " | ".join(f"s, {slaves} slave nodes" for slaves, _ in ended) + " | s a round grow as slave nodes to the power |",
+        "|---" * (len(ended) + 2) + "|",
+    ]
+    for phase in ended[0][1].phases:
+        seconds = [cost.phases[phase] for _, cost in ended]
+        rounds = [(slaves, cost.phases[phase] / cost.rounds) for slaves, cost in ended]
+        power = growth(rounds) if min(seconds) > 0.0 else "-"
+        lines.append(f"| {phase} | " + " | ".join(f"{t:.2f}" for t in seconds) + f" | {power} |")
+    return "\n".join(lines)
 
 
 def main() -> int:
@@ -237,7 +270,7 @@ def main() -> int:
     print(HEAD, flush=True)
     for law in options.law:
         for kind in options.type:
-            points = []
+            points, ended = [], []
             for size in options.sizes:
                 model = Model(
                     size, law, kind, options.thickness, options.mu, options.nlgeom, options.displacement, options.blocks
@@ -250,9 +283,11 @@ def main() -> int:
                 line = row_of(model, cost)
                 print(line, flush=True)
                 if cost.rounds and cost.ended == 0:
-                    points.append((int(line.split("|")[5]), cost.seconds / cost.rounds))
+                    points.append((unknowns_of(model), cost.seconds / cost.rounds))
+                    ended.append(((size + 1) ** 2, cost))
             if len(points) > 1:
                 print(f"{law}, {kind}: seconds a round grow as unknowns to the power {growth(points)}.", flush=True)
+                print(phase_table(ended), flush=True)
     return 0
 
 
