@@ -531,8 +531,8 @@ contains
     integer, intent(in) :: facet
     real(DP), intent(in) :: xi(2)
     type(slave_state_type), intent(inout) :: slave
-    real(DP), intent(in), optional :: u_old(:, :)  !< (3, n_nodes) with `fraction`: the configuration is u_old + fraction (u - u_old),
-    real(DP), intent(in), optional :: fraction     !< for a row that does not change [length], [-]
+    real(DP), intent(in), optional :: u_old(:, :)  !< (3, n_nodes) with `fraction` [length]: the origin is at
+    real(DP), intent(in), optional :: fraction     !< u_old + fraction (u - u_old), for a row that does not change [-]
     real(DP) :: d(3)
     slave%origin_facet = facet
     slave%origin_xi = xi
