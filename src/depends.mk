@@ -136,6 +136,7 @@ uses_user_state = kinds errors loads user_routines materials topology mesh model
 uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
 uses_assembly = kinds containers errors sparse partition ranks materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
 uses_external_loads = kinds tensor loads materials topology mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
+uses_inertia = kinds tensor topology mesh steps model state assembly external_loads
 uses_stabilization = kinds sparse mesh steps state
 
 # constraints
@@ -163,9 +164,9 @@ uses_skin_coarse_space = kinds blas sparse constraints reduced_system skin_tiles
 uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles skin_coarse_space
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
+uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
 uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
@@ -211,7 +212,7 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

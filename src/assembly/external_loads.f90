@@ -25,7 +25,7 @@ module amontons_external_loads
   use amontons_user_state, only: evaluate_dload
   implicit none
   private
-  public :: assemble_external_loads
+  public :: assemble_external_loads, integrate_unit_mass, evaluate_density
 
 contains
 

@@ -64,6 +64,8 @@ module amontons_iteration_records
     real(DP) :: proximal_work_increment = 0                !< work of the regularization in this increment [energy]
     real(DP) :: proximal_work = 0               !< work of the regularization of unsupported bodies since the start [energy]
     real(DP) :: stabilization_work = 0                !< dissipated by the viscous forces of STABILIZE since the start [energy]
+    real(DP) :: kinetic_energy = 0             !< of a DYNAMIC step [energy]
+    real(DP) :: integration_loss = 0           !< dissipated by backward Euler in DYNAMIC steps since the start [energy]
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored in compliant contact [energy]
     type(failure_type) :: failure              !< why the attempt failed; FAILURE_NONE if it converged

@@ -29,6 +29,7 @@ module amontons_analysis
   use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
   use amontons_user_state, only: initialize_state_variables
   use amontons_stabilization, only: update_damping
+  use amontons_inertia, only: begin_motion, conclude_inertia, implicit_loss
   use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment
   use amontons_model_check, only: check_model, summarize_model
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
@@ -303,6 +304,7 @@ contains
     if (.not. analysis%is_step_start) return
     if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has started
     call begin_stepping(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
+    call begin_motion(analysis%model%steps, analysis%stepper%step, analysis%state%old)
     analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
     call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepper%step)
     call activate_elements(analysis%model, analysis%stepper%step, analysis%state)
@@ -355,6 +357,7 @@ contains
       record%report_lines = describe_edge_events(analysis%model, analysis%state)
       call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
       call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)
+      if (step%is_dynamic) call conclude_inertia(analysis%system%assembly, analysis%system%mass, analysis%state)
       call sum_works(analysis%model, step, analysis%state, record, damping_work)
       call complete_record(analysis, record)
       call commit_state(analysis%state)
@@ -594,12 +597,16 @@ contains
     type(state_type), intent(inout) :: state
     type(increment_record_type), intent(inout) :: record
     real(DP), intent(in) :: damping_work                 !< work of damping forces, included in the applied ones [energy]
+    real(DP) :: start_share                        ! of the forces at the start in the work: half, but none for backward Euler [-]
     integer :: s
     call accumulate_slip(state%old, state%new)
+    start_share = merge(0.0_DP, 0.5_DP, step%is_dynamic)
     associate (old => state%old, new => state%new, is_abstract => model%mesh%is_auxiliary)
       call add_inelastic_work(model, old, new)
-      new%external_work = old%external_work + 0.5_DP * sum((new%u - old%u) * &
-        (old%applied_force + old%reaction_force + new%applied_force + new%reaction_force)) - damping_work
+      new%external_work = old%external_work + sum((new%u - old%u) * (start_share * (old%applied_force + old%reaction_force) &
+        + (1.0_DP - start_share) * (new%applied_force + new%reaction_force))) - damping_work
+      if (step%is_dynamic) new%integration_loss = new%integration_loss + implicit_loss(old, new)
+      if (.not. step%is_dynamic) new%kinetic_energy = 0.0_DP
       record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%reaction_force = sum(new%reaction_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%contact_force = sum(new%contact_force, dim=2)
@@ -614,6 +621,8 @@ contains
       record%proximal_work = new%proximal_work
       record%stabilization_work = new%stabilization_work
       record%plastic_work = new%plastic_work
+      record%kinetic_energy = new%kinetic_energy
+      record%integration_loss = new%integration_loss
       record%proximal_work_increment = new%proximal_work - old%proximal_work
       record%strain_energy = sum(new%energy * new%volume)
       record%contact_energy = sum(new%slaves%energy)
@@ -625,9 +634,9 @@ contains
   !! take or give energy that no work measures.
   pure logical function has_energy_balance(step)
     type(step_type), intent(in) :: step
-    has_energy_balance = .not. (step%has_creep .or. allocated(step%is_inactive) .or. allocated(step%is_reactivated) .or. &
-      allocated(step%material) .or. allocated(step%is_removed) .or. allocated(step%interference) .or. &
-      allocated(step%is_shrink_fit))
+    has_energy_balance = .not. (step%is_dynamic .or. step%has_creep .or. allocated(step%is_inactive) .or. &
+      allocated(step%is_reactivated) .or. allocated(step%material) .or. allocated(step%is_removed) .or. &
+      allocated(step%interference) .or. allocated(step%is_shrink_fit))
     if (has_energy_balance .and. allocated(step%temperatures)) has_energy_balance = size(step%temperatures) == 0
   end function has_energy_balance
 

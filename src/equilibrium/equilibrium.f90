@@ -25,6 +25,7 @@ module amontons_equilibrium
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_nonlinear_mpc, only: extract_support_reactions, list_hessian_nodes, find_rotation_lengths
   use amontons_boundary_conditions, only: build_base_constraints
+  use amontons_inertia, only: add_inertia_force
   use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force
   use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces
   use amontons_external_loads, only: assemble_external_loads
@@ -92,6 +93,8 @@ module amontons_equilibrium
     logical, allocatable :: has_no_element(:)             !< (3 n_nodes) of a node without elements
     real(DP), allocatable :: volume_share(:)              !< (n_nodes) nodal volumes, for damping; not allocated: no step was
                                                           !! damped [length^3]
+    real(DP), allocatable :: mass(:)               !< consistent mass of pairs of nodes in a DYNAMIC step, from its first
+                                                   !! evaluation on [mass]
     real(DP) :: mpc_violation = 0                      !< largest violation of the nonlinear MPCs at the last evaluation, over
                                                        !! their size [-]
     real(DP), allocatable :: rotation_length(:)              !< (n_nodes) factor from an angle to a length; empty: no angles
@@ -204,10 +207,11 @@ contains
     integer :: p
     system%u_start = state%old%u
     if (allocated(system%volume_share)) deallocate (system%volume_share)
+    if (allocated(system%mass)) deallocate (system%mass)
     system%is_nlgeom = step%is_nlgeom
     system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_linear_isotropic) &
       .and. .not. allocated(model%mesh%spring) &
-      .and. .not. is_damped(step)
+      .and. .not. has_rate_forces(step)
     system%is_assembled = .false.
     system%is_matrix_free = is_matrix_free_step(step)
     if (.not. system%is_matrix_free) call ensure_matrix(system%assembly, model%mesh)
@@ -231,6 +235,13 @@ contains
       if (model%pairs(p)%is_mortar) call find_symmetry_planes(system%contact%mortar(p)%slave, model, is_held)
     end do
   end subroutine begin_step
+
+
+  !> Whether the bulk depends on the length of the increment.
+  pure logical function has_rate_forces(step)
+    type(step_type), intent(in) :: step
+    has_rate_forces = is_damped(step) .or. step%is_dynamic
+  end function has_rate_forces
 
 
   !> Whether a step needs no matrix.
@@ -319,6 +330,7 @@ contains
       call find_nodal_volumes(model%mesh, absent_elements(model, state%new%step), state%new, system%volume_share)
     end if
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
+    if (step%is_dynamic) call add_inertia_force(system%assembly, model, system%mass, state)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call prescribe_here(system, model, step, state%new, outcome)
     if (outcome /= OUTCOME_OK) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
@@ -538,7 +550,7 @@ contains
     if (may_keep_skin(system, model, step, is_step_start)) return
     is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 &
       .and. &
-      (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. is_damped(step)
+      (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. has_rate_forces(step)
     if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_inactive) .or. &
       allocated(step%material))
     is_contact = interface_unknowns(system, model, state%new, .not. step%is_nlgeom)
@@ -568,7 +580,7 @@ contains
     logical, intent(in) :: is_step_start
     is_kept = (system%skin%is_ready .or. allocated(system%skin%memory%is_near)) .and. is_same_bulk(system)
     if (is_kept) is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. &
-      n_nonlinear_mpcs(model) == 0 .and. .not. is_damped(step)
+      n_nonlinear_mpcs(model) == 0 .and. .not. has_rate_forces(step)
     if (is_kept .and. is_step_start) is_kept = .not. (allocated(step%is_inactive) .or. allocated(step%material))
   end function may_keep_skin
 

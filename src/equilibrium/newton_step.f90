@@ -32,6 +32,7 @@ module amontons_newton_step
   use amontons_distributed_solver, only: solve_distributed, DISTRIBUTED_NONE
   use amontons_constraints, only: eliminate_constraints, scale_offsets, condense_forces, build_condensation_matrix
   use amontons_nonlinear_mpc, only: add_mpc_stiffness
+  use amontons_inertia, only: add_inertia_force, add_inertia_stiffness
   use amontons_stabilization, only: add_damping_force, add_damping_stiffness
   use amontons_unsymmetric_tangent, only: assemble_skew, subtract_skew_product, combine_with_skew
   use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
@@ -206,7 +207,7 @@ contains
   end subroutine linearize_equilibrium
 
 
-  !> K of elements, loads, damping, proximal shift and nonlinear MPCs.
+  !> K of elements, loads, damping, inertia, proximal shift and nonlinear MPCs.
   subroutine assemble_bulk(system, model, step, state, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -226,9 +227,11 @@ contains
     if (failed /= 0) return
     call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
+    if (step%is_dynamic) call add_inertia_force(system%assembly, model, system%mass, state)
     call assemble_skew(system%assembly%skew, 3 * model%mesh%n_nodes, error)
     if (allocated(error)) return
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_stiffness(system%volume_share, state, system%assembly%stiffness)
+    if (step%is_dynamic) call add_inertia_stiffness(system%mass, state, system%assembly)
     call add_proximal_shift(system)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call add_mpc_stiffness(system%base, system%assembly, model, state%new)
   end subroutine assemble_bulk

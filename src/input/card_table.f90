@@ -13,7 +13,7 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
     SECTION_VARIABLES
 
-  character(*), parameter :: NODE_VARIABLES = 'U|RF|NT|COOR'      !< variables of NODE PRINT
+  character(*), parameter :: NODE_VARIABLES = 'U|V|RF|NT|COOR'      !< variables of NODE PRINT
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< variables of SECTION PRINT, each of which prints all
   character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< variables of EL PRINT
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'
@@ -542,6 +542,8 @@ contains
       status=ENTRY_IGNORED)
     call table%option('CREEP', VALUE_WORD, 'Creep is always integrated implicitly.', status=ENTRY_IGNORED)
 
+    call describe_dynamic(table)
+
     call table%card('LINE SEARCH', SCOPE_STEP, 'The one-step line search of contact, in this step and all later ones ' // &
       '(specific to Amontons).')
     call table%option('TYPE', VALUE_WORD, 'NONE: full steps; ALL: one length from all unknowns; GLOBAL: one ' // &
@@ -611,6 +613,31 @@ contains
       'past a limit point.', status=ENTRY_REJECTED)
     call table%option('FULLY PLASTIC', VALUE_TEXT, 'Choose the length of the step instead.', status=ENTRY_REJECTED)
   end subroutine describe_static
+
+
+  !> DYNAMIC: the quasi-static application alone.
+  subroutine describe_dynamic(table)
+    type(card_table_type), intent(inout) :: table
+    character(*), parameter :: ELSE_TEXT = 'Waves and vibration are not resolved: only QUASI-STATIC is computed. For slow ' // &
+      'loads use *STATIC with the same loads and amplitudes, for a known acceleration *DLOAD with GRAV; vibration and impact ' // &
+      'need a program for dynamics.'
+    call table%card('DYNAMIC', SCOPE_STEP, 'With APPLICATION=QUASI-STATIC: inertia carries bodies through falls, snaps and ' // &
+      'buckling to rest, by backward Euler with the consistent mass of *DENSITY.', &
+      data='first increment, length of the step, least increment, largest increment; all optional')
+    call table%option('APPLICATION', VALUE_WORD, 'What the motion is for.', allowed='QUASI-STATIC')
+    call table%reject_words('TRANSIENT FIDELITY|MODERATE DISSIPATION', ELSE_TEXT)
+    call table%option('DIRECT', VALUE_OPTIONAL_WORD, 'All increments are as long as the first one.', allowed='YES|NO|NO STOP')
+    call table%option('TIME INTEGRATOR', VALUE_WORD, 'BWE: backward Euler.', allowed='BWE', default='BWE')
+    call table%reject_words('HHT-TF|HHT-MD', 'Backward Euler is the only rule: leave out TIME INTEGRATOR.')
+    call table%option('INITIAL|IMPACT', VALUE_OPTIONAL_WORD, 'Backward Euler needs no acceleration at the start or at an impact.', &
+      status=ENTRY_IGNORED)
+    call table%option('HAFTOL|HALFINC SCALE FACTOR|NOHAF', VALUE_TEXT, 'Increments follow the iterations, as in *STATIC.', &
+      status=ENTRY_IGNORED)
+    call table%option('ADIABATIC', VALUE_TEXT, 'There is no flow of heat.', status=ENTRY_IGNORED)
+    call table%option('ALPHA|BETA|GAMMA', VALUE_TEXT, 'Backward Euler has no such parameter.', status=ENTRY_REJECTED)
+    call table%option('EXPLICIT|SUBSPACE|FIXED TIME INCREMENTATION|DIRECT USER CONTROL|ELEMENT BY ELEMENT|RELATIVE TO ABSOLUTE', &
+      VALUE_TEXT, ELSE_TEXT, status=ENTRY_REJECTED)
+  end subroutine describe_dynamic
 
 
   !> The controls of a step.
@@ -737,7 +764,8 @@ contains
       'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no flow of ' // &
       'heat here, so it has no effect.')
     call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
-      'FIXED MASS SCALING', 'Rates do not count in a quasi-static step, so it has no effect.')
+      'FIXED MASS SCALING', 'It has no effect: rates do not count in quasi-static steps, and backward Euler alone damps ' // &
+      '*DYNAMIC, APPLICATION=QUASI-STATIC.')
     call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT STABILIZATION|SECTION ' // &
       'CONTROLS|SOLUTION TECHNIQUE|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
       'these settings.')
@@ -777,8 +805,8 @@ contains
   !> Procedures, changes of the model and loads that are not supported.
   subroutine describe_rejected_procedures(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(ENTRY_REJECTED, 'DYNAMIC|MODAL DYNAMIC|STEADY STATE DYNAMICS|RANDOM RESPONSE|RESPONSE SPECTRUM', &
-      'Inertia is not computed. For slow loads use *STATIC with the same loads and amplitudes, for a known acceleration ' // &
+    call table%cards_with(ENTRY_REJECTED, 'MODAL DYNAMIC|STEADY STATE DYNAMICS|RANDOM RESPONSE|RESPONSE SPECTRUM', &
+      'Vibration is not computed. For slow loads use *STATIC with the same loads and amplitudes, for a known acceleration ' // &
       '*DLOAD with GRAV; vibration and impact need a program for dynamics.')
     call table%cards_with(ENTRY_REJECTED, 'FREQUENCY|COMPLEX FREQUENCY|COMPLEX EIGENVALUE EXTRACTION', 'Natural ' // &
       'frequencies are not computed: let an eigenvalue program do this step. Whether supports and contact hold all bodies ' // &

@@ -156,6 +156,7 @@ contains
     progress%step%dt_min = 1.0e-6_DP
     progress%step%dt_max = 1
     progress%step%has_creep = .false.
+    progress%step%is_dynamic = .false.
     is_step = parameter_word(parameters, 'AMPLITUDE', default_amplitude(reader, c)) == 'STEP'
     call propagate_loads(model, period, progress%total_time, is_step, progress%active_loads)
     call propagate_temperatures(model, period, progress%total_time, is_step, progress%thermal)
@@ -208,7 +209,7 @@ contains
       k = k - 1
     end do
     if (.not. (progress%has_static .or. progress%has_rejected_card)) call report_error(reader, reader%cards%cards(k)%line, &
-      'This step has no *STATIC or *VISCO card.')
+      'This step has no *STATIC, *VISCO or *DYNAMIC card.')
     call get_step_loads(progress%active_loads, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
     if (progress%step%is_nlgeom .and. progress%follower_line > 0) call report_error(reader, progress%follower_line, &
@@ -258,6 +259,10 @@ contains
         progress%step%has_creep = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
         call read_damping(reader, c, model%dialect, progress%step)
+        call set_total_time(reader, c, progress)
+      case ('DYNAMIC')
+        progress%has_static = .true.
+        call read_dynamic(reader, model, c, progress%step)
         call set_total_time(reader, c, progress)
       case ('NOANALYSIS')
         progress%has_static = .true.
@@ -354,6 +359,36 @@ contains
     if (.not. has_row) return
     if (next_row(reader%cards, row)) call check_no_data(reader, row)
   end subroutine read_static
+
+
+  !> DYNAMIC, APPLICATION=QUASI-STATIC: times as of STATIC; all elements need a density.
+  subroutine read_dynamic(reader, model, c, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: m
+    call open_card(reader, c, parameters, row)
+    step%has_creep = .false.
+    step%is_dynamic = .true.
+    call read_static(reader, c, step)
+    call read_damping(reader, c, model%dialect, step)
+    associate (line => reader%cards%cards(c)%line)
+      if (.not. has_parameter(parameters, 'APPLICATION')) call report_error(reader, line, '*DYNAMIC needs ' // &
+        'APPLICATION=QUASI-STATIC, which follows falls and snaps to rest. Waves and vibration are not resolved: they need a ' // &
+        'program for dynamics; for slow loads use *STATIC with the same loads and amplitudes.')
+      if (step%is_perturbation) call report_error(reader, line, 'A PERTURBATION step cannot be *DYNAMIC: use *STATIC.')
+      do m = 1, size(model%materials)
+        associate (material => model%materials(m))
+          if (material%density > 0 .or. allocated(material%density_table%value)) cycle
+          if (any(model%mesh%material == m .and. model%mesh%kind < KIND_SPRINGA)) call report_error(reader, line, &
+            'Inertia needs the density of all bodies: give *DENSITY to the material ' // material%name // '.')
+        end associate
+      end do
+    end associate
+  end subroutine read_dynamic
 
 
   !> STABILIZE: damping by the volume, which the calculix dialect ignores.

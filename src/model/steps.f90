@@ -81,6 +81,7 @@ module amontons_steps
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
     logical :: has_creep = .false.       !< VISCO: materials creep
+    logical :: is_dynamic = .false.        !< DYNAMIC, APPLICATION=QUASI-STATIC: inertia, by backward Euler
     logical :: is_perturbation = .false.   !< PERTURBATION: its loads alone, on the undeformed body
     type(print_request_type), allocatable :: prints(:)
     type(interaction_type), allocatable :: interactions(:)  !< those in force; allocated if this or an earlier step changes some

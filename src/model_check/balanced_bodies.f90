@@ -45,6 +45,7 @@ contains
     allocate (supports(0))
     text = ''
     do i = 1, size(model%steps)
+      if (model%steps(i)%is_dynamic) cycle         ! inertia holds all bodies
       call find_bodies(model, i, bodies)
       call find_free_bodies(model, bodies, i, free)
       do k = 1, size(free)

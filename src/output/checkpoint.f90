@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 12
+  integer(I64), parameter :: FORMAT_VERSION = 13
   integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
   !> All data on which the next increment depends.
@@ -462,6 +462,8 @@ contains
     call packer%exchange(fields%proximal_work)
     call packer%exchange(fields%damping)
     call packer%exchange(fields%stabilization_work)
+    call packer%exchange(fields%kinetic_energy)
+    call packer%exchange(fields%integration_loss)
     call packer%exchange(fields%u)
     call packer%exchange(fields%v)
     call packer%exchange(fields%stress)

@@ -85,6 +85,9 @@ contains
     case ('U')
       call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
         in_transform(model, fields%u, request%is_local))
+    case ('V')
+      call print_node_rows(unit, 'velocities (vx,vy,vz)', model%mesh, set, fields, &
+        in_transform(model, fields%v, request%is_local))
     case ('RF')
       force = in_transform(model, printed_forces(model, fields), request%is_local)
       if (.not. request%is_only_totals) &

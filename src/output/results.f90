@@ -633,7 +633,7 @@ contains
       record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
       record%slave_force, record%external_work, record%friction_work, record%strain_energy, &
       record%contact_energy, record%proximal_work, record%stabilization_work, &
-      record%plastic_work]
+      record%plastic_work, record%kinetic_energy, record%integration_loss]
     if (record%is_converged) call check_finite('history row', HISTORY_COLUMNS, reals, error)
     if (.not. allocated(error)) then
       reals(:, 1) = finite_or_marker(reals(:, 1))

@@ -90,6 +90,8 @@ module amontons_state
     real(DP) :: friction_work = 0           !< since the start [energy]
     real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
     real(DP) :: stabilization_work = 0             !< dissipated by STABILIZE since the start [energy]
+    real(DP) :: kinetic_energy = 0          !< of a DYNAMIC step [energy]
+    real(DP) :: integration_loss = 0        !< dissipated by backward Euler in DYNAMIC steps, since the start [energy]
     real(DP) :: plastic_work = 0            !< of stresses on plastic and creep strains, since the start [energy]
     real(DP) :: proximal_work = 0            !< of the residual forces in proximal steps and snaps, since the start [energy]
   end type fields_type

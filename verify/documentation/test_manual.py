@@ -198,7 +198,9 @@ def test_cards_that_are_not_used_have_their_own_lists(run: Run) -> None:
 @pytest.mark.parametrize(
     ("card", "words"),
     [
-        ("DYNAMIC", "Inertia is not computed. For slow loads use *STATIC"),
+        ("DYNAMIC", "*DYNAMIC needs APPLICATION=QUASI-STATIC"),
+        ("DYNAMIC, APPLICATION=TRANSIENT FIDELITY", "Waves and vibration are not resolved"),
+        ("MODAL DYNAMIC", "Vibration is not computed. For slow loads use *STATIC"),
         ("FREQUENCY", "Natural frequencies are not computed"),
         ("BUCKLE", "the largest reaction is the buckling load"),
         ("HEAT TRANSFER", "give them to the nodes by *TEMPERATURE"),

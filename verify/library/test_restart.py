@@ -106,6 +106,18 @@ def mortar_deck() -> str:
     return sheets.solid_deck([(below, (2000.0, 0.3)), (above, (1000.0, 0.3))], pair, steps)
 
 
+def falling_deck() -> str:
+    """A block falls on a table and comes to rest: velocities, mass and contact from increment to increment."""
+    from verify.decks import make_decks, sheets
+
+    body = make_decks.block(np.linspace(0, 1, 3), np.linspace(0, 1, 3), np.linspace(0.1, 1.1, 3), "BODY")
+    table = make_decks.block(np.linspace(-1, 2, 5), np.linspace(-1, 2, 5), np.linspace(-1, 0, 2), "TABLE")
+    steps = ("*STEP, NLGEOM, AMPLITUDE=STEP\n*DYNAMIC, APPLICATION=QUASI-STATIC\n5e-4, 0.02, 1e-9, 1e-3\n*BOUNDARY\nTABLE_BOTTOM, 1, 3\n"
+             "*DLOAD\nBODY, GRAV, 9810., 0.2, 0., -1.\n*CONTACT PRINT\nCDIS, CSTR\n*NODE PRINT, NSET=BODY_TOP\nV\n*END STEP\n")  # fmt: skip
+    deck = sheets.solid_deck([(body, (2000.0, 0.3)), (table, (1000.0, 0.3))], sheets.pair("BODY_BOTTOM", "TABLE_TOP", 0.3), steps)
+    return deck.replace("*SOLID SECTION", "*DENSITY\n1e-3\n*SOLID SECTION")
+
+
 def skin_deck() -> str:
     """Domed plates with friction, solved with the contact skin: its bulk solver serves many increments."""
     from verify.benchmark.wide_contact import Model, deck_of
@@ -114,7 +126,7 @@ def skin_deck() -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("deck", [points_deck, mortar_deck, skin_deck])
+@pytest.mark.parametrize("deck", [points_deck, mortar_deck, skin_deck, falling_deck])
 def test_surfaces_on_surfaces_resume_bitwise(program: Path, run: Run, tmp_path: Path, deck: Callable[[], str]) -> None:
     """The same where faces lie on faces."""
     kill_over_and_over(program, run, deck(), tmp_path, 4, 7)

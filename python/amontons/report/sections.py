@@ -27,7 +27,8 @@ OF_MATERIALS = {"ELASTIC", "PLASTIC", "CYCLIC HARDENING", "CREEP", "HYPERELASTIC
                 "INITIAL CONDITIONS", "NO COMPRESSION", "VISCOELASTIC", "ANNEAL TEMPERATURE"}  # fmt: skip
 #: Columns of the history in the table of energies: the first is the sum of the others.
 ENERGIES = {"external_work": "external work", "strain_energy": "strain energy", "friction_work": "friction", "contact_energy": "stored in contact",
-            "plastic_work": "plastic and creep", "damped_work": "damping", "proximal_work": "unbalanced steps"}  # fmt: skip
+            "plastic_work": "plastic and creep", "damped_work": "damping", "proximal_work": "unbalanced steps",
+            "kinetic_energy": "kinetic", "integration_loss": "backward Euler"}  # fmt: skip
 UNTOLD = 1.0e29  #: written for what was no finite number
 
 

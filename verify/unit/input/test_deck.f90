@@ -773,7 +773,8 @@ contains
     call suite%that('inc does not stay', model%steps(1)%max_increments == 7 .and. model%steps(2)%max_increments == 100)
     call expect_error(suite, MODEL_PART, 'no step')
     call expect_error(suite, MODEL_PART // '*STEP;' // STEP_END, 'no *STATIC', '*STEP')
-    call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC;.1,1.;' // STEP_END, 'Inertia is not computed.')
+    call expect_error(suite, MODEL_PART // '*STEP;*MODAL DYNAMIC;.1,1.;' // STEP_END, 'Vibration is not computed.')
+    call test_dynamic(suite)
     call expect_error(suite, MODEL_PART // STEP_START // STEP_PART, 'no *END STEP')
     call expect_error(suite, MODEL_PART // STEP_START, 'no *END STEP')
     call expect_error(suite, MODEL_PART // STEP_PART // STEP_END, 'must be in a step')
@@ -781,6 +782,23 @@ contains
     call expect_error(suite, MODEL_PART // STEP_START // '*HEADING;' // STEP_END, 'before the first step')
     call expect_error(suite, MODEL_PART // STEP_START // STEP_END // 'text;', 'takes no data', 'text')
   end subroutine test_steps
+
+
+  !> DYNAMIC.
+  subroutine test_dynamic(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    character(*), parameter :: QUASI_STATIC = '*STEP;*DYNAMIC,APPLICATION=QUASI-STATIC;'
+    call read_good(suite, 'dynamic', MODEL_PART // QUASI_STATIC // '.1,2.;' // STEP_END // STEP_PART, model)
+    call suite%that('dynamic: in its step alone', model%steps(1)%is_dynamic .and. .not. model%steps(2)%is_dynamic)
+    call suite%that('dynamic: times', maxval(abs([model%steps(1)%period, model%steps(1)%dt_max] - 2)) < 1.0e-12_DP)
+    call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC;.1,1.;' // STEP_END, 'APPLICATION=QUASI-STATIC', '*DYNAMIC')
+    call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC,APPLICATION=MODERATE DISSIPATION;' // STEP_END, 'vibration')
+    call expect_error(suite, NODES // CUBES // '*MATERIAL,NAME=M;*ELASTIC;1.,0.;*SOLID SECTION,ELSET=E,MATERIAL=M;' // &
+      QUASI_STATIC // STEP_END, 'give *DENSITY to the material')
+    call expect_error(suite, MODEL_PART // '*STEP;*DYNAMIC,APPLICATION=QUASI-STATIC,ALPHA=-0.1;' // STEP_END, 'no such parameter')
+    call expect_error(suite, MODEL_PART // '*STEP,PERTURBATION;*DYNAMIC,APPLICATION=QUASI-STATIC;' // STEP_END, 'PERTURBATION')
+  end subroutine test_dynamic
 
 
   !> STATIC.

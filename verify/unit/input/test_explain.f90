@@ -115,8 +115,8 @@ contains
 
   !> Errors and notes below their cards; an error in parts stops the reading.
   subroutine check_messages()
-    call explain(MESH // MATERIAL // '*DYNAMIC;*NONSENSE;*NSET, NSET=A;1,99;' // STEP, DIALECT_ABAQUS, .true.)
-    call expect('*DYNAMIC: refused. ')
+    call explain(MESH // MATERIAL // '*MODAL DYNAMIC;*NONSENSE;*NSET, NSET=A;1,99;' // STEP, DIALECT_ABAQUS, .true.)
+    call expect('*MODAL DYNAMIC: refused. ')
     call expect('*NONSENSE: not known')
     call expect('    error: There is no node 99.', after='*NSET: used')
     call expect('The deck has ')
