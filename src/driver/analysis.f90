@@ -267,8 +267,8 @@ contains
         dt = min(propose_increment(analysis%stepper, step), until - analysis%stepper%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%can_be_cut_back = can_cut_back(analysis%stepper, step, dt)
-        if (analysis%newton%can_be_cut_back .and. analysis%stepper%attempt &
-          == 1) call delay_snap_through(analysis%newton%globalization, step%controls%globalization)
+        if (analysis%newton%can_be_cut_back .and. analysis%stepper%attempt == 1) &
+          call delay_snap_through(analysis%newton%globalization, step%controls%globalization)
         do
           call iterate_trial(analysis, logger, verdict, error)
           if (allocated(error)) return
@@ -549,6 +549,7 @@ contains
     integer, intent(in) :: verdict                 !< VERDICT_...
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
+    logical :: is_always_free                      ! no shorter increment holds a body
     integer :: outcome
     character(120) :: location
     associate (record => analysis%records(analysis%n_records))
@@ -559,8 +560,9 @@ contains
       call reject_increment(analysis%stepper, step, dt, verdict, outcome)
       if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepper%dt = max(step%dt_min, &
         analysis%smallest_pnewdt * dt)
-      if (is_always_unsupported(analysis%records(:analysis%n_records), step%controls%increments%max_unsupported_attempts)) &
-        outcome = OUTCOME_GIVE_UP
+      is_always_free = is_always_unsupported(analysis%records(:analysis%n_records), &
+        step%controls%increments%max_unsupported_attempts) .and. .not. step%is_dynamic
+      if (is_always_free) outcome = OUTCOME_GIVE_UP
       record%report_lines = describe_failure(analysis%model, analysis%system, analysis%state, analysis%newton, record%failure)
       if (outcome /= OUTCOME_CUT_BACK) record%report_lines = [summarize_attempts(analysis%records(:analysis%n_records)), &
         record%report_lines]
@@ -571,8 +573,7 @@ contains
         call logger%show_report(trim(location) // ' ' // record%reason, record%report_lines)
         call set_error(error, EXIT_NOT_CONVERGED, trim(location) // ' ' // record%reason // trim(merge( &
           ' A smaller increment does not hold it.', ' No smaller increment is allowed.     ', &
-          is_always_unsupported(analysis%records(:analysis%n_records), &
-          step%controls%increments%max_unsupported_attempts))) // ' All converged increments are on disk.')
+          is_always_free)) // ' All converged increments are on disk.')
       end if
     end associate
     call restore_state(analysis%state)
@@ -606,6 +607,7 @@ contains
       new%external_work = old%external_work + sum((new%u - old%u) * (start_share * (old%applied_force + old%reaction_force) &
         + (1.0_DP - start_share) * (new%applied_force + new%reaction_force))) - damping_work
       if (step%is_dynamic) new%integration_loss = new%integration_loss + implicit_loss(old, new)
+      if (step%is_dynamic) new%proximal_work = old%proximal_work   ! it is in the integration loss
       if (.not. step%is_dynamic) new%kinetic_energy = 0.0_DP
       record%applied_force = sum(new%applied_force, dim=2, mask=spread(.not. is_abstract, 1, 3))
       record%reaction_force = sum(new%reaction_force, dim=2, mask=spread(.not. is_abstract, 1, 3))

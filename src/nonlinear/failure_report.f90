@@ -59,6 +59,7 @@ contains
     logical :: is_unsupported                             ! proximal steps failed, and supports alone do not hold all bodies
     is_unsupported = newton%farthest_node > 0 .and. (newton%globalization%n_proximal > newton%globalization%n_snap_through &
       .or. newton%outcome == OUTCOME_UNSUPPORTED)
+    if (has_inertia(model, state)) is_unsupported = .false.
     if (is_unsupported) is_unsupported = .not. is_held_by_supports(model, system, state)
     if (is_unsupported .and. newton%globalization%step_kind /= STEP_KIND_NEWTON .and. newton%globalization%n_snap_through == 0 &
       .and. &
@@ -90,6 +91,15 @@ contains
   end function find_failure
 
 
+  !> Whether inertia holds all bodies.
+  pure logical function has_inertia(model, state)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    has_inertia = .false.
+    if (state%new%step > 0) has_inertia = model%steps(state%new%step)%is_dynamic
+  end function has_inertia
+
+
   !> Cause of non-convergence where all iterations could be evaluated; FAILURE_NONE if unknown.
   function failure_of_iterations(model, system, state, newton, is_unsupported) result(failure)
     type(model_type), intent(in) :: model
@@ -105,6 +115,7 @@ contains
       newton%globalization%n_proximal > newton%globalization%n_snap_through)) failure%code = FAILURE_LIMIT_POINT
     if (is_unsupported .and. (family_of(failure) /= FAMILY_LEFT_MASTER .or. newton%measures%n_approaching > 1)) &
       failure = unsupported_body_sentence(model, state, newton)
+    if (has_inertia(model, state)) return
     if (all(family_of(failure) /= [FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION])) &
       call diagnose_free_motion(model, system, state, newton, failure)
   end function failure_of_iterations

@@ -7,6 +7,7 @@ Nothing but contact supports a block: each must fall on the one below. Every blo
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,3 +90,10 @@ def wall(n_rows: int, n_columns: int, gap: float = 0.01, push: float = 0.05, mu:
             here.append((name, left, right))
         below = here
     return _pile(blocks, joints, table, push, mu, cells, increments, options)
+
+
+def by_inertia(deck: str, times: str, of_step: str = "") -> str:
+    """The deck of a static step with inertia in its place, density 1e-3 where there is none."""
+    heavy = re.sub(r"(\*ELASTIC\n.*\n)(?!\*DENSITY)", r"\1*DENSITY\n1e-3\n", deck)
+    heavy = re.sub(r"\*STATIC.*\n.*\n", f"*DYNAMIC, APPLICATION=QUASI-STATIC\n{times}\n", heavy)
+    return re.sub(r"\*STEP.*", f"*STEP, NLGEOM, INC=2000{of_step}", heavy)

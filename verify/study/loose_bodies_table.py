@@ -1,6 +1,8 @@
 """Loose bodies: stacks and walls with gaps, those of the tests and a second set at random, in both formulations. Prints a table.
 
-    python -m verify.study.loose_bodies_table [number of random decks]
+    python -m verify.study.loose_bodies_table [number of random decks] [--inertia]
+
+With --inertia the steps are *DYNAMIC, APPLICATION=QUASI-STATIC, with all loads at once.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -17,7 +19,7 @@ from pathlib import Path
 
 import h5py
 
-from verify.decks.loose_bodies import Pile, stack, wall
+from verify.decks.loose_bodies import Pile, by_inertia, stack, wall
 
 BY_FACES = ", TYPE=SURFACE TO SURFACE"
 SECONDS = 60  #: most time for a job
@@ -27,7 +29,8 @@ def _result(pile: Pile) -> str:
     """Outcome, iterations and failed attempts of a job; whether the table carries the weight."""
     amontons = Path(os.environ.get("AMONTONS_BIN", "bin")).resolve() / "amontons"
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "job.inp").write_text(pile.deck)
+        deck = by_inertia(pile.deck, "1e-3, 0.5, 1e-9, 0.05", ", AMPLITUDE=STEP") if "--inertia" in sys.argv else pile.deck
+        Path(folder, "job.inp").write_text(deck)
         try:
             done = subprocess.run([amontons, "job"], cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False)
         except subprocess.TimeoutExpired:
@@ -71,7 +74,8 @@ def _random(n_cases: int) -> list[tuple[str, Pile]]:
 
 def main() -> None:
     """Prints both tables."""
-    n_cases = int(sys.argv[1]) if len(sys.argv) > 1 else 30
+    numbers = [word for word in sys.argv[1:] if word.isdigit()]
+    n_cases = int(numbers[0]) if numbers else 30
     for title, cases in (("The set of the tests and its neighbours", _fixed()), ("The second set", _random(n_cases))):
         print(f"\n{title}\n\n| case | outcome | iterations | failed attempts |\n|---|---|---|---|")
         n_finished = 0

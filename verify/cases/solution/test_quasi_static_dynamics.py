@@ -11,8 +11,10 @@ import h5py
 import numpy as np
 import pytest
 
+from verify.cases.solution.test_failure_report import pressed_arch
 from verify.cases.solution.test_stabilization import CUBE, TRUSSES, history, lifted
 from verify.conftest import Run
+from verify.decks.loose_bodies import Pile, by_inertia, stack, wall
 from verify.decks.make_decks import block
 from verify.decks.sheets import between, fix, pair, solid_deck
 
@@ -119,6 +121,42 @@ def test_snap_through(run_deck: Run, tmp_path: Path) -> None:
     assert -2 * 1000 * np.log(long / old) * y / long * old / long == pytest.approx(1.2, rel=1e-6)
     assert history(tmp_path, "kinetic_energy").max() > 1e3 * history(tmp_path, "kinetic_energy")[-1]
     assert balance(tmp_path) == pytest.approx(0.0, abs=1e-5)
+
+
+def last_u(folder: Path) -> np.ndarray:
+    """The displacements at the end."""
+    with h5py.File(folder / "job.vtkhdf") as file:
+        return np.asarray(file["VTKHDF/PointData/U"][-len(file["VTKHDF/Points"]) :])
+
+
+def test_pressed_arch(run_deck: Run, tmp_path: Path) -> None:
+    """A stamp under forces presses an arch through: by inertia it ends where statics does, after snap-through steps."""
+    deck = by_inertia(pressed_arch(), "0.01, 1., 1e-9, 0.1")
+    done = run_deck(deck + step("0.1, 10.", "", "", ", NLGEOM"))
+    assert done.returncode == 0, done.stdout
+    u = last_u(tmp_path)
+    assert history(tmp_path, "reaction_force")[-1, 1] == pytest.approx(1500.0, rel=1e-6)
+    assert u[:, 1].min() < -0.6, "the middle of the arch lies below its supports by as much as it was above, and more"
+    assert balance(tmp_path) == pytest.approx(0.0, abs=1e-8)
+    assert history(tmp_path, "integration_loss")[-1] > 0.5, "what the snap releases"
+    done = run_deck(pressed_arch())
+    assert done.returncode == 0, done.stdout
+    assert np.abs(u - last_u(tmp_path)).max() < 1e-3 * np.abs(u).max(), "friction alone remembers the way"
+
+
+@pytest.mark.parametrize(
+    "pile",
+    [pytest.param(stack(8, 0.1), id="stack of 8"), pytest.param(stack(16, 0.1, cells=1, options=", TYPE=SURFACE TO SURFACE"), id="stack of 16 by faces"),
+     pytest.param(wall(5, 5, 0.1, cells=1, options=", TYPE=SURFACE TO SURFACE"), id="wall by faces")],
+)  # fmt: skip
+def test_piles_fall(run_deck: Run, tmp_path: Path, pile: Pile) -> None:
+    """Loose blocks fall on one another and rest, also where a static step finds no support: the table carries weight and push."""
+    done = run_deck(by_inertia(pile.deck, "1e-3, 0.5, 1e-9, 0.05", ", AMPLITUDE=STEP"))
+    assert done.returncode == 0, done.stdout
+    assert history(tmp_path, "reaction_force")[-1, :2] == pytest.approx([-pile.push, pile.weight], abs=1e-5 * pile.weight)
+    assert history(tmp_path, "kinetic_energy")[-1] < 1e-9 * history(tmp_path, "external_work")[-1]
+    assert balance(tmp_path) == pytest.approx(0.0, abs=1e-8)
+    assert not history(tmp_path, "proximal_work").any()
 
 
 def test_resumed(run_deck: Run, tmp_path: Path) -> None:
