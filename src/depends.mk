@@ -156,6 +156,7 @@ uses_contact_integration_points = kinds topology model shape_functions facets co
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
+uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
 
 # equilibrium
 uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner ranks distributed_solver controls mesh steps constraints
@@ -209,7 +210,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
-uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact balanced_bodies user_routine_setup
+uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
 uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files

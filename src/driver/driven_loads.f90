@@ -77,13 +77,16 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
     type(step_type) :: step
-    integer :: kind, i
+    integer :: kind, i, k
     step = model%steps(i_step)
     if (allocated(driven_loads%step%amplitudes)) step%amplitudes = driven_loads%step%amplitudes
     if (allocated(driven_loads%friction)) then
       if (.not. allocated(step%interactions)) step%interactions = model%interactions
-      do i = 1, size(driven_loads%friction)
-        if (driven_loads%friction(i) >= 0) step%interactions(i)%friction = driven_loads%friction(i)
+      do i = 1, size(driven_loads%friction)        ! a penalty at dependent slave nodes has the name of its law
+        if (driven_loads%friction(i) < 0) cycle
+        do k = 1, size(step%interactions)
+          if (step%interactions(k)%name == step%interactions(i)%name) step%interactions(k)%friction = driven_loads%friction(i)
+        end do
       end do
     end if
     if (.not. allocated(driven_loads%entries)) return

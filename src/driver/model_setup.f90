@@ -1,9 +1,9 @@
 !> Model set-up: the last changes of the model after the deck is read; it is constant from the model check on.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Opens user routines; converts ties and distributing couplings to equations, general contact to contact pairs; moves tied nodes
-!! and those of ADJUST onto their masters; gives elements the material of the first step. No later procedure has a model with
-!! intent(inout) (`make lint`).
+!! Opens user routines; converts ties and distributing couplings to equations, general contact to contact pairs; gives pairs with
+!! dependent slave nodes a penalty; moves tied nodes and those of ADJUST onto their masters; gives elements the material of the
+!! first step. No later procedure has a model with intent(inout) (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -14,6 +14,7 @@ module amontons_model_setup
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
+  use amontons_dependent_slaves, only: find_penalties, penalty_law
   use amontons_tie_generation, only: generate_ties
   use amontons_user_routine_setup, only: open_user_routines
   implicit none
@@ -35,6 +36,7 @@ contains
     if (allocated(error)) return
     call add_general_contact(model, found)
     if (found /= '') call logger%say(found)
+    call soften_dependent_pairs(model, logger)
     call adjust(model, logger, error)
     if (allocated(error)) return
     call hold_balanced_bodies(model, logger)
@@ -109,6 +111,30 @@ contains
       end associate
     end do
   end subroutine extend_steps
+
+
+  !> Gives exact pairs with dependent slave nodes a penalty, in all steps.
+  subroutine soften_dependent_pairs(model, logger)
+    type(model_type), intent(inout) :: model
+    type(logger_type), intent(inout) :: logger
+    real(DP), allocatable :: stiffness(:)          ! (n_pairs)
+    character(:), allocatable :: text
+    integer :: p, i
+    if (size(model%pairs) == 0) return
+    call find_penalties(model, stiffness, text)
+    if (text /= '') call logger%warn(text)
+    do p = 1, size(model%pairs)
+      if (.not. stiffness(p) > 0.0_DP) cycle
+      associate (pair => model%pairs(p))
+        model%interactions = [model%interactions, penalty_law(model%interactions(pair%interaction), stiffness(p))]
+        do i = 1, size(model%steps)
+          if (allocated(model%steps(i)%interactions)) model%steps(i)%interactions = [model%steps(i)%interactions, &
+            penalty_law(model%steps(i)%interactions(pair%interaction), stiffness(p))]
+        end do
+        pair%interaction = size(model%interactions)
+      end associate
+    end do
+  end subroutine soften_dependent_pairs
 
 
   !> ADJUST: moves slave nodes onto their master and logs their number and the largest distance.
