@@ -3,7 +3,8 @@
 !!
 !! A node has one director for all its elements whose normals lie within 20 degrees of that of the first of them, and that have
 !! the same thickness and offset: the mean of these normals. Elements with a *NORMAL come first and are gathered within 0.5 degrees.
-!! A node with several directors is a knot (module knots). Source: CalculiX CrunchiX manual, Eight-node shell element.
+!! A node with several directors is a knot (module knots). In rigid bodies, which need no knots, elements share it over right angles
+!! too, so that their faces stay connected. Source: CalculiX CrunchiX manual, Eight-node shell element.
 module amontons_directors
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type
@@ -18,6 +19,7 @@ module amontons_directors
 
   real(DP), parameter :: SMOOTH_ANGLE = 20.0_DP * PI / 180   !< largest angle between normals that become one [rad]
   real(DP), parameter :: GIVEN_ANGLE = 0.5_DP * PI / 180     !< the same, of *NORMAL [rad]
+  real(DP), parameter :: RIGID_ANGLE = 91.0_DP * PI / 180    !< the same, of rigid elements: their mean is never zero [rad]
   real(DP), parameter :: TOL_FLAT = 1.0e-10_DP   !< area at a node over the square of the element's size, below: no normal [-]
   real(DP), parameter :: TOL_SAME = 1.0e-9_DP    !< relative difference of equal thicknesses and offsets [-]
 
@@ -183,12 +185,13 @@ contains
     is_given = [(norm2(structure%given_normal(:, position(i))) > 0, i=1, size(position))]
     is_left = .true.
     do pass = 1, 2
-      angle = merge(GIVEN_ANGLE, SMOOTH_ANGLE, pass == 1)
       do i = 1, size(position)
         if (.not. is_left(i) .or. (pass == 1 .and. .not. is_given(i))) cycle
+        angle = merge(GIVEN_ANGLE, SMOOTH_ANGLE, pass == 1)
         n = n + 1
         found(n) = own(position(i))
         found(n)%axes = 0
+        if (is_of_rigid_body(structure, found(n)%section)) angle = RIGID_ANGLE
         do k = 1, size(position)
           if (.not. is_left(k)) cycle
           if (.not. is_smooth(own(position(i)), own(position(k)), angle)) cycle
@@ -201,6 +204,15 @@ contains
       end do
     end do
   end subroutine join_directors
+
+
+  !> Whether a section is that of rigid elements.
+  pure logical function is_of_rigid_body(structure, section)
+    type(structure_type), intent(in) :: structure
+    integer, intent(in) :: section               !< index into its sections
+    is_of_rigid_body = allocated(structure%sections(section)%card)
+    if (is_of_rigid_body) is_of_rigid_body = structure%sections(section)%card == 'RIGID BODY'
+  end function is_of_rigid_body
 
 
   !> The unit vector of the part of a normal to b.

@@ -32,6 +32,7 @@ module amontons_deck_mesh
     integer, allocatable :: label(:)             !< (n)
     integer, allocatable :: kind(:)              !< (n) KIND_..., 0: unsupported kind
     logical, allocatable :: is_in_plane(:)       !< (n) T2D2, T2D3: a truss in the plane
+    logical, allocatable :: is_rigid(:)          !< (n) R3D3, R3D4: its section comes from *RIGID BODY
     integer, allocatable :: card(:)              !< (n) its ELEMENT card
     integer, allocatable :: line(:)              !< (n) its line
     integer, allocatable :: first(:)             !< (n + 1) start of its nodes
@@ -216,7 +217,7 @@ contains
     n_rows = count_rows(reader, 'ELEMENT')
     allocate (draft%label(n_rows), draft%kind(n_rows), draft%card(n_rows), draft%line(n_rows), draft%first(n_rows + 1))
     allocate (draft%element_first(reader%cards%n_cards), draft%element_last(reader%cards%n_cards))
-    allocate (draft%is_in_plane(n_rows), source=.false.)
+    allocate (draft%is_in_plane(n_rows), draft%is_rigid(n_rows), source=.false.)
     draft%first(1) = 1
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ELEMENT')) cycle
@@ -232,6 +233,7 @@ contains
       end do
       draft%element_last(c) = draft%n
       draft%is_in_plane(draft%element_first(c):draft%n) = begins_with(parameter_word(parameters, 'TYPE', ''), 'T2D')
+      draft%is_rigid(draft%element_first(c):draft%n) = kind > 0 .and. begins_with(parameter_word(parameters, 'TYPE', ''), 'R3D')
     end do
     draft%label = draft%label(:draft%n)
     call draft%labels%build(draft%label)
@@ -271,6 +273,7 @@ contains
     if (is_one_of(type, 'S3R|STRI3')) taken = 'S3'
     if (type == 'STRI65') taken = 'S6'
     if (is_one_of(type, 'S4R5|S8R5')) taken = type(:3)
+    if (is_one_of(type, 'R3D3|R3D4') .and. reader%dialect /= DIALECT_CALCULIX) taken = 'S' // type(4:)   ! CalculiX has none
     if (ends_with(type, 'RI')) taken = type(:len(type) - 1)     ! C3D20RI
     do i = 1, size(ENDINGS)
       if (element_kind_by_name(taken) > 0) exit
@@ -279,8 +282,8 @@ contains
     end do
     kind = element_kind_by_name(taken)
     if (kind == 0) return
-    if (taken /= type .and. .not. begins_with(type, 'T2D')) call report_note(reader, reader%cards%cards(c)%line, &
-      'The elements ' // type // ' are taken as ' // taken // '.')
+    if (taken /= type .and. .not. is_one_of(type(:min(3, len(type))), 'T2D|R3D')) call report_note(reader, &
+      reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // taken // '.')
     if (reader%dialect /= DIALECT_CALCULIX) return
     if (kind == KIND_C3D8) kind = KIND_C3D8_FULL
     if (kind == KIND_CPE4) kind = KIND_CPE4_FULL
@@ -690,6 +693,8 @@ contains
       'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
     if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the beams B31, B31R, B32, B32R.'
+    if (begins_with(type, 'R')) advice = 'Rigid tools in space are R3D3 and R3D4 (abaqus dialect) or ' // &
+      'solids in a *RIGID BODY; in the plane *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
     if (begins_with(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
     if (begins_with(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'

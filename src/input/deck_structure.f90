@@ -58,7 +58,89 @@ contains
       model%structure%sections = [model%structure%sections, section]
       call assign_section(reader, model, c, set, material, draft)
     end do
+    if (any(draft%is_rigid)) call add_rigid_sections(reader, model, draft)
   end subroutine read_structural_sections
+
+
+  !> Rigid elements become thin shells whose nodes all belong to their rigid body: they do not strain, whatever their material. A
+  !! millionth of the mean edge is thin enough for their faces and thick enough for the numbers of a body that does not bend.
+  subroutine add_rigid_sections(reader, model, draft)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model     !< with the element sets of drafts; out: with structure%sections
+    type(element_draft_type), intent(inout) :: draft
+    real(DP), parameter :: THICKNESS_RATIO = 1.0e-6_DP   !< over the mean edge [-]
+    type(structural_section_type) :: section
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer, allocatable :: members(:)
+    integer :: c, set
+    call report_sections_of_rigid(reader, draft)
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'RIGIDBODY')) cycle
+      call open_card(reader, c, parameters, row)
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      if (set == 0) cycle                        ! without ELSET, or its error is reported later
+      associate (all_members => model%mesh%element_sets(set)%members)
+        members = pack(all_members, draft%is_rigid(all_members))
+      end associate
+      if (size(members) == 0) cycle
+      section = structural_section_type(family=FAMILY_SHELL, card='RIGID BODY')
+      section%line = reader%cards%line_number(reader%cards%cards(c)%line)
+      section%thickness(1) = THICKNESS_RATIO * mean_edge(model%mesh%coordinates, draft, members)
+      if (.not. allocated(model%structure)) then
+        allocate (model%structure)
+        allocate (model%structure%sections(0))
+      end if
+      model%structure%sections = [model%structure%sections, section]
+      draft%material(members) = merge(1, -1, size(model%materials) > 0)
+      draft%section(members) = size(model%structure%sections)
+      draft%section_card(members) = c
+    end do
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'ELEMENT')) cycle
+      associate (first => draft%element_first(c), last => draft%element_last(c))
+        if (.not. any(draft%is_rigid(first:last) .and. draft%section(first:last) == 0)) cycle
+        set = first - 1 + findloc(draft%is_rigid(first:last) .and. draft%section(first:last) == 0, .true., dim=1)
+        draft%material(first:last) = -1          ! one message is enough
+        call report_error(reader, reader%cards%cards(c)%line, 'The rigid element ' // to_text(draft%label(set)) // &
+          ' belongs to no *RIGID BODY, ELSET=, REF NODE=.')
+      end associate
+    end do
+  end subroutine add_rigid_sections
+
+
+  !> Reports the first rigid element that a section names.
+  subroutine report_sections_of_rigid(reader, draft)
+    type(reader_type), intent(inout) :: reader
+    type(element_draft_type), intent(inout) :: draft
+    integer :: e
+    do e = 1, draft%n
+      if (.not. draft%is_rigid(e) .or. draft%section_card(e) == 0) cycle
+      call report_error(reader, reader%cards%cards(draft%section_card(e))%line, 'The element ' // to_text(draft%label(e)) // &
+        ' is rigid and needs no section; *RIGID BODY, ELSET= holds it. Take it out of this set.')
+      return
+    end do
+  end subroutine report_sections_of_rigid
+
+
+  !> The mean edge of some elements of three or four nodes [length].
+  pure real(DP) function mean_edge(x, draft, members) result(edge)
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) coordinates of the nodes [length]
+    type(element_draft_type), intent(in) :: draft
+    integer, intent(in) :: members(:)            !< drafts
+    integer :: i, k, n, n_edges
+    edge = 0
+    n_edges = 0
+    do i = 1, size(members)
+      associate (nodes => draft%nodes%items(draft%first(members(i)):draft%first(members(i) + 1) - 1))
+        n = size(nodes)
+        if (any(nodes < 1)) cycle                ! a missing node: its error is reported
+        edge = edge + sum([(norm2(x(:, nodes(modulo(k, n) + 1)) - x(:, nodes(k))), k=1, n)])
+        n_edges = n_edges + n
+      end associate
+    end do
+    edge = merge(edge / real(max(n_edges, 1), DP), 1.0_DP, n_edges > 0)
+  end function mean_edge
 
 
   !> Gives the members of a set the last section.
@@ -264,6 +346,7 @@ contains
       do e = 1, size(structure%kind)
         if (structure%section(e) == 0) cycle
         if (structure%sections(structure%section(e))%family == FAMILY_BEAM) cycle
+        if (structure%sections(structure%section(e))%card == 'RIGID BODY') cycle
         associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1), nodes => &
           structure%nodes(structure%first(e):structure%first(e + 1) - 1))
           t = minval(structure%directors(of)%thickness(1))
