@@ -64,7 +64,21 @@ contains
     call expect_read(plates(0) // '*ELSET, ELSET=A;1;*ELSET, ELSET=B;2;*SHELL SECTION, ELSET=A, MATERIAL=M;.1;' // &
       '*SHELL SECTION, ELSET=B, MATERIAL=M;.2;', model)
     call suite%that('other thickness', size(model%structure%directors) == 8)
+    call expect_read(rigid(plates(90)), model)
+    call suite%that('rigid elements share it over a right angle', size(model%structure%directors) == 6)
+    call expect_read(rigid(plates(100)), model)
+    call suite%that('not beyond', size(model%structure%directors) == 8)
   end subroutine check_edges
+
+
+  !> The cards of shells as those of rigid elements.
+  function rigid(cards) result(changed)
+    character(*), intent(in) :: cards
+    character(:), allocatable :: changed
+    integer :: i
+    i = index(cards, 'TYPE=S4')
+    changed = cards(:i + 4) // 'R3D4' // cards(i + 7:) // '*NODE;90,0,0,5;*RIGID BODY, ELSET=E, REF NODE=90;'
+  end function rigid
 
 
   !> NORMAL of one element: it keeps it, and elements beyond half a degree keep theirs.
