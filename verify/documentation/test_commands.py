@@ -1,7 +1,7 @@
 """The commands of README, first job and joints run as they are written, from a bare clone.
 
 Each block of commands (```sh) of a page runs in one shell, which ends at the first command that fails; a block of a file (```geo,
-```inp after "`name`") is saved under its name first, as the reader does. Two things need the network and have a stand-in: the
+```inp, ```py after "`name`") is saved under its name first, as the reader does. Two things need the network and have a stand-in: the
 address of the repository is that of this working copy, and the Python packages of .venv are those installed here.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -9,6 +9,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 import shutil
@@ -21,7 +22,7 @@ import pytest
 from verify.conftest import ROOT
 
 BLOCK = re.compile(r"```sh\n(.*?)```", re.DOTALL)
-FILE = re.compile(r"`([\w.]+\.(?:geo|inp))`[^`]*```(?:geo|inp)\n(.*?)```", re.DOTALL)
+FILE = re.compile(r"`([\w.]+\.(?:geo|inp|py))`[^`]*```(?:geo|inp|py)\n(.*?)```", re.DOTALL)
 PACKAGES = Path(sys.prefix)  #: the environment of this test, which has what verify/requirements.txt lists
 LINKED = ("bin", "include", "lib", "lib64", "pyvenv.cfg", "share")
 
@@ -76,7 +77,10 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("page", "made"),
     [
-        ("doc/manual/first_job.md", ["results/three_cubes.png", "results/three_cubes.html", "bracket.dat", "bracket.png", "bracket.html"]),
+        (
+            "doc/manual/first_job.md",
+            ["results/three_cubes.png", "results/three_cubes.html", "bracket.dat", "bracket.png", "bracket.html", "pinned.png", "pinned_pairs.csv"],
+        ),
         ("doc/manual/joints.md", [f"results/{name}.png" for name in ("press_fit", "bolted_joint", "snap_fit")]),
     ],
 )
@@ -88,6 +92,22 @@ def test_commands_run_as_written(clone: Path, page: str, made: list[str]) -> Non
     printed = run_commands(commands_of(page), clone)
     for name in made:
         assert (clone / name).stat().st_size > (10_000 if name.endswith(("png", "html")) else 0), f"{name}\n{printed[-3000:]}"
+    if "pinned_pairs.csv" in made:
+        check_pair_forces(clone / "pinned_pairs.csv")
+
+
+def check_pair_forces(path: Path) -> None:
+    """The pin hands its 2 kN to the bore, in proportion to time, and slips. T = mu N holds node by node; of the sums of the vectors
+    N is a little smaller than the sum of its sizes, as the normals of the bore differ, so that T/N lies a little above mu."""
+    with path.open() as table:
+        rows = [{name: float(value) for name, value in row.items() if name} for row in csv.DictReader(table)]
+    assert rows[-1]["total_time"] == 1
+    for row in rows:
+        assert abs(row["CFN3"] + row["CFS3"]) == pytest.approx(2000 * row["total_time"], rel=1e-4), row
+        assert row["CFSM"] == pytest.approx(0.15 * row["CFNM"], rel=0.03), row
+    assert rows[-1]["CAREA"] > 0
+    assert rows[-1]["n_slip"] > 0
+
 
 
 def test_a_command_that_fails_is_seen(tmp_path: Path) -> None:
