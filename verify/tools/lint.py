@@ -1,7 +1,7 @@
 """Proves the layers of src against the use lines, and the limits of doc/developer/style.md against the source.
 
-    lint.py          prints what is wrong, one line each, and exits 1 if there is something
-    lint.py --write  first generates src/depends.mk from the use lines
+    python3 -m verify.tools.lint          prints what is wrong, one line each, and exits 1 if there is something
+    python3 -m verify.tools.lint --write  first generates src/depends.mk from the use lines
 
 The layers are the folders of src, bottom-up in the order of the table in src/README.md. A module uses modules of its own folder
 (without a cycle) and of folders that stand above its own in the table.
@@ -12,6 +12,8 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from verify.tools.wrap import check_widths
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
@@ -333,7 +335,7 @@ def main() -> int:
     if "--write" in sys.argv:
         path.write_text(text)
     troubles = check_layers(listed, layers) + check_documents(set(modules), ROOT) + check_search_paths(ROOT)
-    troubles += check_unit_programs(listed, ROOT)
+    troubles += check_unit_programs(listed, ROOT) + check_widths(ROOT)
     if path.read_text() != text:
         troubles.append("src/depends.mk: stale; `make depends` generates it")
     troubles += [trouble for module in listed for trouble in module.troubles]

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from verify.tools import lint
+from verify.tools import wrap as pages
 
 HEAD = "!> Sample: a module for this test.\n!! SPDX-License-Identifier: GPL-3.0-or-later\n"
 
@@ -46,7 +47,7 @@ ROOT = lint.ROOT
 def test_the_source_is_clean() -> None:
     """`make lint` finds nothing: the limits of style.md, and fortitude's rules."""
     sources = sorted(ROOT.glob("src/**/*.f90")) + sorted(ROOT.glob("verify/unit/**/*.f90"))
-    for command in ([sys.executable, lint.__file__], [Path(sys.executable).with_name("fortitude"), "check", "--output-format", "concise", *sources]):
+    for command in ([sys.executable, "-m", "verify.tools.lint"], [Path(sys.executable).with_name("fortitude"), "check", "--output-format", "concise", *sources]):
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
 
@@ -204,3 +205,48 @@ def test_layout(tmp_path: Path) -> None:
     assert "    call say('a//b' // text, &\n      y)   ! c//d\n" in text
     assert "end subroutine do_nothing\n\n\n  !> Does" in text
     assert lay_out("--check", file) == 0
+
+
+LONG = "word " * 30 + "end"
+PAGE = f"""# A heading that is {LONG}
+
+{LONG}
+and what follows it, with `code that is one
+- {LONG} $a + b$ - 1
+  more of it
+1. {LONG}
+
+| {LONG} |
+
+    {LONG}
+
+```
+{LONG}
+```
+"""
+
+
+def test_prose_is_wrapped_and_nothing_else() -> None:
+    """Words stay in their order; headings, tables and code stay as they are; no wrapped line opens a list or a heading."""
+    made = pages.wrapped(PAGE)
+    assert pages.too_long(PAGE) == [3, 5, 7]
+    assert pages.too_long(made) == []
+    assert made.split() == PAGE.split()
+    assert pages.wrapped(made) == made
+    assert [line for line in made.split("\n") if line.startswith(("#", "|", "    ", "```"))] == [
+        line for line in PAGE.split("\n") if line.startswith(("#", "|", "    ", "```"))
+    ]
+    assert sum(pages.ITEM.match(line) is not None for line in made.split("\n")) == 2
+    dashes = pages.filled("- ".join(["x" * 20] * 30), "", "")
+    assert all(not line.startswith("-") for line in dashes)
+    assert pages.filled("a " * 65 + "# b - c", "", "")[-1][0] not in "#-"
+
+
+def test_long_lines_are_told(tmp_path: Path) -> None:
+    """With page, line and remedy; pages that `make verify` writes are free."""
+    (tmp_path / "doc").mkdir()
+    (tmp_path / "doc" / "page.md").write_text(PAGE)
+    (tmp_path / "doc" / "written.md").write_text(f"{PAGE}\n`make verify` writes this page.\n")
+    told = pages.check_widths(tmp_path)
+    assert [line.split(": ")[0] for line in told] == ["doc/page.md:3", "doc/page.md:5", "doc/page.md:7"]
+    assert "python3 -m verify.tools.wrap doc/page.md" in told[0]
