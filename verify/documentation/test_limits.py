@@ -1,0 +1,118 @@
+"""doc/manual/limits.md against the program: what the page says is not there is refused before the first step, by name.
+
+Each row of the tables stands in TRIALS with cards that ask for it; all cards of the list of refused cards are tried as well.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from verify.conftest import ROOT, Run
+
+PAGE = ROOT / "doc" / "manual" / "limits.md"
+DECK_ERROR = 3
+CUBE = """*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*ELEMENT, TYPE=C3D8, ELSET=CUBE
+1, 1, 2, 3, 4, 5, 6, 7, 8
+{elements}*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.3
+{material}*SOLID SECTION, ELSET=CUBE, MATERIAL=STEEL
+*SURFACE, NAME=LOW
+CUBE, S1
+*SURFACE, NAME=HIGH
+CUBE, S2
+*SURFACE INTERACTION, NAME=DRY
+{interaction}*BOUNDARY
+ALL, 1, 3
+{pair}*STEP
+{step}*END STEP
+"""
+#: words of the row's first column: part of the deck, cards, words of the sentence that refuses them
+TRIALS = [
+    ("vibration", "step", "*DYNAMIC\n0.1, 1.\n", r"\*DYNAMIC"),
+    ("natural frequencies", "step", "*FREQUENCY\n3\n", r"\*FREQUENCY is not supported"),
+    ("buckling factors", "step", "*BUCKLE\n3\n", r"\*BUCKLE is not supported"),
+    ("Riks", "step", "*STATIC, RIKS\n0.1, 1.\n", "RIKS"),
+    ("heat transfer", "step", "*HEAT TRANSFER\n0.1, 1.\n", r"\*HEAT TRANSFER is not supported"),
+    ("coupled temperature", "step", "*COUPLED TEMPERATURE-DISPLACEMENT\n0.1, 1.\n", r"\*COUPLED TEMPERATURE-DISPLACEMENT is not supported"),
+    ("submodels", "step", "*SUBMODEL\nALL\n*STATIC\n", r"\*SUBMODEL is not supported"),
+    ("membranes", "elements", "*ELEMENT, TYPE=M3D4, ELSET=SKIN\n2, 5, 6, 7, 8\n*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=STEEL\n0.1\n", r"\*MEMBRANE SECTION is not supported"),
+    ("composite shells", "elements", "*ELEMENT, TYPE=S8R, ELSET=SKIN\n2, 5, 6, 7, 8\n*SHELL SECTION, ELSET=SKIN, COMPOSITE\n0.1, 3, STEEL\n", "COMPOSITE"),
+    ("other cross-sections", "elements", "*ELEMENT, TYPE=B31, ELSET=BEAM\n2, 5, 6\n*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=PIPE\n1., 0.1\n", "PIPE"),
+    ("connectors, joints", "elements", "*ELEMENT, TYPE=CONN3D2, ELSET=LINK\n2, 5, 6\n", "CONN3D2"),
+    ("cohesive elements", "elements", "*ELEMENT, TYPE=COH3D8, ELSET=GLUE\n2, 1, 2, 3, 4, 5, 6, 7, 8\n", "COH3D8"),
+    ("gaskets", "elements", "*GASKET SECTION, ELSET=CUBE\n", r"\*GASKET SECTION is not supported"),
+    ("rigid elements R2D2", "elements", "*ELEMENT, TYPE=R2D2, ELSET=TOOL\n2, 5, 6\n*RIGID BODY, ELSET=TOOL, REF NODE=8\n", "R2D2|rigid body has no nodes"),
+    ("user elements", "elements", "*USER ELEMENT, TYPE=U1, NODES=4\n", r"\*USER ELEMENT is not supported"),
+    ("self contact of one surface", "pair", "*CONTACT PAIR, INTERACTION=DRY\nLOW\n", "LOW|surface"),
+    ("friction that depends on", "interaction", "*FRICTION\n0.3, 1., 0.5, 20.\n", "friction cannot depend"),
+    ("adhesion", "interaction", "*COHESIVE BEHAVIOR\n", r"\*COHESIVE BEHAVIOR is not supported"),
+    ("Mohr-Coulomb", "material", "*MOHR COULOMB\n30., 5.\n", r"\*MOHR COULOMB is not supported"),
+    ("Drucker-Prager", "material", "*DRUCKER PRAGER\n30., 1., 5.\n", r"\*DRUCKER PRAGER is not supported"),
+    ("damage", "material", "*DAMAGE INITIATION, CRITERION=DUCTILE\n0.1\n", r"\*DAMAGE INITIATION is not supported"),
+    ("viscoelasticity", "material", "*VISCOELASTIC, TIME=PRONY\n0.1, 0.1, 1.\n", r"\*VISCOELASTIC is not supported"),
+    ("cast iron", "material", "*CAST IRON PLASTICITY\n0.1\n", r"\*CAST IRON PLASTICITY is not supported"),
+    ("rate-dependent yield", "material", "*PLASTIC\n200., 0.\n*RATE DEPENDENT\n40., 5.\n", r"\*RATE DEPENDENT is not supported"),
+]
+#: rows that no card asks for, each with what holds it
+NO_CARD = {
+    "S6 that curve": "verify/cases/elastic/test_shells.py",
+    "wear": "no card of Abaqus or CalculiX",
+    "fatigue, crack growth": "results of other programs",
+}
+
+
+def rows() -> list[str]:
+    """The first column of the tables."""
+    found = re.findall(r"^\| (?!not there)([^|]+) \| ", PAGE.read_text(), re.M)
+    assert len(found) > 10
+    return found
+
+
+@pytest.mark.parametrize(("row", "place", "cards", "told"), TRIALS, ids=[trial[0] for trial in TRIALS])
+def test_what_is_not_there_is_refused(run: Run, tmp_path: Path, row: str, place: str, cards: str, told: str) -> None:
+    """With an error that names it; the same deck without it has none."""
+    if not any(row.lower() in line.lower() for line in rows()):
+        pytest.skip(f"the page does not say any longer that there is no {row}")
+    parts = dict.fromkeys(("elements", "material", "interaction", "pair"), "") | {"step": "*STATIC\n"}
+    (tmp_path / "plain.inp").write_text(CUBE.format(**parts))
+    done = run(["--check", "plain"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (tmp_path / "job.inp").write_text(CUBE.format(**parts | {place: cards}))
+    done = run(["job"], cwd=tmp_path)
+    assert done.returncode == DECK_ERROR, done.stdout + done.stderr
+    errors = [line for line in (done.stdout + done.stderr).splitlines() if "*ERROR" in line]
+    assert any(re.search(told, line) for line in errors), errors
+    assert not (tmp_path / "job.vtkhdf").exists()
+
+
+def test_each_row_is_tried() -> None:
+    """A row without a trial is a sentence that nobody proved."""
+    known = [trial[0] for trial in TRIALS] + list(NO_CARD)
+    assert [row for row in rows() if not any(word.lower() in row.lower() for word in known)] == []
+
+
+def test_all_refused_cards_are_refused(run: Run, tmp_path: Path) -> None:
+    """Each card of the list that `amontons --cards` ends with."""
+    listed = run(["--cards"]).stdout
+    names = re.findall(r"^    \*([A-Z][A-Z0-9 -]+)$", listed[listed.index("Cards refused") :], re.M)
+    assert len(names) > 50
+    (tmp_path / "job.inp").write_text("".join(f"*{name}\n" for name in names))
+    done = run(["--check", "job"], cwd=tmp_path)
+    told = done.stdout + done.stderr
+    assert done.returncode == DECK_ERROR
+    assert [name for name in names if f"The card *{name} is not supported." not in told] == []
