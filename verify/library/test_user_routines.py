@@ -806,3 +806,31 @@ def test_loads_by_routines_over_steps(run: Run, tmp_path: Path) -> None:
     assert last[1] == pytest.approx((1.0, -11.0))
     assert last[2] == pytest.approx((1.0, -11.0))
     assert last[3] == pytest.approx((1.0, -1.0))
+
+
+WAITS = """
+subroutine disp(u, kstep, kinc, time, node, noel, jdof, coords)
+  include 'aba_param.inc'
+  dimension u(3), time(3), coords(3)
+  logical, save :: has_waited = .false.
+  u(1) = -0.001d0 * time(1)
+  if (has_waited) return
+  has_waited = .true.
+  call sleep(33)
+end subroutine disp
+"""
+
+
+@pytest.mark.slow
+def test_a_long_iteration_writes_a_line_in_a_pipe(run: Run, tmp_path: Path) -> None:
+    """A job that says nothing for half a minute tells where it is; one that goes on does not. A routine of the user that sleeps stands for the
+    long iteration: the job waits without work for the processor."""
+    deck = solid_deck("C3D8", "*ELASTIC\n70000., 0.25\n").replace("TOP, 3, 3, -0.006", "TOP, 3, 3, U", 1)
+    deck = re.sub(r"\*BOUNDARY\n(TOP, 1, 1, 0.01)\nTOP, 3, 3, U\n", r"*BOUNDARY\n\1\n*BOUNDARY, USER\nTOP, 3, 3\n", deck)
+    assert "USER" in deck
+    (tmp_path / "job.inp").write_text(deck)
+    for seconds, n_lines in ((0, 0), (33, 1)):
+        (tmp_path / "waits.f90").write_text(WAITS.replace("sleep(33)", f"sleep({seconds})"))
+        done = run(["job", "user=waits.f90"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+        assert done.stdout.count("At work") == n_lines, done.stdout
