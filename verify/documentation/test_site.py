@@ -79,6 +79,14 @@ def test_pages(site: Path) -> None:
     assert fetched(site) == set()
 
 
+def test_dark_mode_and_link_to_the_source(site: Path) -> None:
+    """Each page can be turned dark, and is where the system is dark; the pages of the source are linked."""
+    for name in ("index.html", "manual/contact.html"):
+        text = (site / name).read_text()
+        assert re.search(r'data-md-color-media="\(prefers-color-scheme: dark\)"[^>]*data-md-color-scheme="slate"', text), name
+    assert any('api/index.html"' in page.read_text() for page in site.glob("developer/*.html"))
+
+
 @pytest.mark.slow
 def test_pages_of_the_source(site: Path) -> None:
     """The same for the pages by FORD, which lie within the site; and they have the docstrings from their first word on."""
