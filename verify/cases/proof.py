@@ -40,8 +40,10 @@ CHAPTERS = {
     "Contact: pressure and partial slip": (
         "test_contact_patch", "test_hertz", "test_plane_contact", "test_partial_slip", "test_plane_friction", "test_circular_contact",
     ),
-    "Contact: sliding, free bodies, several pairs": ("test_sliding", "test_free_bodies", "test_loose_bodies", "test_shared_slave_nodes"),
-    "Rigid masters": ("test_analytic_masters", "test_rigid_masters"),
+    "Contact: sliding, free bodies, several pairs": (
+        "test_sliding", "test_free_bodies", "test_loose_bodies", "test_shared_slave_nodes", "test_dependent_slaves",
+    ),
+    "Rigid masters": ("test_analytic_masters", "test_rigid_masters", "test_rigid_elements"),
     "Surface-to-surface contact": ("test_mortar",),
     "Default settings": ("test_default_settings",),
 }  # fmt: skip

@@ -47,7 +47,7 @@ contains
     end associate
     call expect_read('', model, DIALECT_CALCULIX, step=S // '*NODE PRINT, NSET=N;U;*NODE PRINT, NSET=N, GLOBAL=YES;U;' // END)
     call suite%that('axes of nodes in CalculiX', all(model%steps(1)%prints%is_local .eqv. [.true., .false.]))
-    call expect_message('', 'The variable V is not printed', step=S // '*NODE PRINT, NSET=N;U,V;' // END, is_note=.true.)
+    call expect_message('', 'The variable A is not printed', step=S // '*NODE PRINT, NSET=N;U,A;' // END, is_note=.true.)
   end subroutine check_prints
 
 

@@ -54,7 +54,7 @@ contains
     call expect_message('', 'is longer than the step', step='*STEP;*STATIC;3.,2.;' // END)
     call expect_message('', 'must be positive', step='*STEP;*STATIC;.5,2.,-1.;' // END)
     call expect_message('', '1 is taken', step='*STEP;*STATIC;.5,-2.;' // END, is_note=.true.)
-    call expect_message('', 'no *STATIC or *VISCO', step='*STEP;' // END)
+    call expect_message('', 'no *STATIC, *VISCO or *DYNAMIC card', step='*STEP;' // END)
     call expect_message('', 'INC must be at least 1', step='*STEP, INC=0;*STATIC;' // END)
     call expect_message('', 'there is no *STEP card', step='*NSET, NSET=Q;1;')
     call expect_read('', model, step='*STEP, INC=7;A title;of two lines;*STATIC, DIRECT, SOLVER=ITERATIVE SCALING;.25;' // END)
