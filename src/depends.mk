@@ -50,18 +50,18 @@ uses_hyperelasticity = kinds materials logarithmic_strain
 uses_plasticity = kinds materials
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
 uses_material_point = kinds tensor materials logarithmic_strain elasticity hyperelasticity plasticity user_material
-uses_integration_points = kinds tensor materials topology user_material material_point
-uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point integration_points
+uses_element_integration_points = kinds tensor materials topology user_material material_point
+uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
 uses_shape_functions = kinds topology
-uses_truss_spring_mass = kinds materials topology elasticity material_point integration_points zero_stress_condition shape_functions
+uses_truss_spring_mass = kinds materials topology elasticity material_point element_integration_points zero_stress_condition shape_functions
 uses_hourglass = kinds tensor topology
-uses_plane_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass
+uses_plane_elements = kinds tensor materials topology logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass
 uses_incompatible_modes = kinds tensor topology
-uses_solid_shell = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions incompatible_modes
-uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
-uses_element = kinds tensor materials topology integration_points shape_functions truss_spring_mass plane_elements solid_elements
+uses_solid_shell = kinds tensor materials topology logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions incompatible_modes
+uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
+uses_element = kinds tensor materials topology element_integration_points shape_functions truss_spring_mass plane_elements solid_elements
 uses_hex8_simd = kinds materials topology elasticity shape_functions
 
 # expansion
@@ -99,8 +99,8 @@ uses_deck_output = kinds text topology steps model cards card_schema card_table 
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads materials topology structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
 uses_deck_steps = kinds text distributed_solver controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
-uses_deck_traps = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_traps
+uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles topology mesh shape_functions
@@ -116,21 +116,21 @@ uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 uses_friction_slip_scenarios = kinds
 uses_pressure_overclosure = kinds surfaces friction_slip_scenarios
 uses_local_equilibrium = kinds tensor surfaces friction_slip_scenarios pressure_overclosure
-uses_node_overrides = kinds
+uses_slave_node_overrides = kinds
 
 # mortar
 uses_dual_shape_functions = kinds dense topology
 uses_polygon_clipping = kinds topology shape_functions facets
 uses_mortar_segmentation = kinds tensor topology facets facet_search dual_shape_functions polygon_clipping
-uses_face_integration_points = kinds tensor topology shape_functions facets facet_search polygon_clipping mortar_segmentation
+uses_face_intersection_points = kinds tensor topology shape_functions facets facet_search polygon_clipping mortar_segmentation
 uses_mortar = kinds errors topology mesh facets contact_constraint_rows facet_search surface_projection tributary_areas dual_shape_functions polygon_clipping mortar_segmentation
 uses_segment_derivatives = kinds tensor dense topology shape_functions facets dual_shape_functions polygon_clipping mortar_segmentation
 uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions friction_slip_scenarios node_overrides
+uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
 uses_model_change = mesh model state
-uses_user_state = kinds errors loads user_routines materials topology mesh model integration_points shape_functions element state
+uses_user_state = kinds errors loads user_routines materials topology mesh model element_integration_points shape_functions element state
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
@@ -148,11 +148,11 @@ uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data 
 # contact
 uses_slave_nodes = kinds surfaces local_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
-uses_shared_slave_nodes = kinds facets node_overrides state
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas friction_slip_scenarios local_equilibrium node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
-uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure local_equilibrium node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
-uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
-uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_integration_points mortar state contact_pairs
+uses_shared_slave_nodes = kinds facets slave_node_overrides state
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas friction_slip_scenarios local_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure local_equilibrium slave_node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
+uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
+uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
@@ -160,44 +160,44 @@ uses_dependent_slaves = kinds text errors surfaces model tributary_areas constra
 
 # equilibrium
 uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner ranks distributed_solver controls mesh steps constraints
-uses_skin_tiles = kinds containers errors blas sparse
-uses_skin_coarse_space = kinds blas sparse constraints reduced_system skin_tiles
-uses_contact_skin = kinds errors dense sparse controls constraints reduced_system skin_tiles skin_coarse_space
+uses_contact_tiles = kinds containers errors blas sparse
+uses_contact_coarse_space = kinds blas sparse constraints reduced_system contact_tiles
+uses_contact_preconditioner = kinds errors dense sparse controls constraints reduced_system contact_tiles contact_coarse_space
 uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_skin schur_interface free_rigid_motions
+uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_preconditioner schur_interface free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_skin schur_interface free_rigid_motions equilibrium robin_springs
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_preconditioner schur_interface free_rigid_motions equilibrium robin_springs
 uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
 uses_model_check_bodies = kinds text errors topology mesh model element
-uses_model_check_contact = kinds text containers errors loads topology surfaces model node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
+uses_model_check_contact = kinds text containers errors loads topology surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_balanced_bodies = kinds text model state assembly external_loads model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors topology surfaces model facets exterior_surface facet_search general_contact model_check_bodies
-uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
+uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear
 uses_active_set_history = kinds state
-uses_active_set_cycling = kinds controls surfaces surface_projection node_overrides state contact_pairs active_set_history
-uses_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios node_overrides state contact_pairs equilibrium gradient_preconditioner
+uses_active_set_cycling = kinds controls surfaces surface_projection slave_node_overrides state contact_pairs active_set_history
+uses_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios slave_node_overrides state contact_pairs equilibrium gradient_preconditioner
 uses_convergence = kinds controls
-uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search node_overrides state contact_pairs
-uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios node_overrides state equilibrium newton_step tunnelling_check
-uses_contact_rounds = kinds errors iteration_records anderson controls surfaces steps model node_overrides state contact_pairs equilibrium newton_step gradient_preconditioner conjugate_gradients convergence line_search
+uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search slave_node_overrides state contact_pairs
+uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios slave_node_overrides state equilibrium newton_step tunnelling_check
+uses_contact_rounds = kinds errors iteration_records anderson controls surfaces steps model slave_node_overrides state contact_pairs equilibrium newton_step gradient_preconditioner conjugate_gradients convergence line_search
 uses_contact_subproblem = kinds errors controls steps model state equilibrium newton_step active_set_history active_set_cycling line_search
-uses_failure_words = text failure
+uses_failure_messages = text failure
 uses_proximal_step = kinds errors controls mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors controls steps model state equilibrium newton_step convergence contact_subproblem proximal_step
 uses_newton = kinds errors iteration_records controls mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence tunnelling_check line_search contact_rounds globalization
-uses_failure_report = kinds text failure iteration_records model contact_constraint_rows node_overrides state contact_pairs equilibrium model_check_bodies model_check_motion active_set_history convergence failure_words globalization newton
+uses_failure_report = kinds text failure iteration_records model contact_constraint_rows slave_node_overrides state contact_pairs equilibrium model_check_bodies model_check_motion active_set_history convergence failure_messages globalization newton
 uses_increment_control = kinds steps convergence
 
 # output
 uses_hdf5_file = kinds errors posix
-uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_skin equilibrium newton increment_control hdf5_file
+uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_preconditioner equilibrium newton increment_control hdf5_file
 uses_postprocess = kinds tensor materials topology mesh surfaces model material_point shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor topology steps model state postprocess
 uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output
@@ -213,7 +213,7 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_words globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

@@ -7,7 +7,8 @@ module amontons_contact_evaluation
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, is_compliant, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
-  use amontons_node_overrides, only: note_pull_off, is_friction_suppressed, is_status_imposed, gives_way, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slave_node_overrides, only: note_pull_off, is_friction_suppressed, is_status_imposed, gives_way, &
+    NODE_OVERRIDE_STICK_ONCE
   use amontons_slave_nodes, only: detach_slave, is_rough, set_force
   use amontons_user_contact, only: call_user_interaction, call_user_friction
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP

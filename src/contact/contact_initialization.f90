@@ -6,7 +6,7 @@ module amontons_contact_initialization
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state
-  use amontons_node_overrides, only: node_overrides_type, gives_way, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, &
+  use amontons_slave_node_overrides, only: node_overrides_type, gives_way, NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, &
     NODE_OVERRIDE_GIVES_WAY
   use amontons_contact_constraint_rows, only: evaluate_facet_weights
   use amontons_tributary_areas, only: integrate_face_area, out_of_plane_depth, sum_nodal_areas

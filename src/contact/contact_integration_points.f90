@@ -14,7 +14,7 @@ module amontons_contact_integration_points
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_facet_weights
   use amontons_facet_search, only: build_facet_search
   use amontons_mortar, only: mortar_type, mortar_node_type, find_search_margin
-  use amontons_face_integration_points, only: facing_point_type, find_facing_points, evaluate_face_normal
+  use amontons_face_intersection_points, only: facing_point_type, find_facing_points, evaluate_face_normal
   use amontons_contact_pairs, only: contact_type, resize_contact, SEARCH_RADIUS_RATIO
   implicit none
   private

@@ -11,7 +11,7 @@ module amontons_contact_pairs
   use amontons_surfaces, only: interaction_type, is_compliant, pair_interactions
   use amontons_slave_nodes, only: detach_slave
   use amontons_friction_slip_scenarios, only: slip_state_type
-  use amontons_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
+  use amontons_slave_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
   use amontons_user_contact, only: user_response_type
   use amontons_local_equilibrium, only: local_solution_type
   use amontons_controls, only: contact_controls_type

@@ -9,7 +9,7 @@ module amontons_shared_slave_nodes
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
   use amontons_state, only: slave_state_type, STATUS_OPEN
-  use amontons_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
+  use amontons_slave_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
   implicit none
   private
   public :: MIN_FREE_PART

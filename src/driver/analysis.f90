@@ -41,7 +41,7 @@ module amontons_analysis
     reject_increment, can_cut_back, &
     OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
   use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL
-  use amontons_failure_words, only: failure_words
+  use amontons_failure_messages, only: failure_words
   use amontons_failure_report, only: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
   use amontons_text_output, only: print_iteration, print_increment
   use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state

@@ -12,7 +12,7 @@ module amontons_element
     set_plane_temperature_weights, integrate_edge_pressure
   use amontons_solid_elements, only: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, &
     set_solid_temperature_weights
-  use amontons_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, &
+  use amontons_element_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, &
     ELEMENT_DEGENERATE
   use amontons_shape_functions, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_tensor, only: cross_product, skew_matrix

@@ -17,9 +17,9 @@ module amontons_plane_elements
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
-  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_output, split_unsymmetric_tangent, &
-    ELEMENT_OK, ELEMENT_INVERTED, &
-    ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
+    split_unsymmetric_tangent, &
+    ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_logarithmic_strain, only: log1p

@@ -14,7 +14,7 @@ module amontons_solid_elements
     add_thickness_stabilization
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: material_point_type, update_material_point
-  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_history, &
+  use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_history, &
     split_unsymmetric_tangent, ELEMENT_OK, &
     ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_logarithmic_strain, only: log1p

@@ -29,7 +29,7 @@ module amontons_solid_shell
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_incompatible_modes, only: mode_iteration_type, update_mode_amplitudes, halve_mode_correction, &
     condense_mode_amplitudes, N_MODES
-  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_output, &
+  use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
     split_unsymmetric_tangent, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_logarithmic_strain, only: voigt_transformation

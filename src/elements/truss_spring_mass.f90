@@ -11,7 +11,7 @@ module amontons_truss_spring_mass
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, spring_type, hardening_curve_type, evaluate_curve, evaluate_table, find_interval, &
     LAW_SAINT_VENANT
-  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_output, ELEMENT_OK, &
+  use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, ELEMENT_OK, &
     ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shape_functions, only: shape_functions, quadrature

@@ -20,7 +20,7 @@ module amontons_equilibrium
   use amontons_sparse, only: multiply_symmetric
   use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small
   use amontons_schur_interface, only: schur_interface_type
-  use amontons_contact_skin, only: skin_type
+  use amontons_contact_preconditioner, only: skin_type
   use amontons_free_rigid_motions, only: free_motions_type
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_nonlinear_mpc, only: extract_support_reactions, list_hessian_nodes, find_rotation_lengths

@@ -21,7 +21,7 @@ module amontons_newton_step
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, apply_reduced_inverse, abandon_iteration
   use amontons_woodbury_interface, only: contact_springs_type
-  use amontons_contact_skin, only: partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
+  use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
     apply_tiles, subtract_contact
   use amontons_free_rigid_motions, only: find_motions, is_singular_along
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares

@@ -30,7 +30,7 @@ module amontons_deck
     refine_thin_shells
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
-  use amontons_deck_traps, only: report_traps, report_mixed_units
+  use amontons_deck_plausibility, only: report_traps, report_mixed_units
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
   use amontons_text, only: is_one_of, name_key, plural, parse_integer, NUMBER_OK

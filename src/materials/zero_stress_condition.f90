@@ -11,7 +11,7 @@ module amontons_zero_stress_condition
   use amontons_kinds, only: DP
   use amontons_material_point, only: material_point_type, update_material_point
   use amontons_materials, only: material_type
-  use amontons_integration_points, only: integration_points_type, set_point_input
+  use amontons_element_integration_points, only: integration_points_type, set_point_input
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: pack_voigt
   use amontons_logarithmic_strain, only: expm1

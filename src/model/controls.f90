@@ -124,24 +124,24 @@ module amontons_controls
   type :: skin_controls_type
     integer :: max_iterations = 150        !< Krylov iterations of one direction | 0021
     integer :: restart = 50                !< restart length of flexible GMRES: two vectors an iteration | set: memory
-    real(DP) :: slow_iterations = 12.0_DP   !< iterations per decimal digit of a slow solve [-] | contact_skin
-    integer :: max_slow_solves = 2         !< slow solves until the bulk solver is recomputed; doubled each time | contact_skin
+    real(DP) :: slow_iterations = 12.0_DP   !< iterations per decimal digit of a slow solve [-] | contact_preconditioner
+    integer :: max_slow_solves = 2         !< slow solves until the bulk is solved anew, doubled each time | contact_preconditioner
     real(DP) :: tolerance_changing = 1.0e-2_DP   !< relative residual of a direction while statuses change [-] | 0021
     real(DP) :: tolerance_halved = 1.0e-3_DP   !< the same where two corrections were halved [-] | 0021
-    real(DP) :: tolerance_settled = 1.0e-4_DP   !< the same when no status changes [-] | contact_skin
+    real(DP) :: tolerance_settled = 1.0e-4_DP   !< the same when no status changes [-] | contact_preconditioner
     real(DP) :: tolerance_origin = 1.0e-5_DP   !< the same where the direction sets origins of slip [-] | 0021
     real(DP) :: tolerance_single = 1.0e-7_DP   !< the same where no correction follows (not AUTO) [-] | set: below r_n
     real(DP) :: tolerance_length = 0.1_DP   !< the same where only the length of a correction is used [-] | set
     real(DP) :: max_residual = 0.1_DP      !< a direction with a larger relative residual is rejected [-] | set
     real(DP) :: newton_tolerance_share = 1.0e-4_DP   !< merit over Newton's residual tolerance at which corrections stop [-] |
-                                           !! contact_skin
+                                           !! contact_preconditioner
     integer :: slaves_per_tile = 64        !< slave nodes of a tile, at most | 0021
     integer :: coarse_patches = 32         !< patches of slave nodes in the coarse space, at most; 0: no coarse space | 0021
     real(DP) :: spring_along = 1.0_DP      !< rho_n: Robin spring along the normal over the node's own stiffness [-] | 0021
     real(DP) :: spring_across = 0.1_DP     !< rho_t: the same across it [-] | 0021
     real(DP) :: max_motion_energy = 1.0e-2_DP   !< largest z'Kz over z'diag(K)z of a weakly restrained rigid motion [-] |
-                                           !! contact_skin
-    real(DP) :: free_motion_ratio = 1.0e-9_DP   !< |J Z y| over |diag(K) Z y| below which the tangent is singular [-] | contact_skin
+                                           !! contact_preconditioner
+    real(DP) :: free_motion_ratio = 1.0e-9_DP   !< |J Z y| / |diag(K) Z y| of a singular tangent [-] | contact_preconditioner
     integer :: max_motions = 48            !< such motions, at most: those of eight bodies | set: memory
   end type skin_controls_type
 

@@ -19,7 +19,7 @@ module amontons_model_check
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, dof_direction, n_nonlinear_mpcs
-  use amontons_node_overrides, only: gives_way
+  use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type
   use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &

@@ -9,7 +9,7 @@ module amontons_model_check_contact
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant
-  use amontons_node_overrides, only: gives_way
+  use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
   use amontons_contact_pairs, only: contact_type, SEARCH_RADIUS_RATIO

@@ -13,7 +13,7 @@ module amontons_active_set_cycling
   use amontons_kinds, only: DP
   use amontons_controls, only: cycling_controls_type
   use amontons_surfaces, only: is_compliant
-  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
     NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_active_set_history, only: active_set_history_type, find_cycle, cycling_slaves, find_least_merit, last_facet, &

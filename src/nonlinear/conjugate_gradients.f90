@@ -16,7 +16,7 @@ module amontons_conjugate_gradients
   use amontons_controls, only: gradient_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
-  use amontons_node_overrides, only: gives_way
+  use amontons_slave_node_overrides, only: gives_way
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_contact_pairs, only: current_row
   use amontons_sparse, only: multiply, multiply_transpose

@@ -13,7 +13,7 @@ module amontons_contact_rounds
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_surfaces, only: is_compliant
-  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_FROZEN
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_FROZEN
   use amontons_model, only: model_type
   use amontons_controls, only: controls_type, gradient_controls_type
   use amontons_steps, only: step_type

@@ -1,7 +1,7 @@
 !> Diagnosis of an increment that did not converge: failure code, worst nodes, remedy.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! `amontons_failure_words` makes the sentences of a failure.
+!! `amontons_failure_messages` makes the sentences of a failure.
 !!
 !! | reason | found by | remedy |
 !! |---|---|---|
@@ -22,10 +22,10 @@ module amontons_failure_report
     FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
     FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_SLOW, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION, &
     FAMILY_LIMIT_POINT, FAMILY_MATERIAL
-  use amontons_failure_words, only: failure_name, remedy_words, node_list, is_same_failure
+  use amontons_failure_messages, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, REPORT_LINE_LENGTH
   use amontons_model, only: model_type
-  use amontons_node_overrides, only: NODE_OVERRIDE_EXTENDED
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_text, only: to_text
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name

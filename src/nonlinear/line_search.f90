@@ -14,7 +14,7 @@ module amontons_line_search
   use amontons_steps, only: step_type, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_surfaces, only: is_compliant
-  use amontons_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
   use amontons_friction_slip_scenarios, only: slip_result_type, slip_controls_type, classify_slip_scenarios, &
     find_bounded_step_length, &
     STATUS_BALANCED

@@ -3,7 +3,7 @@
 module amontons_tunnelling_check
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_node_overrides, only: gives_way
+  use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
   use amontons_analytic_master, only: evaluate_profile_bending

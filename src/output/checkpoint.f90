@@ -18,7 +18,7 @@ module amontons_checkpoint
   use amontons_state, only: state_type, fields_type, slave_state_type
   use amontons_equilibrium, only: equilibrium_type, begin_step
   use amontons_reduced_system, only: discard_analysis
-  use amontons_contact_skin, only: skin_memory_type
+  use amontons_contact_preconditioner, only: skin_memory_type
   use amontons_sparse, only: sparse_type
   use amontons_newton, only: newton_type
   use amontons_increment_control, only: stepper_type

@@ -15,7 +15,7 @@
 !! | `history`            | one row per attempt at an increment, failed ones included; `frame` of the fields          |
 !! | `iterations`         | one row per Newton iteration                                                               |
 !! | `failures`           | lines on attempts that failed: worst nodes with their contact, and a remedy                |
-!! | `integration_points` | stress, strain and energy density of each frame                                            |
+!! | `element_integration_points` | stress, strain and energy density of each frame                                            |
 !! | `contact`            | contact state of each slave node in each frame                                             |
 !!
 !! Every data set has attributes `unit` and `description`. Indices count from 0, -1 means none; labels are those of the deck.

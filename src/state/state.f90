@@ -8,7 +8,7 @@ module amontons_state
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
-  use amontons_node_overrides, only: node_overrides_type
+  use amontons_slave_node_overrides, only: node_overrides_type
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type

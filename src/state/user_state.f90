@@ -7,7 +7,7 @@ module amontons_user_state
   use amontons_materials, only: USER_STRESS, USER_STATE
   use amontons_mesh, only: element_nodes
   use amontons_model, only: model_type, material_in_step
-  use amontons_integration_points, only: integration_points_type
+  use amontons_element_integration_points, only: integration_points_type
   use amontons_loads, only: distributed_type, prescribed_type
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_state, only: state_type, fields_type

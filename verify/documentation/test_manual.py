@@ -140,8 +140,8 @@ def test_joints_show_their_decks() -> None:
 
 
 def test_every_reason_is_in_the_manual() -> None:
-    """Why an increment failed, as failure_words.f90 says it, has its row with what to do."""
-    source = (ROOT / "src" / "nonlinear" / "failure_words.f90").read_text()
+    """Why an increment failed, as failure_messages.f90 says it, has its row with what to do."""
+    source = (ROOT / "src" / "nonlinear" / "failure_messages.f90").read_text()
     reasons = set(re.findall(r"words = '([A-Z]{4,}(?:[ -][A-Z]{2,})*)'", source))
     assert {"CONSTRAINTS", "FREE BODY", "LEFT MASTER", "STICK-SLIP FLIP", "LIMIT POINT", "SLOW"} <= reasons
     text = (MANUAL / "messages.md").read_text()

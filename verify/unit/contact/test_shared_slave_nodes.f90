@@ -3,7 +3,7 @@
 program test_shared_slave_nodes
   use amontons_kinds, only: DP
   use amontons_facets, only: facets_type
-  use amontons_node_overrides, only: gives_way, NODE_OVERRIDE_EXTENDED
+  use amontons_slave_node_overrides, only: gives_way, NODE_OVERRIDE_EXTENDED
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK
   use amontons_shared_slave_nodes, only: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, &
     order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair

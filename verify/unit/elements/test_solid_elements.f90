@@ -1,7 +1,7 @@
 !> Unit test of amontons_solid_elements: volumes, body forces, weights of temperatures and forces of every kind in space.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_solid_elements
-  use amontons_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_DEGENERATE
+  use amontons_element_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type
   use amontons_shape_functions, only: node_coordinates, shape_functions, quadrature

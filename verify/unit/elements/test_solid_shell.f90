@@ -3,7 +3,7 @@
 !!
 !! Derivatives against differences, patch test, rigid motions and error exits: test_element, which runs over all kinds.
 program test_solid_shell
-  use amontons_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED
+  use amontons_element_integration_points, only: integration_points_type, ELEMENT_OK, ELEMENT_INVERTED
   use amontons_kinds, only: DP, PI
   use amontons_materials, only: material_type
   use amontons_shape_functions, only: quadrature

@@ -3,7 +3,7 @@
 program test_zero_stress_condition
   use amontons_kinds, only: DP
   use amontons_elasticity, only: STRESS_OK
-  use amontons_integration_points, only: integration_points_type
+  use amontons_element_integration_points, only: integration_points_type
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, hardening_curve_type
   use amontons_tensor, only: IDENTITY

@@ -11,7 +11,7 @@ program test_failure_report
     FAILURE_FREE_FLYING, FAILURE_LEFT_MASTER, FAILURE_CYCLE, FAILURE_FLIP, FAILURE_PASSED_THROUGH, FAILURE_DEEP, &
     FAILURE_LIMIT_POINT, FAILURE_GROWING, FAILURE_SLOW
   use amontons_iteration_records, only: REPORT_LINE_LENGTH
-  use amontons_node_overrides, only: NODE_OVERRIDE_EXTENDED
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_active_set_history, only: active_set_history_type, record_active_set
   use amontons_convergence, only: VERDICT_DIVERGES, VERDICT_TOO_SLOW

@@ -8,7 +8,7 @@ program test_stick_after_search
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, LINE_SEARCH_NODAL
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_node_overrides, only: NODE_OVERRIDE_NONE
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_NONE
   use amontons_friction_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenarios
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
   use amontons_newton_step, only: linearize_equilibrium

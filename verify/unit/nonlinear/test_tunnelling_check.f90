@@ -7,7 +7,7 @@ program test_tunnelling_check
     KIND_C3D10, KIND_C3D20
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: build_facets
-  use amontons_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_GIVES_WAY
   use amontons_state, only: slave_state_type
   use amontons_contact_pairs, only: contact_type
   use amontons_controls, only: newton_controls_type

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_user_state
   use amontons_errors, only: error_type, EXIT_NOT_CONVERGED
-  use amontons_integration_points, only: integration_points_type
+  use amontons_element_integration_points, only: integration_points_type
   use amontons_kinds, only: DP
   use amontons_loads, only: distributed_type, prescribed_type
   use amontons_materials, only: USER_STRESS, USER_STATE

@@ -1,8 +1,8 @@
 !> Tests of the node overrides: the sequence of friction, the four fields in combination, and the queries.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_node_overrides
+program test_slave_node_overrides
   use amontons_kinds, only: DP
-  use amontons_node_overrides, only: node_overrides_type, note_pull_off, is_friction_suppressed, is_status_imposed, &
+  use amontons_slave_node_overrides, only: node_overrides_type, note_pull_off, is_friction_suppressed, is_status_imposed, &
     edge_extension, gives_way, NODE_OVERRIDE_NONE, NODE_OVERRIDE_PULLED_OFF, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY, &
     NODE_OVERRIDE_FRICTIONLESS_FINAL, NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_STICK_ONCE, &
     NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, NODE_OVERRIDE_GIVES_WAY
@@ -54,4 +54,4 @@ contains
     call suite%that('the others keep their friction', .not. any(is_friction_suppressed(nodes(:4))))
   end subroutine check_fields
 
-end program test_node_overrides
+end program test_slave_node_overrides

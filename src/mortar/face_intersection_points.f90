@@ -9,7 +9,7 @@
 !!
 !! A line of a plane model is extruded to a face of depth 1, or of a wedge of two degrees if axisymmetric, and is intersected like
 !! the solid into which CalculiX expands it.
-module amontons_face_integration_points
+module amontons_face_intersection_points
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, MAX_FACE_NODES, N_CIRCLE_SECTORS
@@ -461,4 +461,4 @@ contains
     normal = normal / max(norm2(normal), tiny(1.0_DP))
   end function evaluate_face_normal
 
-end module amontons_face_integration_points
+end module amontons_face_intersection_points

@@ -1,6 +1,6 @@
 !> Tests of the integration points on facing surfaces: integrals over the intersections, master points, and normals.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_face_integration_points
+program test_face_intersection_points
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, KIND_CAX4, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
@@ -9,7 +9,7 @@ program test_face_integration_points
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: facet_search_type, build_facet_search
-  use amontons_face_integration_points, only: facing_point_type, find_facing_points, evaluate_face_normal
+  use amontons_face_intersection_points, only: facing_point_type, find_facing_points, evaluate_face_normal
   use amontons_contact_integration_points, only: nearest_point
   use check, only: suite_type
   implicit none
@@ -255,4 +255,4 @@ contains
 
   include 'sample_surfaces.inc'
 
-end program test_face_integration_points
+end program test_face_intersection_points

@@ -11,13 +11,13 @@
 !! skin for each tangent. The numbers only precondition, so that single precision suffices.
 !! References: R. A. Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 (deflation by subdomains); B. Smith, P. Bjorstad, W. Gropp,
 !! Domain Decomposition, Cambridge 1996, section 2.2 (multiplicative coarse correction).
-module amontons_skin_coarse_space
+module amontons_contact_coarse_space
   use amontons_kinds, only: DP, SP
   use amontons_blas, only: dgetrf, dgetrs, sgemm, sgemv
   use amontons_sparse, only: sparse_type, multiply, multiply_symmetric
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
-  use amontons_skin_tiles, only: partition_points
+  use amontons_contact_tiles, only: partition_points
   implicit none
   private
   public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, correct_coarse
@@ -364,4 +364,4 @@ contains
     !$omp end parallel do
   end subroutine correct_coarse
 
-end module amontons_skin_coarse_space
+end module amontons_contact_coarse_space

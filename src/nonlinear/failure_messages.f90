@@ -1,6 +1,6 @@
 !> Sentences of a failure: its name, its cause and its remedy, from the failure code.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-module amontons_failure_words
+module amontons_failure_messages
   use amontons_text, only: to_text
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, &
     FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
@@ -194,4 +194,4 @@ contains
     if (failure%n_slipping > 1) words = ' All ' // to_text(failure%n_slipping) // ' closed slave nodes slip: ' // what
   end function all_slip
 
-end module amontons_failure_words
+end module amontons_failure_messages

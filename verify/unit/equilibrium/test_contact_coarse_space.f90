@@ -1,6 +1,6 @@
-!> Unit test of skin_coarse_space: two chains with springs between them and one oblique contact row, against dense matrices.
+!> Unit test of contact_coarse_space: two chains with springs between them and one oblique contact row, against dense matrices.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_skin_coarse_space
+program test_contact_coarse_space
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_type
@@ -10,7 +10,7 @@ program test_skin_coarse_space
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, &
     eliminate_constraints
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system
-  use amontons_skin_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
+  use amontons_contact_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
     correct_coarse
   use check, only: suite_type
   use samples, only: dense_of, add_oblique_row, make_chain_mesh
@@ -172,4 +172,4 @@ contains
     call suite%that('no coarse space', space%n == 0 .and. .not. is_corrected .and. all(abs(d - 1.0_DP) <= 0.0_DP))
   end subroutine check_none
 
-end program test_skin_coarse_space
+end program test_contact_coarse_space

@@ -1,6 +1,6 @@
 !> Input and output data of the integration points of one element, and the status codes of elements.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-module amontons_integration_points
+module amontons_element_integration_points
   use amontons_kinds, only: DP
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: spring_type, material_type, MAX_HISTORY
@@ -110,4 +110,4 @@ contains
     if (allocated(point%user)) points%user(p)%history = point%user%history
   end subroutine store_point_history
 
-end module amontons_integration_points
+end module amontons_element_integration_points

@@ -1,12 +1,12 @@
 !> Tests of tiles and rigid motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number
 !! of threads; a free body, a sliding one, a restrained one, and an unsymmetric tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_skin_tiles
+program test_contact_tiles
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose
   use amontons_dense, only: solve_small
-  use amontons_skin_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
+  use amontons_contact_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, eliminate_constraints
   use amontons_controls, only: skin_controls_type
   use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
@@ -171,4 +171,4 @@ contains
       [((j, j=i, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=i, size(full, 2)), i=1, size(full, 1))], matrix, error)
   end function upper_of
 
-end program test_skin_tiles
+end program test_contact_tiles

@@ -7,7 +7,7 @@
 !!
 !! with T the transformation from the free unknowns to all unknowns of the skin, and K, D_R and D_u on the skin. The factors only
 !! precondition, so that single precision suffices.
-module amontons_skin_tiles
+module amontons_contact_tiles
   use amontons_kinds, only: DP, SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_containers, only: ascending_order, sort_integers
@@ -244,4 +244,4 @@ contains
     x(tile%member) = x(tile%member) + size_of_r * real(b(:, 1), DP)
   end subroutine correct_tile
 
-end module amontons_skin_tiles
+end module amontons_contact_tiles

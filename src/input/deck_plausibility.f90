@@ -1,6 +1,6 @@
 !> Warnings of slips that a deck survives: decimal commas, keywords without a star, sets without members, mixed units.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-module amontons_deck_traps
+module amontons_deck_plausibility
   use amontons_cards, only: data_row_type, parameter_type, next_row, field_text
   use amontons_card_schema, only: find_entry, parameter_text, ENTRY_SUPPORTED
   use amontons_deck_reader, only: reader_type, open_card, report_note, has_decimal_comma, DECIMAL_COMMA_TEXT
@@ -151,4 +151,4 @@ contains
     end associate
   end subroutine report_material
 
-end module amontons_deck_traps
+end module amontons_deck_plausibility

@@ -9,7 +9,7 @@
 !!
 !! R restricts to the free unknowns. Pi = 1 - D A projects the slave nodes onto the rows A of contact in the directions D of these
 !! rows. P depends on no status and no friction, so that it serves many increments. The tiles are recomputed for each tangent.
-module amontons_contact_skin
+module amontons_contact_preconditioner
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_controls, only: skin_controls_type
@@ -18,8 +18,9 @@ module amontons_contact_skin
   use amontons_dense, only: solve_small
   use amontons_constraints, only: constraints_type
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
-  use amontons_skin_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, correct_coarse
-  use amontons_skin_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
+  use amontons_contact_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
+    correct_coarse
+  use amontons_contact_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
   implicit none
   private
   public :: skin_type, skin_memory_type, partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
@@ -441,4 +442,4 @@ contains
     w = w - d_force
   end subroutine subtract_contact
 
-end module amontons_contact_skin
+end module amontons_contact_preconditioner

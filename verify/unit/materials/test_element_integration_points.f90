@@ -1,9 +1,9 @@
-!> Unit test of amontons_integration_points: what a point takes from its element and gives back, and the split of its tangent.
+!> Unit test of amontons_element_integration_points: input and output of a point, and the split of its tangent.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_integration_points
+program test_element_integration_points
   use amontons_kinds, only: DP
-  use amontons_integration_points, only: integration_points_type, set_point_input, store_point_output, store_point_history, &
-    split_unsymmetric_tangent, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
+    store_point_history, split_unsymmetric_tangent, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, MAX_HISTORY
   use amontons_tensor, only: IDENTITY
@@ -134,4 +134,4 @@ contains
     call suite%that('an old skew part goes', all(points%skew(:, :, 2) == 0))
   end subroutine check_split
 
-end program test_integration_points
+end program test_element_integration_points

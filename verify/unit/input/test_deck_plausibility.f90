@@ -1,6 +1,6 @@
-!> Unit test of deck_traps: notes of decimal commas, of keywords without a star, of sets without members; none where all is well.
+!> Unit test of deck_plausibility: decimal commas, keywords without a star, sets without members; no note where all is well.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_deck_traps
+program test_deck_plausibility
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
@@ -33,4 +33,4 @@ contains
 
   include 'sample_deck.inc'
 
-end program test_deck_traps
+end program test_deck_plausibility

@@ -17,7 +17,7 @@
 !! | edge: EXTENDED | `break_cycle`, `extend_master_edges` | no equilibrium on either side of an edge | it is open or on the facet |
 !! | edge: OFF_MASTER | `extend_master_edges` | the same; it was off the master before | well inside, or end of the increment |
 !! | side: GIVES_WAY | `order_slave_levels`, pre-tension sections | another slave enforces this contact | end of the increment |
-module amontons_node_overrides
+module amontons_slave_node_overrides
   use amontons_kinds, only: DP
   implicit none
   private
@@ -93,4 +93,4 @@ contains
     gives_way = overrides%side == NODE_OVERRIDE_GIVES_WAY
   end function gives_way
 
-end module amontons_node_overrides
+end module amontons_slave_node_overrides

@@ -1,12 +1,12 @@
 !> Failures: each code has a family, a text that begins with its name, and a remedy; decisions use the code, never the text.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_failure_words
+program test_failure_messages
   use amontons_kinds, only: DP
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_SINGULAR, FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, &
     FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_CYCLE, FAILURE_FLIP, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
     FAILURE_CONTACT_LIMIT, FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, N_FAILURES, FAMILY_FREE_BODY, FAMILY_NONE, &
     FAMILY_LIMIT_POINT
-  use amontons_failure_words, only: failure_words, failure_name, remedy_words, is_same_failure
+  use amontons_failure_messages, only: failure_words, failure_name, remedy_words, is_same_failure
   use amontons_failure_report, only: summarize_attempts, is_always_unsupported
   use amontons_iteration_records, only: increment_record_type
   use check, only: suite_type
@@ -149,4 +149,4 @@ contains
     call suite%that('once no failure: it may be held', .not. is_always_unsupported(records, 4))
   end subroutine check_giving_up
 
-end program test_failure_words
+end program test_failure_messages

@@ -1,6 +1,6 @@
-!> Unit test of contact_skin: two supported chains with a frictional contact row between their ends, against dense matrices.
+!> Unit test of contact_preconditioner: two supported chains with a frictional contact row, against dense matrices.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_contact_skin
+program test_contact_preconditioner
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_type
@@ -9,7 +9,7 @@ program test_contact_skin
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, &
     eliminate_constraints
   use amontons_reduced_system, only: factorise_reduced_system
-  use amontons_contact_skin, only: skin_type, partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
+  use amontons_contact_preconditioner, only: skin_type, partition_skin, update_skin, apply_bulk, apply_tiles, subtract_contact
   use check, only: suite_type
   use samples, only: dense_of, add_oblique_row, make_chain_mesh
   implicit none
@@ -162,4 +162,4 @@ contains
     call suite%near('forces', maxval(abs(w - expected)), 0.0_DP, 1.0e-14_DP)
   end subroutine check_forces
 
-end program test_contact_skin
+end program test_contact_preconditioner
