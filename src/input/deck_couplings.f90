@@ -201,7 +201,8 @@ contains
     bond%node = pack(nodes, [(nodes(i) /= bond%reference .and. nodes(i) /= bond%rotation, i=1, size(nodes))])
     if (surface > 0) call attach_profile(model, surface, bond)
     if (size(bond%node) == 0 .and. surface == 0) then
-      call report_error(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes.')
+      call report_error(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes: its sets ' // &
+        'hold no node and no element of a supported type. Rigid elements are R3D3 and R3D4.')
     else if (any(bond%rotation == model%mesh%nodes)) then
       call report_error(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
         'be a rotation. Name a node of its own.')

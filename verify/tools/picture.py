@@ -233,6 +233,11 @@ def nearest_distance(places: Floats) -> float:
     return float(np.median(apart.min(axis=1)))
 
 
+def of_points(pair: slave_map.Pair, k: int) -> str:
+    """What the counts of a status are of, where the pair has integration points in place of slave nodes."""
+    return "" if sum(pair.counts[k]) == len(pair.scenario[k]) else " (counts of integration points)"
+
+
 def draw_classes(axes: Axes, chart: Map, values: Ints, counts: Ints, colours: list[str], names: list[str], title: str) -> None:
     """Each slave node's part of the faces around it in the colour of its class; counts are those of the file."""
     cells, nodes = slave_map.parts_of(chart)
@@ -283,7 +288,7 @@ def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: J
         places = [figure.add_subplot(grid[i, j]) for i in (0, 1) for j in (1, 2)]
     draw_pressure(places[0], job, chart, k)
     status, scenario = nodal(job, pair.nodes, pair.status[k]), nodal(job, pair.nodes, pair.scenario[k])
-    draw_classes(places[1], chart, status, pair.counts[k], STATUS_COLOURS, STATUS_NAMES, "Status")
+    draw_classes(places[1], chart, status, pair.counts[k], STATUS_COLOURS, STATUS_NAMES, f"Status{of_points(pair, k)}")
     counts = np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
     draw_classes(places[2], chart, scenario, counts, SCENARIO_COLOURS, SCENARIO_NAMES, "Slip scenario, last seen")
     draw_history(places[3], job, k)
@@ -313,7 +318,7 @@ def _draw_line_of_slaves(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec,
             mine = values[order] == c
             axes.scatter(s[mine], np.full(mine.sum(), height), 14, color=colours[c], label=f"{what} ({counts[c]})", edgecolors=GREY, linewidths=0.3)
     axes.set(xlabel=label, ylim=(-0.6, 1.6), yticks=[0, 1], yticklabels=["scenario", "status"])
-    axes.set_title("Status, and slip scenario last seen")
+    axes.set_title(f"Status{of_points(pair, k)}, and slip scenario last seen")
     legend_below(axes, 8, ncols=2)
     axes.spines[["top", "right", "left"]].set_visible(False)
     draw_history(figure.add_subplot(grid[1, 2]), job, k)
