@@ -13,20 +13,20 @@ uses_tensor = kinds
 uses_version =
 
 # linear_algebra
-uses_blas = kinds
-uses_dense = kinds blas
-uses_anderson = kinds dense
+uses_blas_lapack = kinds
+uses_dense = kinds blas_lapack
+uses_anderson_acceleration = kinds dense
 uses_sparse = kinds errors
 uses_factorization = kinds errors sparse
+uses_graph_partition = errors sparse
 uses_krylov = kinds errors sparse
 uses_null_space = kinds dense
-uses_partition = errors sparse
 uses_two_level_preconditioner = kinds dense sparse
-uses_woodbury_interface = kinds errors blas dense sparse krylov
+uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
 # distributed
-uses_ranks = kinds errors
-uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner ranks
+uses_mpi_ranks = kinds errors
+uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner mpi_ranks
 
 # model
 uses_analytic_profiles = kinds tensor
@@ -115,7 +115,7 @@ uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 # contact_laws
 uses_friction_slip_scenarios = kinds
 uses_pressure_overclosure = kinds surfaces friction_slip_scenarios
-uses_local_equilibrium = kinds tensor surfaces friction_slip_scenarios pressure_overclosure
+uses_slave_node_equilibrium = kinds tensor surfaces friction_slip_scenarios pressure_overclosure
 uses_slave_node_overrides = kinds
 
 # mortar
@@ -134,7 +134,7 @@ uses_user_state = kinds errors loads user_routines materials topology mesh model
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
-uses_assembly = kinds containers errors sparse partition ranks materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
+uses_assembly = kinds containers errors sparse graph_partition mpi_ranks materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
 uses_external_loads = kinds tensor loads materials topology mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
 uses_inertia = kinds tensor topology mesh steps model state assembly external_loads
 uses_stabilization = kinds sparse mesh steps state
@@ -146,11 +146,11 @@ uses_boundary_conditions = kinds errors mesh steps model state user_state constr
 uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
-uses_slave_nodes = kinds surfaces local_equilibrium state
+uses_slave_nodes = kinds surfaces slave_node_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds facets slave_node_overrides state
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas friction_slip_scenarios local_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
-uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure local_equilibrium slave_node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure slave_node_equilibrium slave_node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
 uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
@@ -159,16 +159,16 @@ uses_general_contact = kinds text containers loads materials mesh surfaces mpc_d
 uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
 
 # equilibrium
-uses_reduced_system = kinds text errors posix sparse factorization partition two_level_preconditioner ranks distributed_solver controls mesh steps constraints
-uses_contact_tiles = kinds containers errors blas sparse
-uses_contact_coarse_space = kinds blas sparse constraints reduced_system contact_tiles
+uses_reduced_system = kinds text errors posix sparse factorization graph_partition two_level_preconditioner mpi_ranks distributed_solver controls mesh steps constraints
+uses_schur_interface = kinds errors dense sparse factorization graph_partition woodbury_interface controls constraints
+uses_contact_tiles = kinds containers errors blas_lapack sparse
+uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles
 uses_contact_preconditioner = kinds errors dense sparse controls constraints reduced_system contact_tiles contact_coarse_space
-uses_schur_interface = kinds errors dense sparse factorization partition woodbury_interface controls constraints
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system contact_preconditioner schur_interface free_rigid_motions
+uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system contact_preconditioner schur_interface free_rigid_motions equilibrium robin_springs
-uses_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
+uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs
+uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
 uses_model_check_bodies = kinds text errors topology mesh model element
@@ -182,11 +182,11 @@ uses_model_check = kinds text containers errors loads topology steps model eleme
 # nonlinear
 uses_active_set_history = kinds state
 uses_active_set_cycling = kinds controls surfaces surface_projection slave_node_overrides state contact_pairs active_set_history
-uses_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios slave_node_overrides state contact_pairs equilibrium gradient_preconditioner
 uses_convergence = kinds controls
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search slave_node_overrides state contact_pairs
 uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios slave_node_overrides state equilibrium newton_step tunnelling_check
-uses_contact_rounds = kinds errors iteration_records anderson controls surfaces steps model slave_node_overrides state contact_pairs equilibrium newton_step gradient_preconditioner conjugate_gradients convergence line_search
+uses_nonlinear_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios slave_node_overrides state contact_pairs equilibrium conjugate_gradient_preconditioner
+uses_contact_rounds = kinds errors iteration_records anderson_acceleration controls surfaces steps model slave_node_overrides state contact_pairs equilibrium newton_step conjugate_gradient_preconditioner convergence line_search nonlinear_conjugate_gradients
 uses_contact_subproblem = kinds errors controls steps model state equilibrium newton_step active_set_history active_set_cycling line_search
 uses_failure_messages = text failure
 uses_proximal_step = kinds errors controls mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
@@ -212,10 +212,10 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
-uses_job_files = kinds text errors iteration_records ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
-uses_job_estimate = kinds text errors posix logger blas steps model assembly reduced_system schur_interface equilibrium newton_step job_files analysis
-uses_main = kinds errors posix logger version ranks distributed_solver model card_table deck model_setup analysis job_estimate
+uses_job_estimate = kinds text errors posix logger blas_lapack steps model assembly reduced_system schur_interface equilibrium newton_step job_files analysis
+uses_main = kinds errors posix logger version mpi_ranks distributed_solver model card_table deck model_setup analysis job_estimate

@@ -18,8 +18,8 @@ module amontons_assembly
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_unsymmetric_tangent, only: skew_part_type, reset_element_skew, evaluate_element_skew
-  use amontons_partition, only: partition_mesh
-  use amontons_ranks, only: this_rank, n_ranks, sum_over_ranks, min_over_ranks
+  use amontons_graph_partition, only: partition_mesh
+  use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, min_over_ranks
   use amontons_hex8_simd, only: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, &
     evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK

@@ -13,7 +13,7 @@ module amontons_contact_pairs
   use amontons_friction_slip_scenarios, only: slip_state_type
   use amontons_slave_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
   use amontons_user_contact, only: user_response_type
-  use amontons_local_equilibrium, only: local_solution_type
+  use amontons_slave_node_equilibrium, only: local_solution_type
   use amontons_controls, only: contact_controls_type
   use amontons_steps, only: step_type
   use amontons_state, only: slave_state_type, n_amplitude_memory, STATUS_OPEN, STATUS_STICK

@@ -3,11 +3,11 @@
 module amontons_slave_nodes
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
-  use amontons_local_equilibrium, only: local_solution_type
+  use amontons_slave_node_equilibrium, only: local_solution_type
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   implicit none
   private
-  public :: detach_slave, is_rough, set_force, rounding_force, accumulate_slip
+  public :: detach_slave, is_rough, set_force, contact_force_rounding, accumulate_slip
 
 contains
 
@@ -52,7 +52,7 @@ contains
 
   !> The largest rounding error of the force at a closed node, from a gap error of one unit in the last place of the coordinates: by
   !! the pressure-overclosure law of its pair or, for exact contact, by the stiffness of the body.
-  pure real(DP) function rounding_force(laws, solutions, slaves, coordinates) result(force)
+  pure real(DP) function contact_force_rounding(laws, solutions, slaves, coordinates) result(force)
     type(interaction_type), intent(in) :: laws(:)      !< (n_pairs)
     type(local_solution_type), intent(in) :: solutions(:)     !< (n_slaves)
     type(slave_state_type), intent(in) :: slaves(:)          !< (n_slaves)
@@ -68,7 +68,7 @@ contains
       end if
     end do
     force = force * epsilon(1.0_DP) * maxval(abs(coordinates))
-  end function rounding_force
+  end function contact_force_rounding
 
 
   !> After a converged increment: accumulates slip and frictional work.

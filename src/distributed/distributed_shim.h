@@ -1,4 +1,4 @@
-/* Ranks of one job and the distributed linear solver: the interface of ranks.f90 and distributed_solver.f90 to the machine.
+/* Ranks of one job and the distributed linear solver: the interface of mpi_ranks.f90 and distributed_solver.f90 to the machine.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
  * Two files implement it: serial_shim.c, for one process without MPI, and petsc_shim.c, with MPI and PETSc (make MPI=1). The

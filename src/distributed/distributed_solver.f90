@@ -13,7 +13,7 @@ module amontons_distributed_solver
   use amontons_sparse, only: sparse_type
   use amontons_two_level_preconditioner, only: rigid_motion
   use amontons_krylov, only: krylov_options_type, krylov_report_type, KRYLOV_CONVERGED, KRYLOV_MAX_ITERATIONS
-  use amontons_ranks, only: this_rank, n_ranks, gather_parts
+  use amontons_mpi_ranks, only: this_rank, n_ranks, gather_parts
   implicit none
   private
   public :: distributed_solver_type, create_distributed, update_distributed, apply_distributed, solve_distributed, &

@@ -12,7 +12,7 @@ module amontons_analysis
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER
   use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
-  use amontons_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error
+  use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error
   use amontons_assembly, only: share_points
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type

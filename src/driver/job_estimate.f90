@@ -12,7 +12,7 @@ module amontons_job_estimate
   use amontons_logger, only: logger_type
   use amontons_model, only: job_options_type
   use amontons_steps, only: step_type, SOLVER_GRADIENTS
-  use amontons_blas, only: dgemm
+  use amontons_blas_lapack, only: dgemm
   use amontons_assembly, only: assemble_tangent
   use amontons_reduced_system, only: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration
   use amontons_schur_interface, only: analyse_bulk

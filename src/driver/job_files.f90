@@ -25,7 +25,7 @@ module amontons_job_files
   use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
-  use amontons_ranks, only: is_first_rank
+  use amontons_mpi_ranks, only: is_first_rank
   implicit none
   private
   public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, describe_result_files

@@ -13,7 +13,7 @@ program amontons
   use amontons_model_setup, only: add_general_contact
   use amontons_job_estimate, only: estimate_job, job_estimate_type, describe_estimate
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
-  use amontons_ranks, only: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank, do_ranks_meet, abort_ranks
+  use amontons_mpi_ranks, only: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank, do_ranks_meet, abort_ranks
   use amontons_distributed_solver, only: has_distributed_solvers
   implicit none
 

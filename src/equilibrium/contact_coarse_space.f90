@@ -13,14 +13,14 @@
 !! Domain Decomposition, Cambridge 1996, section 2.2 (multiplicative coarse correction).
 module amontons_contact_coarse_space
   use amontons_kinds, only: DP, SP
-  use amontons_blas, only: dgetrf, dgetrs, sgemm, sgemv
+  use amontons_blas_lapack, only: dgetrf, dgetrs, sgemm, sgemv
   use amontons_sparse, only: sparse_type, multiply, multiply_symmetric
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
   use amontons_contact_tiles, only: partition_points
   implicit none
   private
-  public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, correct_coarse
+  public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, apply_coarse_correction
 
   integer, parameter :: BLOCK_ROWS = 4096          !< rows of W of one product
   integer, parameter :: BLOCK_UNKNOWNS = 64        !< unknowns whose values of all directions fit into a cache
@@ -328,7 +328,7 @@ contains
 
 
   !> y = inv(E) W'd, the displacement g = W y without the contact rows, and d = d - J W y.
-  subroutine correct_coarse(self, d, g, is_corrected)
+  subroutine apply_coarse_correction(self, d, g, is_corrected)
     type(coarse_space_type), intent(in) :: self
     real(DP), intent(inout) :: d(:)                !< (n_free) [force]
     real(DP), intent(out) :: g(:)                  !< (n_unknowns) [length]
@@ -362,6 +362,6 @@ contains
       deallocate (part)
     end do
     !$omp end parallel do
-  end subroutine correct_coarse
+  end subroutine apply_coarse_correction
 
 end module amontons_contact_coarse_space

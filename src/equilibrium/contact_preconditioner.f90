@@ -19,7 +19,7 @@ module amontons_contact_preconditioner
   use amontons_constraints, only: constraints_type
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
   use amontons_contact_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
-    correct_coarse
+    apply_coarse_correction
   use amontons_contact_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
   implicit none
   private
@@ -407,7 +407,7 @@ contains
     real(DP), allocatable :: g(:), change(:)
     logical :: is_corrected
     allocate (g(size(self%bulk_of)), change(size(x)))
-    call correct_coarse(self%coarse, d, g, is_corrected)
+    call apply_coarse_correction(self%coarse, d, g, is_corrected)
     if (.not. is_corrected) return
     call project_displacement(self, g, change)
     x = x + change

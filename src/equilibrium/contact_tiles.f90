@@ -12,7 +12,7 @@ module amontons_contact_tiles
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_containers, only: ascending_order, sort_integers
   use amontons_sparse, only: sparse_type
-  use amontons_blas, only: sgetrf, sgetrs
+  use amontons_blas_lapack, only: sgetrf, sgetrs
   implicit none
   private
   public :: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles

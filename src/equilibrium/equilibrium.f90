@@ -33,7 +33,7 @@ module amontons_equilibrium
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row, &
     renew_searches
   use amontons_contact_evaluation, only: evaluate_contact
-  use amontons_slave_nodes, only: rounding_force
+  use amontons_slave_nodes, only: contact_force_rounding
   use amontons_friction_slip_scenarios, only: slip_state_type
   use amontons_contact_initialization, only: initialize_contact
   use amontons_contact_integration_points, only: update_points
@@ -339,7 +339,7 @@ contains
     if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
     call compute_norms(system, state%new%applied_force, state%new)
-    system%force_rounding = ROUNDING_FACTOR * rounding_force(system%contact%laws, system%contact%local_equilibrium, &
+    system%force_rounding = ROUNDING_FACTOR * contact_force_rounding(system%contact%laws, system%contact%local_equilibrium, &
       state%new%slaves, model%mesh%coordinates)
     call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) outcome = OUTCOME_NOT_FINITE

@@ -41,7 +41,7 @@ contains
     real(DP), allocatable :: z(:, :), energy(:, :, :), scale(:, :, :)
     real(DP) :: combination(6, 6)
     integer :: n_bodies, b, k, m, i
-    call find_coupled(stiffness, base, size(place, 2), body, n_bodies)
+    call find_coupled_bodies(stiffness, base, size(place, 2), body, n_bodies)
     allocate (z(6, base%n_unknowns))
     call fill_motions(place, is_angle, body, n_bodies, z)
     call constrain_motions(base, z)
@@ -61,7 +61,7 @@ contains
 
 
   !> The bodies: nodes coupled by the stiffness or by rows of the base constraints. Method: union-find.
-  subroutine find_coupled(stiffness, base, n_nodes, body, n_bodies)
+  subroutine find_coupled_bodies(stiffness, base, n_nodes, body, n_bodies)
     type(sparse_type), intent(in) :: stiffness
     type(constraints_type), intent(in) :: base
     integer, intent(in) :: n_nodes
@@ -86,7 +86,7 @@ contains
       if (parent(i) == i) body(i) = n_bodies
       if (parent(i) /= i) body(i) = body(find_root(parent, i))
     end do
-  end subroutine find_coupled
+  end subroutine find_coupled_bodies
 
 
   !> Three translations and three rotations of each body about its centre, scaled by its size.

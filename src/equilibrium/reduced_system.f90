@@ -14,11 +14,11 @@ module amontons_reduced_system
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
-  use amontons_partition, only: partition_mesh, order_unknowns, order_unknowns_by_node, nodes_by_first_use, separator_size
+  use amontons_graph_partition, only: partition_mesh, order_unknowns, order_unknowns_by_node, nodes_by_first_use, separator_size
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, factorise_two_level, &
     apply_preconditioner, choose_n_parts, &
     two_level_megabytes
-  use amontons_ranks, only: n_ranks, min_over_ranks
+  use amontons_mpi_ranks, only: n_ranks, min_over_ranks
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
     DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_NAMES
   use amontons_constraints, only: constraints_type

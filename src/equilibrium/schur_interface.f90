@@ -23,7 +23,7 @@ module amontons_schur_interface
     triangular_product, DENSE_OK
   use amontons_woodbury_interface, only: woodbury_type, contact_springs_type, invert_interface_stiffness, &
     factorise_spring_coupling, solve_woodbury
-  use amontons_partition, only: order_unknowns
+  use amontons_graph_partition, only: order_unknowns
   use amontons_factorization, only: cholesky_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
     solve_backward, FACTOR_OK
   use amontons_controls, only: krylov_controls_type

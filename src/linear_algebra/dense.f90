@@ -7,7 +7,7 @@ module amontons_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_all, ieee_get_status, ieee_is_finite, ieee_set_halting_mode, &
     ieee_set_status, ieee_status_type
   use amontons_kinds, only: DP, WP => DP
-  use amontons_blas, only: getrf => dgetrf, laswp => dlaswp, trsm => dtrsm, gemm => dgemm, getrs => dgetrs, &
+  use amontons_blas_lapack, only: getrf => dgetrf, laswp => dlaswp, trsm => dtrsm, gemm => dgemm, getrs => dgetrs, &
     potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgelsd
   implicit none
   private

@@ -496,7 +496,7 @@ int amontons_lu_factorise(void *handle, int n, const int *first, const int *colu
   umfpack_di_free_numeric(&self->numeric);
   int status = UMFPACK_OK;
 #ifdef _OPENMP
-#pragma omp critical(metis) /* the same lock as in partition.f90 */
+#pragma omp critical(metis) /* the same lock as in graph_partition.f90 */
 #endif
   if (!self->symbolic) status = umfpack_di_symbolic(n, n, first, column, value, &self->symbolic, control, info);
   if (status == UMFPACK_OK)

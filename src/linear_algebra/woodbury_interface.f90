@@ -17,7 +17,7 @@ module amontons_woodbury_interface
   use amontons_kinds, only: DP, SP, WP => SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
   use amontons_sparse, only: sparse_type, sparse_transpose, multiply
-  use amontons_blas, only: getrf => sgetrf, laswp => slaswp, trsm => strsm, gemm => sgemm, getrs => sgetrs, &
+  use amontons_blas_lapack, only: getrf => sgetrf, laswp => slaswp, trsm => strsm, gemm => sgemm, getrs => sgetrs, &
     potrf => spotrf, potri => spotri, gemv => sgemv
   use amontons_dense, only: multiply_triangular, DENSE_OK, DENSE_SINGULAR, MIN_THREADED_SIZE, BLOCK_COLUMNS
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres

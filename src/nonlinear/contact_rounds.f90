@@ -5,7 +5,7 @@
 !!
 !! 1. makes C and c of the constraints and of the closed nodes, and the preconditioner,
 !! 2. moves supports and closed nodes by c,
-!! 3. solves the equilibrium with the statuses and the friction held (amontons_conjugate_gradients),
+!! 3. solves the equilibrium with the statuses and the friction held (amontons_nonlinear_conjugate_gradients),
 !! 4. evaluates contact in full: the residual is that of the true laws, and Newton's verdict holds.
 !!
 !! The residual of a round is reduced only as far as the error of what is held.
@@ -19,15 +19,15 @@ module amontons_contact_rounds
   use amontons_steps, only: step_type
   use amontons_iteration_records, only: PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
-  use amontons_anderson, only: anderson_type, accelerate, forget_iterates
+  use amontons_anderson_acceleration, only: anderson_type, accelerate, forget_iterates
   use amontons_contact_pairs, only: contact_type
   use amontons_convergence, only: convergence_measures_type
   use amontons_line_search, only: line_search_report_type
   use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, max_components, OUTCOME_OK, OUTCOME_ELEMENT, &
     OUTCOME_NOT_FINITE
   use amontons_newton_step, only: linearize_equilibrium
-  use amontons_gradient_preconditioner, only: gradient_preconditioner_type, update_gradient_preconditioner
-  use amontons_conjugate_gradients, only: gradient_report_type, solve_held_equilibrium, evaluate_held
+  use amontons_conjugate_gradient_preconditioner, only: gradient_preconditioner_type, update_gradient_preconditioner
+  use amontons_nonlinear_conjugate_gradients, only: gradient_report_type, solve_held_equilibrium, evaluate_held
   implicit none
   private
   public :: contact_rounds_type, perform_round, round_controls, comparable_iterations

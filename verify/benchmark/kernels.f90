@@ -15,7 +15,7 @@ program kernels
   use amontons_state, only: state_type
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium
   use amontons_assembly, only: assemble_forces, assemble_tangent
-  use amontons_partition, only: order_unknowns
+  use amontons_graph_partition, only: order_unknowns
   use amontons_factorization, only: cholesky_type, analyse, factorise, solve, set_blas_threads, choose_blas_kernels
   implicit none
 

@@ -85,16 +85,16 @@ def verdict(command: list[str], folder: Path) -> list[str]:
 
 
 def run_two_threads(library: Path, folder: Path, preload: Path) -> list[str]:
-    """The findings of verbs.c, which has two jobs in two threads, with the library of a build with ThreadSanitizer."""
+    """The findings of api_calls.c, which has two jobs in two threads, with the library of a build with ThreadSanitizer."""
     from verify.decks import make_decks
     from verify.library import test_library
 
     deck = folder / "two.inp"
     deck.write_text(make_decks.block_deck(2))
     deck.write_text(test_library.warm_deck(deck))
-    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src' / 'driver'}", str(ROOT / "verify" / "library" / "verbs.c"), "-o", "verbs",
+    subprocess.run(["gcc", "-std=c11", "-g", "-fsanitize=thread", f"-I{ROOT / 'src' / 'driver'}", str(ROOT / "verify" / "library" / "api_calls.c"), "-o", "api_calls",
                     str(library), f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=folder, check=True)  # fmt: skip
-    return verdict(["env", f"LD_PRELOAD={preload}", "./verbs", str(deck)], folder)
+    return verdict(["env", f"LD_PRELOAD={preload}", "./api_calls", str(deck)], folder)
 
 
 def run(program: Path, words: list[str], folder: Path, preload: Path | None) -> list[str]:

@@ -14,7 +14,7 @@ import pytest
 from verify.cases.proof import Case, Job, observed_order
 from verify.decks.make_decks import Mesh, block, graded
 from verify.decks.planes import flat_deck, flatten
-from verify.decks.rounds import quarter_disk
+from verify.decks.circular_meshes import quarter_disk
 from verify.decks.sheets import Floats, between, fix, pair, sheet, solid_deck, step
 from verify.independent.half_space import Punch, solve_punch
 

@@ -106,7 +106,7 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
     """A block in the corner of a floor and a wall that leans."""
     options = TYPES[form]
     case = proof(
-        (f"corner-{angle:g}".replace("-", "m") if angle < 0 else f"corner-{angle:g}") + ("-s2s" if form else ""),
+        f"corner-{angle:g}".replace("--", "-minus-") + ("-s2s" if form else ""),
         title=f"A block in a corner, the wall leaning by {angle:g} degrees" + TITLES[form],
         model=f"A parallelogram, 3 x 3 cells of CPE4, its left side leaning by {angle:g} degrees, on a fixed floor and against a fixed wall that leans the same, "
         "E = 1000, nu = 0.3, a pressure of 10 on both other sides, frictionless, one increment. The corner node is slave at the floor and at the wall.",
@@ -142,7 +142,7 @@ def test_corner(proof: Proof, angle: float, form: str) -> None:
 def test_corner_of_three_walls(proof: Proof) -> None:
     """A cube in the corner of three walls."""
     case = proof(
-        "corner-room",
+        "corner-cube",
         title="A cube in the corner of three walls",
         model="A cube of 3 x 3 x 3 C3D8, E = 1000, nu = 0.3, touches three fixed walls; a pressure of 10 on its three other faces, frictionless, one "
         "increment. The nodes at its edges are slaves in two pairs, the node in the corner in three.",
@@ -326,9 +326,9 @@ def pressed_cube(kind: str, walls: str, pairs: str, sides: dict[str, Callable[[s
 def test_corner_by_surfaces(proof: Proof, kind: str) -> None:
     """A cube of other elements in the corner of three walls, by surface to surface."""
     case = proof(
-        f"corner-room-{kind.lower()}-s2s",
+        f"corner-cube-{kind.lower()}-s2s",
         title=f"A cube of {kind} in the corner of three walls, surface to surface",
-        model=f"As corner-room: a cube of 3 x 3 x 3 cells of {kind}, the walls meshed otherwise, TYPE=SURFACE TO SURFACE.",
+        model=f"As corner-cube: a cube of 3 x 3 x 3 cells of {kind}, the walls meshed otherwise, TYPE=SURFACE TO SURFACE.",
         formula="Stress -10 in all directions, contact pressure 10 everywhere.",
         source="equilibrium",
         proves="Mid-side nodes of edges belong to the faces of two pairs; their transformed basis is one.",

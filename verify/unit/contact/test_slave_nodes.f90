@@ -3,9 +3,9 @@
 program test_slave_nodes
   use amontons_kinds, only: DP
   use amontons_surfaces, only: interaction_type, is_compliant, ROUGH_FRICTION
-  use amontons_local_equilibrium, only: local_solution_type
+  use amontons_slave_node_equilibrium, only: local_solution_type
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_slave_nodes, only: detach_slave, is_rough, set_force, rounding_force, accumulate_slip
+  use amontons_slave_nodes, only: detach_slave, is_rough, set_force, contact_force_rounding, accumulate_slip
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -85,10 +85,10 @@ contains
     slaves%pair = 1
     slaves%status = [STATUS_OPEN, STATUS_STICK, STATUS_SLIP]
     slaves%stiffness = [1.0e9_DP, 100.0_DP, 300.0_DP]
-    call suite%near('rounding: of the stiffest closed node', rounding_force(laws, solutions, slaves, x), &
+    call suite%near('rounding: of the stiffest closed node', contact_force_rounding(laws, solutions, slaves, x), &
       300 * 50 * epsilon(1.0_DP), 1.0e-25_DP)
     slaves%status = STATUS_OPEN
-    call suite%near('rounding: all open', rounding_force(laws, solutions, slaves, x), 0.0_DP, 0.0_DP)
+    call suite%near('rounding: all open', contact_force_rounding(laws, solutions, slaves, x), 0.0_DP, 0.0_DP)
   end subroutine check_rounding
 
 

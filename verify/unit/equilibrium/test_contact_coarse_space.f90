@@ -11,7 +11,7 @@ program test_contact_coarse_space
     eliminate_constraints
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system
   use amontons_contact_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
-    correct_coarse
+    apply_coarse_correction
   use check, only: suite_type
   use samples, only: dense_of, add_oblique_row, make_chain_mesh
   implicit none
@@ -141,7 +141,7 @@ contains
     call update_coarse_space(space, coarse_rows_type(K, rows, directions, D_R, D_u, whole%transformation, base%free_of, unknown_of))
     before = [(sin(real(i * i, DP)), i=1, whole%n_free)]
     d = before
-    call correct_coarse(space, d, g, is_corrected)
+    call apply_coarse_correction(space, d, g, is_corrected)
     call suite%that('a correction', is_corrected .and. maxval(abs(d - before)) > 0.1_DP)
     call suite%near('d = d - J R Pi g', maxval(abs(before - matmul(tangent(), projected(g)) - d)), 0.0_DP, 1.0e-5_DP)
     w = displacements()
@@ -151,7 +151,7 @@ contains
     end do
     call suite%near('orthogonal', maxval([(abs(dot_product(projected(sums(:, i)), d)), i=1, 6)]), 0.0_DP, 1.0e-5_DP)
     d = 0.0_DP
-    call correct_coarse(space, d, g, is_corrected)
+    call apply_coarse_correction(space, d, g, is_corrected)
     call suite%that('no residual, no correction', .not. is_corrected .and. all(abs(g) <= 0.0_DP))
   end subroutine check_correction
 
@@ -168,7 +168,7 @@ contains
     call build_coarse_space(space, robin, S, base, mesh%coordinates, is_slave, HALF)
     call update_coarse_space(space, coarse_rows_type(K, rows, directions, D_R, D_u, whole%transformation, base%free_of, unknown_of))
     d = 1.0_DP
-    call correct_coarse(space, d, g, is_corrected)
+    call apply_coarse_correction(space, d, g, is_corrected)
     call suite%that('no coarse space', space%n == 0 .and. .not. is_corrected .and. all(abs(d - 1.0_DP) <= 0.0_DP))
   end subroutine check_none
 

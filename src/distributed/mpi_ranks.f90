@@ -4,7 +4,7 @@
 !! All ranks run the same program on the same model and call the procedures of this module in the same order. What one rank computes
 !! alone (the elements of its part, what it reads of clocks and memory) passes through them before a decision depends on it, so
 !! that all ranks decide alike. One process without MPI is rank 0 of 1: then each procedure leaves its argument as it is.
-module amontons_ranks
+module amontons_mpi_ranks
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t, c_char
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error
@@ -181,4 +181,4 @@ contains
     call abort_c(int(code, c_int))
   end subroutine abort_ranks
 
-end module amontons_ranks
+end module amontons_mpi_ranks

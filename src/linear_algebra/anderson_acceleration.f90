@@ -7,7 +7,7 @@
 !!
 !! For a linear G it is GMRES, so that it also converges where the plain iteration diverges. References: D. G. Anderson, J. ACM 12
 !! (1965) 547-560; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735.
-module amontons_anderson
+module amontons_anderson_acceleration
   use amontons_kinds, only: DP
   use amontons_dense, only: least_squares, DENSE_OK
   implicit none
@@ -65,4 +65,4 @@ contains
     self%has_last = .true.
   end subroutine accelerate
 
-end module amontons_anderson
+end module amontons_anderson_acceleration

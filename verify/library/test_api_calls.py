@@ -34,7 +34,7 @@ def deck(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small block with temperatures, pressed and dragged."""
     from verify.decks import make_decks
 
-    path = tmp_path_factory.mktemp("verbs") / "block.inp"
+    path = tmp_path_factory.mktemp("api_calls") / "block.inp"
     path.write_text(make_decks.block_deck(2))
     path.write_text(warm_deck(path))
     return path
@@ -50,7 +50,7 @@ def mixed(array: np.ndarray) -> str:
 
 
 class Transcript:
-    """What verbs.c and verbs.f90 print."""
+    """What api_calls.c and api_calls.f90 print."""
 
     def __init__(self) -> None:
         """Nothing yet."""
@@ -173,19 +173,19 @@ def transcript_of(program: Path, deck: Path) -> list[str]:
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="there is no C compiler")
 def test_c(transcript: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
-    """verbs.c."""
-    subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root / 'src' / 'driver'}", str(HERE / "verbs.c"), "-o", "verbs", str(library),
+    """api_calls.c."""
+    subprocess.run(["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root / 'src' / 'driver'}", str(HERE / "api_calls.c"), "-o", "api_calls", str(library),
                     f"-Wl,-rpath,{library.parent}", "-lpthread"], cwd=tmp_path, check=True)  # fmt: skip
-    assert transcript_of(tmp_path / "verbs", deck) == transcript
+    assert transcript_of(tmp_path / "api_calls", deck) == transcript
 
 
 @pytest.mark.skipif(not shutil.which("gfortran"), reason="there is no Fortran compiler")
 def test_fortran(transcript: list[str], root: Path, library: Path, deck: Path, tmp_path: Path) -> None:
-    """verbs.f90. Another interface cannot be compiled against, so there is no first line."""
+    """api_calls.f90. Another interface cannot be compiled against, so there is no first line."""
     modules = Path(os.environ.get("AMONTONS_UNITS", "build/unit")).parent
-    subprocess.run(["gfortran", "-std=f2018", "-fopenmp", f"-I{root / modules}", str(HERE / "verbs.f90"), "-o", "verbs", str(library),
+    subprocess.run(["gfortran", "-std=f2018", "-fopenmp", f"-I{root / modules}", str(HERE / "api_calls.f90"), "-o", "api_calls", str(library),
                     f"-Wl,-rpath,{library.parent}"], cwd=tmp_path, check=True)  # fmt: skip
-    assert transcript_of(tmp_path / "verbs", deck) == transcript[1:]
+    assert transcript_of(tmp_path / "api_calls", deck) == transcript[1:]
 
 
 @pytest.mark.skipif(not shutil.which("g++"), reason="there is no C++ compiler")
@@ -196,10 +196,10 @@ def test_header_in_cpp(root: Path, tmp_path: Path) -> None:
 
 
 def test_every_function_of_the_header_is_called(root: Path) -> None:
-    """The binding has each function of the header, and verbs.c calls each; the manual names each."""
+    """The binding has each function of the header, and api_calls.c calls each; the manual names each."""
     functions = set(re.findall(r"\b(amontons_[a-z_]+)\(", (root / "src" / "driver" / "amontons.h").read_text()))
     assert functions == set(SIGNATURES)
-    source = (HERE / "verbs.c").read_text()
+    source = (HERE / "api_calls.c").read_text()
     assert {name for name in functions if f"{name}(" not in source} <= {"amontons_version"}
     page = (root / "doc" / "manual" / "library.md").read_text()
     assert {name for name in functions if f"`{name}`" not in page} == set()

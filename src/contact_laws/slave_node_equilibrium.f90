@@ -4,7 +4,7 @@
 !! Theory: doc/theory/contact.md, section 6. Far from equilibrium, a stiff law amplifies small gap errors into large force errors.
 !! Therefore the law is not evaluated at the actual gap, but at the gap where the node would be in equilibrium if it alone moved,
 !! against the stiffness c of its body. In equilibrium both gaps are equal.
-module amontons_local_equilibrium
+module amontons_slave_node_equilibrium
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_TIED
@@ -163,4 +163,4 @@ contains
     solution%law_linearization_force = solution%law_linearization_force - law%friction * excess * q
   end subroutine solve_shear
 
-end module amontons_local_equilibrium
+end module amontons_slave_node_equilibrium

@@ -1,12 +1,12 @@
 !> Tests of the preconditioners of conjugate gradients: nodal blocks against the dense C'KC, and their inverses.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_gradient_preconditioner
+program test_conjugate_gradient_preconditioner
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
     eliminate_constraints
   use amontons_contact_linearization, only: contact_tangent_type
-  use amontons_gradient_preconditioner, only: sum_nodal_blocks, invert_nodal_block
+  use amontons_conjugate_gradient_preconditioner, only: sum_nodal_blocks, invert_nodal_block
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -83,4 +83,4 @@ contains
       0.0_DP, 0.0_DP, 0.125_DP], [3, 3]))), 0.0_DP, 1.0e-14_DP)
   end subroutine check_inverse
 
-end program test_gradient_preconditioner
+end program test_conjugate_gradient_preconditioner

@@ -9,7 +9,7 @@
 !!
 !! Source of the step lengths: J. Mitchell, A simple one step line search for use in quasi-static solid mechanics contact
 !! calculations, 7th US National Congress on Computational Mechanics, 2003.
-module amontons_conjugate_gradients
+module amontons_nonlinear_conjugate_gradients
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type
@@ -24,7 +24,7 @@ module amontons_conjugate_gradients
     find_bounded_step_length
   use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, residual_above_rounding, OUTCOME_OK, OUTCOME_ELEMENT, &
     OUTCOME_NOT_FINITE
-  use amontons_gradient_preconditioner, only: gradient_preconditioner_type, apply_gradient_preconditioner
+  use amontons_conjugate_gradient_preconditioner, only: gradient_preconditioner_type, apply_gradient_preconditioner
   implicit none
   private
   public :: gradient_report_type, solve_held_equilibrium, evaluate_held
@@ -391,4 +391,4 @@ contains
     system%n_evaluations = system%n_evaluations + 1
   end subroutine evaluate_held
 
-end module amontons_conjugate_gradients
+end module amontons_nonlinear_conjugate_gradients

@@ -1,12 +1,12 @@
 !> Tests of the local equilibrium: at the actual position in equilibrium, its conditions elsewhere, and Newton's iterations of a
 !! node on springs.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_local_equilibrium
+program test_slave_node_equilibrium
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
   use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
   use amontons_pressure_overclosure, only: evaluate_pressure_overclosure, find_activation_gap
-  use amontons_local_equilibrium, only: local_solution_type, local_problem_type, solve_local_problem
+  use amontons_slave_node_equilibrium, only: local_solution_type, local_problem_type, solve_local_problem
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -213,4 +213,4 @@ contains
       + a(1, 3) * (a(2, 1) * a(3, 2) - a(2, 2) * a(3, 1))
   end function determinant
 
-end program test_local_equilibrium
+end program test_slave_node_equilibrium

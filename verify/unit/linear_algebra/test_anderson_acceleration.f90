@@ -1,8 +1,8 @@
 !> Tests of Anderson acceleration: linear fixed points of maps that diverge, forgetting, another number of unknowns.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_anderson
+program test_anderson_acceleration
   use amontons_kinds, only: DP
-  use amontons_anderson, only: anderson_type, accelerate, forget_iterates
+  use amontons_anderson_acceleration, only: anderson_type, accelerate, forget_iterates
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -47,4 +47,4 @@ contains
     call suite%that('another size: one iterate', anderson%n == 0 .and. anderson%has_last)
   end subroutine check_start
 
-end program test_anderson
+end program test_anderson_acceleration

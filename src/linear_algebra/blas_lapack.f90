@@ -3,7 +3,7 @@
 !!
 !! A module that works in one precision renames them (getrf => dgetrf), so that `dense.inc` serves both.
 !! Reference: Anderson et al., LAPACK Users' Guide, 3rd ed., SIAM 1999.
-module amontons_blas
+module amontons_blas_lapack
   use amontons_kinds, only: DP, SP
   implicit none
   private
@@ -179,4 +179,4 @@ module amontons_blas
     end subroutine dgelsd
   end interface
 
-end module amontons_blas
+end module amontons_blas_lapack

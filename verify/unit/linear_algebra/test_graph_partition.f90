@@ -1,10 +1,10 @@
 !> Unit test of partition: balance, few shared nodes, repeatability, and orders that are permutations with little fill.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_partition
+program test_graph_partition
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type, sparse_from_triplets
-  use amontons_partition, only: partition_mesh, order_unknowns, separator_size
+  use amontons_graph_partition, only: partition_mesh, order_unknowns, separator_size
   use amontons_factorization, only: cholesky_type, analyse
   use check, only: suite_type
   implicit none
@@ -211,4 +211,4 @@ contains
     if (allocated(error)) call suite%that('groups that do not fit: internal', error%code == EXIT_INTERNAL)
   end subroutine test_groups
 
-end program test_partition
+end program test_graph_partition

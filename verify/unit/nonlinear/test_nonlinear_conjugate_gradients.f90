@@ -1,6 +1,6 @@
 !> Tests of conjugate gradients with contact held: a linear system is solved by each preconditioner; a body nobody holds stops.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_conjugate_gradients
+program test_nonlinear_conjugate_gradients
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_topology, only: KIND_C3D8
@@ -12,8 +12,8 @@ program test_conjugate_gradients
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
     OUTCOME_OK
   use amontons_newton_step, only: linearize_equilibrium
-  use amontons_gradient_preconditioner, only: gradient_preconditioner_type, update_gradient_preconditioner
-  use amontons_conjugate_gradients, only: gradient_report_type, solve_held_equilibrium, evaluate_held
+  use amontons_conjugate_gradient_preconditioner, only: gradient_preconditioner_type, update_gradient_preconditioner
+  use amontons_nonlinear_conjugate_gradients, only: gradient_report_type, solve_held_equilibrium, evaluate_held
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -63,4 +63,4 @@ contains
 
   include 'sample_blocks.inc'
 
-end program test_conjugate_gradients
+end program test_nonlinear_conjugate_gradients

@@ -4,7 +4,7 @@
 !! METIS runs with its default options, which fix the seed of its random numbers: the same input gives the same parts.
 !! It uses the single random generator of the C library; a critical section therefore serializes the calls of several jobs.
 !! Reference: Karypis and Kumar, SIAM J. Scientific Computing 20 (1998) 359.
-module amontons_partition
+module amontons_graph_partition
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_null_ptr, c_ptr
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type
@@ -365,4 +365,4 @@ contains
     end select
   end subroutine check_status
 
-end module amontons_partition
+end module amontons_graph_partition

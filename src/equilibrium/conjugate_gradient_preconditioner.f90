@@ -7,7 +7,7 @@
 !!
 !! they keep n = m, and of C_n' K_n C_n the blocks that couple unknowns of one node (NODAL) or the diagonal (DIAGONAL): so a closed
 !! slave node adds its stiffness, weighted, to the nodes of its master. TWO LEVEL and FACTOR are those of `reduced_system`.
-module amontons_gradient_preconditioner
+module amontons_conjugate_gradient_preconditioner
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
@@ -231,4 +231,4 @@ contains
     end do
   end subroutine apply_gradient_preconditioner
 
-end module amontons_gradient_preconditioner
+end module amontons_conjugate_gradient_preconditioner

@@ -1,9 +1,9 @@
 !> Tests of the BLAS and LAPACK interfaces: each called once with a known answer, so that a wrong order or kind of arguments shows.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_blas
+program test_blas_lapack
   use amontons_kinds, only: DP, SP
-  use amontons_blas, only: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dpotrf, dpotri, dgemv, sgetrf, slaswp, strsm, sgemm, sgetrs, &
-    spotrf, spotri, sgemv, dgesv, dsymv, dgecon, dsyev, dgelsd
+  use amontons_blas_lapack, only: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dpotrf, dpotri, dgemv, sgetrf, slaswp, strsm, sgemm, &
+    sgetrs, spotrf, spotri, sgemv, dgesv, dsymv, dgecon, dsyev, dgelsd
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -144,4 +144,4 @@ contains
     call suite%that('dpotrf: not positive', info == 1)
   end subroutine check_singular
 
-end program test_blas
+end program test_blas_lapack

@@ -1,9 +1,9 @@
 !> Unit test of ranks: one process is rank 0 of 1 and keeps its numbers, errors and decisions. (verify/distributed runs several.)
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_ranks
+program test_mpi_ranks
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_kinds, only: DP
-  use amontons_ranks, only: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank, sum_over_ranks, gather_parts, &
+  use amontons_mpi_ranks, only: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank, sum_over_ranks, gather_parts, &
     min_over_ranks, share_error, do_ranks_meet
   use check, only: suite_type
   implicit none
@@ -36,4 +36,4 @@ program test_ranks
   call suite%that('after the end', n_ranks() == 1)
   call suite%finish()
 
-end program test_ranks
+end program test_mpi_ranks

@@ -1,4 +1,4 @@
-!> Every verb of the module amontons_library once; verbs.c and test_verbs.py do the same in the same order.
+!> Every verb of the module amontons_library once; api_calls.c and test_api_calls.py do the same in the same order.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module line_counter
   use amontons_library, only: log_sink_type
@@ -32,7 +32,7 @@ contains
 end module line_counter
 
 
-program verbs
+program api_calls
   use, intrinsic :: iso_fortran_env, only: real64, int64
   use amontons_library, only: job_type, job_options_type, error_type, sparse_type, open_job, advance_job, advance_job_to, &
     try_job, begin_job, iterate_job, commit_job, rollback_job, finish_job, close_job, is_job_done, get_values, set_values, &
@@ -262,4 +262,4 @@ contains
     close (unit)
   end function text_of
 
-end program verbs
+end program api_calls

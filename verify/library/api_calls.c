@@ -1,4 +1,4 @@
-/* Every verb of amontons.h once. verbs.f90 and test_verbs.py do the same in the same order; what the three say is compared line by
+/* Every verb of amontons.h once. api_calls.f90 and test_api_calls.py do the same in the same order; what the three say is compared line by
  * line, numbers by all their bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <pthread.h>
