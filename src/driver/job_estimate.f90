@@ -26,8 +26,6 @@ module amontons_job_estimate
 
   real(DP), parameter :: FACTOR_EFFICIENCY = 0.5_DP       !< speed of a factorization over that of a dense product [-] |
                                                           !! doc/performance.md
-  real(DP), parameter :: OPERATIONS_PER_ENTRY = 20.0_DP   !< operations of a factorization in the time that a solve takes for an
-                                                          !! entry of the factor; it reads the factor twice | doc/performance.md
   integer, parameter :: CONTACT_NONE = 0, CONTACT_DENSE = 1, CONTACT_SKIN = 2, CONTACT_GRADIENTS = 3
 
   !> What a job will take, of its first step.
@@ -42,6 +40,7 @@ module amontons_job_estimate
     integer :: n_increments = 0                    !< of the first step if all are as long as the first
     type(solution_cost_type) :: cost
     real(DP) :: expected_iterations = 0            !< of the iterative solver
+    real(DP) :: operations_per_entry = 0           !< of a factorization in the time that a solve takes for an entry of the factor
     character(:), allocatable :: reason            !< of an iteration
     real(DP) :: megabytes = 0                      !< peak of the preparation
     real(DP) :: speed = 0                          !< operations of a factorization a second [1/s]
@@ -97,6 +96,7 @@ contains
       estimate%is_linear = system%is_constant .and. estimate%n_slaves == 0
       estimate%n_increments = max(1, nint(min(step%period / max(step%dt_initial, tiny(1.0_DP)), 1.0e9_DP)))
       estimate%expected_iterations = step%controls%linear_solver%expected_iterations
+      estimate%operations_per_entry = step%controls%linear_solver%operations_per_factor_entry
       estimate%has_matrix = .not. system%is_matrix_free
       if (step%solver == SOLVER_GRADIENTS) estimate%contact_solver = CONTACT_GRADIENTS
     end associate
@@ -336,7 +336,7 @@ contains
   !> One solve with the factor [s].
   pure real(DP) function solve_seconds(estimate) result(seconds)
     type(job_estimate_type), intent(in) :: estimate
-    seconds = OPERATIONS_PER_ENTRY * estimate%cost%factor_entries / estimate%speed
+    seconds = estimate%operations_per_entry * estimate%cost%factor_entries / estimate%speed
   end function solve_seconds
 
 

@@ -14,7 +14,7 @@ module amontons_conjugate_gradient_preconditioner
   use amontons_controls, only: PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
   use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE
   use amontons_sparse, only: is_same_pattern
-  use amontons_reduced_system, only: apply_reduced_inverse
+  use amontons_reduced_system, only: apply_reduced_inverse, USE_REPEATED
   use amontons_constraints, only: constraints_type
   use amontons_contact_linearization, only: contact_tangent_type
   use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK
@@ -62,7 +62,7 @@ contains
       end if
       reduced%requested_solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, &
         step%controls%gradients%preconditioner == PRECONDITIONER_TWO_LEVEL)
-      reduced%is_factor_reused = .true.
+      reduced%use = USE_REPEATED
       if (.not. system%is_constant .or. .not. self%is_factorised) reduced%is_current = .false.
     end associate
     call factorise_reduced_matrix(system, model, outcome, error)

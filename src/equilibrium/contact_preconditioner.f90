@@ -35,6 +35,7 @@ module amontons_contact_preconditioner
     integer :: n_slow = 0                          !< slow Krylov solves since P was computed
     integer :: slow_limit = DEFAULTS%max_slow_solves                       !< slow solves until P is recomputed
     logical :: is_outdated = .false.               !< P is recomputed for the next Newton direction
+    logical :: is_factor_needed = .false.          !< two levels did not serve: the bulk gets a factor
     logical :: is_abandoned = .false.              !< the dense interface serves this step better
   end type skin_memory_type
 

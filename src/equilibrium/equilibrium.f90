@@ -18,7 +18,7 @@ module amontons_equilibrium
     DAMPING_NOW, STATUS_OPEN, STATUS_STICK
   use amontons_model_change, only: find_unconnected_unknowns
   use amontons_sparse, only: multiply_symmetric
-  use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small
+  use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small, USE_ONCE, USE_REPEATED
   use amontons_schur_interface, only: schur_interface_type
   use amontons_contact_preconditioner, only: skin_type
   use amontons_free_rigid_motions, only: free_motions_type
@@ -221,8 +221,8 @@ contains
     system%schur_interface%controls = step%controls%krylov
     system%reduced_system%controls = step%controls%linear_solver
     system%reduced_system%requested_solver = step%solver
-    system%reduced_system%is_factor_reused = size(state%old%slaves) > 0 .or. &
-      (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period)
+    system%reduced_system%use = merge(USE_REPEATED, USE_ONCE, size(state%old%slaves) > 0 .or. &
+      (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
     call update_base_constraints(system, model, step, state%old, error)
     if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
@@ -259,7 +259,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     logical :: is_surely_factor
     if (system%reduced_system%requested_solver == SOLVER_GRADIENTS) return
-    is_surely_factor = is_factor_small(system%controls%linear_solver, system%base%n_free, system%reduced_system%is_factor_reused)
+    is_surely_factor = is_factor_small(system%controls%linear_solver, system%base%n_free, system%reduced_system%use == USE_REPEATED)
     if (is_surely_factor .and. system%reduced_system%requested_solver == SOLVER_AUTO) return
     call plan_reduced_solver(system%reduced_system, system%assembly%stiffness, system%base, model%mesh, error)
   end subroutine plan_solver

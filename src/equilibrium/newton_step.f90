@@ -13,13 +13,14 @@ module amontons_newton_step
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN, &
-    SOLVER_GRADIENTS
+    SOLVER_AUTO, SOLVER_GRADIENTS
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, apply_reduced_inverse, abandon_iteration
+  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, apply_reduced_inverse, abandon_iteration, &
+    USE_SKIN
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
     apply_tiles, subtract_contact
@@ -98,7 +99,7 @@ contains
     system%is_first_direction = .false.
     call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
     if (allocated(error)) return
-    if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. system%skin%memory%is_abandoned) then
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. .not. system%skin%is_ready) then
       call solve_newton_step(system, model, step, state, du, outcome, error)
       return
     end if
@@ -448,6 +449,8 @@ contains
       if (allocated(error)) return
     end if
     call configure_bulk_solver(system%skin%robin, step)
+    if (system%skin%memory%is_factor_needed .and. system%skin%robin%is_iterative) call abandon_iteration(system%skin%robin)
+    system%skin%robin%is_iteration_abandoned = system%skin%memory%is_factor_needed
     call factorise_reduced_system(system%skin%robin, sparse_sum(system%assembly%stiffness, 1.0_DP, system%skin%memory%springs), &
       .true., system%base, &
       model%mesh, &
@@ -471,8 +474,7 @@ contains
     if (allocated(robin%node_order)) deallocate (robin%node_order)   ! as in a resumed job
     robin%requested_solver = step%solver
     robin%controls = step%controls%linear_solver
-    robin%is_factor_reused = .true.
-    robin%is_rounded = .true.
+    robin%use = USE_SKIN
   end subroutine configure_bulk_solver
 
 
@@ -700,29 +702,37 @@ contains
   end subroutine solve_by_skin
 
 
-  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step goes on with the
-  !! dense interface if that is allowed and cheaper.
+  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step goes on with a
+  !! factor of the bulk in place of two levels, then with the dense interface if that is allowed and cheaper.
   subroutine check_skin_convergence(system, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(krylov_report_type), intent(in) :: report !< of a direction
     integer, intent(in) :: outcome                 !< OUTCOME_LINEAR_SOLVER: no direction was found
-    real(DP) :: n_iterations, digits
-    logical :: is_lost
+    real(DP) :: n_iterations, digits, slow_iterations
+    logical :: is_lost, is_slow_again, is_replaced
     is_lost = outcome /= OUTCOME_OK
     n_iterations = real(report%n_iterations, DP)
     digits = -log10(max(report%residual, tiny(1.0_DP)))
     associate (memory => system%skin%memory)
-      if (n_iterations > system%controls%skin%slow_iterations * max(2.0_DP, digits)) memory%n_slow = memory%n_slow + 1
+      slow_iterations = system%controls%skin%slow_iterations * max(2.0_DP, digits)
+      if (system%skin%robin%is_iterative) slow_iterations = slow_iterations * system%controls%skin%two_level_ratio
+      if (n_iterations > slow_iterations) memory%n_slow = memory%n_slow + 1
       if (memory%n_slow <= memory%slow_limit .and. .not. is_lost) return
-      memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%contact_interface%max_unknowns .and. &
-        .not. system%skin%robin%is_iterative .and. &
-        (is_lost .or. (memory%slow_limit > system%controls%skin%max_slow_solves .and. .not. is_skin_cheaper(system, n_iterations)))
-      if (is_lost .and. .not. memory%is_abandoned) return
-      memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned)
+      is_slow_again = memory%slow_limit > system%controls%skin%max_slow_solves
+      if (system%skin%robin%is_iterative) then
+        if (.not. system%skin%robin%cost%is_factor_too_large) memory%is_factor_needed = is_lost .or. &
+          (is_slow_again .and. system%skin%robin%requested_solver == SOLVER_AUTO)
+      else
+        memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%contact_interface%max_unknowns .and. &
+          (is_lost .or. (is_slow_again .and. .not. is_skin_cheaper(system, n_iterations)))
+      end if
+      is_replaced = memory%is_abandoned .or. (system%skin%robin%is_iterative .and. memory%is_factor_needed)
+      if (is_lost .and. .not. is_replaced) return
+      memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned .or. is_lost)
       if (.not. memory%is_outdated) call discard_bulk_factor(system)
       memory%n_slow = 0
       memory%slow_limit = 2 * memory%slow_limit        ! recompute it later next time
-      if (memory%is_abandoned) memory%slow_limit = system%controls%skin%max_slow_solves
+      if (is_replaced) memory%slow_limit = system%controls%skin%max_slow_solves
     end associate
   end subroutine check_skin_convergence
 

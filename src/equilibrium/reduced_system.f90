@@ -27,6 +27,9 @@ module amontons_reduced_system
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
     factorise_reduced_system, apply_reduced_inverse, abandon_iteration, discard_analysis
 
+  !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner.
+  integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3
+
   integer, parameter :: MIN_RANKS_SHARED = 4   !< ranks from which a large A is shared by default: on one rank MUMPS takes twice the
                                                !! time of our factor, GAMG 2.6 times that of our iteration | doc/performance.md
 
@@ -53,9 +56,8 @@ module amontons_reduced_system
     type(linear_solver_controls_type) :: controls
     integer :: requested_solver = SOLVER_AUTO                 !< SOLVER_... of the step
     integer :: max_iterations = 0             !< after which the iterative solver is abandoned
-    logical :: is_rounded = .false.                !< the factor is kept in single precision: it is a preconditioner only
     logical :: is_iteration_abandoned = .false.               !< the iterative solver did not converge
-    logical :: is_factor_reused = .false.               !< a factor will serve many times
+    integer :: use = USE_ONCE                      !< USE_...; USE_SKIN: the factor is kept in single precision
     logical :: is_current = .false.                !< the factor is that of the present K and C
     character(:), allocatable :: message              !< the choice, for the log; not allocated: nothing to report
     type(sparse_type) :: analysed_map              !< C of the last factor; of its pattern reduction and factor were analysed
@@ -135,7 +137,7 @@ contains
     self%is_current = status == FACTOR_OK
     if (.not. self%is_current) call factorise_shifted(self, status, error)
     if (allocated(error) .or. status /= FACTOR_OK) return
-    if (self%is_rounded) call round_factor(self%factor)
+    if (self%use == USE_SKIN) call round_factor(self%factor)
   end subroutine factorise_reduced_system
 
 
@@ -272,8 +274,7 @@ contains
       cost%factor_operations = self%factor%n_operations
       if (.not. is_planned) return
       cost%is_factor_too_large = cost%factor_megabytes > memory_limit(self%controls)
-      cost%is_factor_too_slow = .not. self%is_factor_reused .and. &
-        cost%factor_operations > self%controls%expected_iterations * cost%iteration_operations
+      cost%is_factor_too_slow = factor_work(self, cost%factor_operations, cost%factor_entries) > iteration_work(self)
     end associate
   end subroutine find_factor_cost
 
@@ -285,7 +286,7 @@ contains
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
     type(error_type), allocatable, intent(out) :: error
-    real(DP) :: n, megabytes, operations
+    real(DP) :: n, megabytes, entries, operations
     logical :: is_too_large, is_too_slow
     integer :: n_separator
     associate (limits => self%controls, cost => self%cost)
@@ -294,16 +295,37 @@ contains
       call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
       if (allocated(error)) return
       n = real(n_separator, DP)
-      megabytes = 8.0e-6_DP * limits%separator_entries_ratio * n**2
+      entries = limits%separator_entries_ratio * n**2
+      megabytes = 8.0e-6_DP * entries
       operations = limits%separator_work_ratio * n**3
       is_too_large = megabytes > limits%estimate_safety_factor * memory_limit(limits)
-      is_too_slow = operations > limits%estimate_safety_factor * limits%expected_iterations * cost%iteration_operations .and. &
-        .not. self%is_factor_reused
+      is_too_slow = factor_work(self, operations, entries) > limits%estimate_safety_factor * iteration_work(self)
       if (.not. (is_too_large .or. is_too_slow)) return
-      cost = solution_cost_type(megabytes, limits%separator_entries_ratio * n**2, operations, .true., cost%iteration_megabytes, &
-        cost%iteration_operations, is_too_large, is_too_slow)
+      cost = solution_cost_type(megabytes, entries, operations, .true., cost%iteration_megabytes, cost%iteration_operations, &
+        is_too_large, is_too_slow)
     end associate
   end subroutine estimate_factor
+
+
+  !> Operations of a factor for what it serves, with its solutions where both solvers take many. Zero: a factor always pays.
+  pure real(DP) function factor_work(self, operations, entries) result(work)
+    type(reduced_system_type), intent(in) :: self
+    real(DP), intent(in) :: operations             !< of the factorization
+    real(DP), intent(in) :: entries                !< of the factor
+    work = operations
+    if (self%use == USE_REPEATED) work = 0.0_DP
+    if (self%use == USE_SKIN) work = work + self%controls%skin_solves * self%controls%operations_per_factor_entry * entries
+  end function factor_work
+
+
+  !> Operations of a factor in the time of the iterations in its place.
+  pure real(DP) function iteration_work(self) result(work)
+    type(reduced_system_type), intent(in) :: self
+    real(DP) :: n_iterations
+    n_iterations = self%controls%expected_iterations
+    if (self%use == USE_SKIN) n_iterations = self%controls%skin_solves * self%controls%skin_work_ratio
+    work = n_iterations * self%cost%iteration_operations
+  end function iteration_work
 
 
   !> What a factor may take [megabytes]: a share of all memory, the same whenever a job runs, and no more than is free. Ranks may

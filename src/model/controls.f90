@@ -125,6 +125,7 @@ module amontons_controls
     integer :: max_iterations = 150        !< Krylov iterations of one direction | 0021
     integer :: restart = 50                !< restart length of flexible GMRES: two vectors an iteration | set: memory
     real(DP) :: slow_iterations = 12.0_DP   !< iterations per decimal digit of a slow solve [-] | contact_preconditioner
+    real(DP) :: two_level_ratio = 3.0_DP   !< Krylov iterations with a two-level bulk over those with a factor [-] | 0021
     integer :: max_slow_solves = 2         !< slow solves until the bulk is solved anew, doubled each time | contact_preconditioner
     real(DP) :: tolerance_changing = 1.0e-2_DP   !< relative residual of a direction while statuses change [-] | 0021
     real(DP) :: tolerance_halved = 1.0e-3_DP   !< the same where two corrections were halved [-] | 0021
@@ -154,6 +155,11 @@ module amontons_controls
     real(DP) :: operations_per_entry = 220.0_DP   !< operations of a factor in the time of an iteration, for each entry of A |
                                            !! reduced_system
     real(DP) :: expected_iterations = 140.0_DP   !< estimated iterations, the preconditioner included | reduced_system
+    real(DP) :: operations_per_factor_entry = 20.0_DP   !< operations of a factorization in the time that a solve takes for an entry
+                                           !! of the factor; it reads the factor twice [-] | doc/performance.md
+    real(DP) :: skin_solves = 650.0_DP     !< solutions with the bulk in a job with contact by the skin | 0021
+    real(DP) :: skin_work_ratio = 2.0_DP   !< work of the iterations that two levels take for one with a factor, over that of one
+                                           !! iteration [-] | 0021
     real(DP) :: max_iteration_work_ratio = 1.5_DP   !< iterations may take so many times the work of the factor [-] | reduced_system
     integer :: max_cg_iterations = 2000    !< where a factor does not fit into memory | set
     real(DP) :: factor_entries_ratio = 60.0_DP   !< entries of a factor over n^(4/3): more than a compact body has [-] |

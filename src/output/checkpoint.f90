@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 13
+  integer(I64), parameter :: FORMAT_VERSION = 14
   integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
   !> All data on which the next increment depends.
@@ -394,6 +394,7 @@ contains
     call packer%exchange(skin%n_slow)
     call packer%exchange(skin%slow_limit)
     call packer%exchange(skin%is_outdated)
+    call packer%exchange(skin%is_factor_needed)
     call packer%exchange(skin%is_abandoned)
     is_there = allocated(skin%is_near)
     call packer%exchange(is_there)
