@@ -220,3 +220,22 @@ def test_front_pages_say_the_same() -> None:
     assert tables[0] == tables[1]
     cells = [cell.strip() for row in tables[0][0].splitlines()[2:] for cell in row.strip("|").split("|")[1:]]
     assert set(cells) == {"yes", "no"}
+
+
+def test_front_page_links_what_a_reader_needs() -> None:
+    """Both have the clone line with its honest address, one picture, the limits and the first job."""
+    for name, folder in (("README.md", "doc/"), ("doc/index.md", "")):
+        text = (ROOT / name).read_text()
+        assert text.count("![") == 1, name
+        assert "git clone https://ADDRESS/amontons.git" in text, name
+        for link in ("manual/limits.md", "manual/first_job.md"):
+            assert f"]({folder}{link})" in text, (name, link)
+        assert "python -m verify.benchmark.pin_in_lug" in text, name
+
+
+def test_contact_page_starts_with_a_picture_and_a_deck() -> None:
+    """Then the rules; no list comes before them."""
+    text = (ROOT / "doc/manual/contact.md").read_text()
+    start = text[: text.index("*END STEP")]
+    assert start.index("![") < start.index("```") < start.index("\n*CONTACT PAIR")
+    assert not re.search(r"^- ", start, re.M)

@@ -193,3 +193,33 @@ def test_uninstall(root: Path, program: Path, library: Path, tmp_path: Path) -> 
                        env=clean, capture_output=True, check=True)  # fmt: skip
         assert (tmp_path / "bin" / "amontons").exists() == (target == "place")
     assert [path.name for path in tmp_path.rglob("*") if not path.is_dir()] == ["other.txt"]
+
+
+@pytest.mark.skipif(not (shutil.which("dpkg-shlibdeps") and shutil.which("dpkg")), reason="Debian's tools are not installed (dpkg-dev)")
+@pytest.mark.slow
+def test_debian_package(root: Path, program: Path, library: Path, tmp_path: Path) -> None:
+    """Packed, installed into an empty root, run, removed: it names the libraries that it needs, and nothing of it is left."""
+    build = (root / os.environ.get("AMONTONS_UNITS", "build/unit")).parent
+    clean = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
+    subprocess.run(["make", "pack-deb", f"B={build}", f"BIN={program.parent}", f"LIB={library.parent}", f"DEB={tmp_path / 'deb'}",
+                    f"DIST={tmp_path}"], cwd=root, env=clean, capture_output=True, check=True)  # fmt: skip
+    (package,) = tmp_path.glob("amontons_*.deb")
+    fields = do(["dpkg-deb", "--field", package], tmp_path)
+    version = re.search(r"^Version: (.*)$", fields, re.MULTILINE)
+    assert version
+    depends = re.search(r"^Depends: (.*)$", fields, re.MULTILINE)
+    assert depends
+    for name in ("libc6", "libgfortran5", "libhdf5", "libopenblas", "libcholmod", "libumfpack", "libmetis"):
+        assert name in depends[1], name
+    empty = tmp_path / "root"
+    (empty / "var" / "lib" / "dpkg" / "info").mkdir(parents=True)
+    (empty / "var" / "lib" / "dpkg" / "updates").mkdir()
+    (empty / "var" / "lib" / "dpkg" / "status").touch()
+    dpkg = ["dpkg", f"--root={empty}", "--force-depends", "--force-not-root", "--force-script-chrootless", f"--log={tmp_path / 'log'}"]
+    do([*dpkg, "--install", package], tmp_path)
+    assert version[1] in do([empty / "usr" / "bin" / "amontons", "--version"], tmp_path)
+    for name in ("bin/amontons-ccx", "bin/amontons-report", "lib/libamontons.so", "lib/python3/dist-packages/amontons/py.typed", "share/man/man1/amontons.1",
+                 "share/amontons/examples/three_cubes.inp", "share/doc/amontons/copyright"):  # fmt: skip
+        assert (empty / "usr" / name).exists(), name
+    do([*dpkg, "--purge", "amontons"], tmp_path)
+    assert [str(path.relative_to(empty)) for path in empty.rglob("*amontons*")] == []

@@ -45,26 +45,30 @@ MIDDLES = {
     "CPE4": ("CPE8", [(1, 2), (2, 3), (3, 4), (4, 1)]),
     "CPE3": ("CPE6", [(1, 2), (2, 3), (3, 1)]),
 }
+#: Where y points to on the paper, so that no number covers another.
+DEPTH = {"C3D8": (0.56, 0.4), "C3D6": (0.42, 0.39), "C3D4": (0.42, 0.3)}
 COLOURS = ["#2166ac", "#d95f02", "#1b9e77", "#7b3294", "#a6761d", "#b3202c"]
 INK = "#1d2935"
 
 
-def flat(place: Sequence[float]) -> np.ndarray:
+def flat(place: Sequence[float], depth: tuple[float, float]) -> np.ndarray:
     """Where a point of space is on the paper."""
     x, y, z = (*place, 0.0)[:3]
-    return np.array([x + 0.42 * y, 0.3 * y + z]) if len(place) == 3 else np.array([x, y])
+    return np.array([x + depth[0] * y, depth[1] * y + z]) if len(place) == 3 else np.array([x, y])
 
 
 def draw(axes: Axes, kind: str) -> None:
     """One element: edges, nodes with their numbers, the names of the faces at their middles."""
-    points = np.array([flat(place) for place in PLACES[kind]])
+    points = np.array([flat(place, DEPTH.get(kind, (0.0, 0.0))) for place in PLACES[kind]])
     quadratic, edges = MIDDLES[kind]
     for a, b in edges:
         axes.plot(*points[[a - 1, b - 1]].T, color="#8a97a3", lw=1.2, zorder=1)
     for number, (a, b) in enumerate(edges, len(points) + 1):
-        middle = points[[a - 1, b - 1]].mean(axis=0)
-        axes.plot(*middle, "o", ms=2.5, color="#8a97a3", zorder=2)
-        axes.annotate(str(number), middle, xytext=(3, 3), textcoords="offset points", fontsize=7, color="#8a97a3")
+        middle, (across, along) = points[[a - 1, b - 1]].mean(axis=0), np.abs(points[a - 1] - points[b - 1])
+        axes.plot(*middle, "o", ms=2.5, color="#5f6c78", zorder=2)
+        place = (-3, 2) if min(across, along) > 0.1 and (points[a - 1] - points[b - 1]).prod() > 0 else (3, 3)   # above its edge
+        place = (3, -8) if max(points[a - 1][1], points[b - 1][1]) == points[:, 1].min() else place
+        axes.annotate(str(number), middle, xytext=place, textcoords="offset points", fontsize=7, color="#5f6c78", ha="right" if place[0] < 0 else "left")
     for number, point in enumerate(points, 1):
         axes.plot(*point, "o", ms=5, color=INK, zorder=3)
         away = point - points.mean(axis=0)
@@ -72,7 +76,7 @@ def draw(axes: Axes, kind: str) -> None:
                       color=INK, ha="center", va="center", weight="bold")  # fmt: skip
     for i, face in enumerate(FACES[kind]):
         middle = points[np.array(face) - 1].mean(axis=0)
-        middle = 0.72 * middle + 0.28 * points.mean(axis=0) if len(face) == 2 else middle   # beside its mid-side node
+        middle = 0.62 * middle + 0.38 * points.mean(axis=0) if len(face) == 2 else middle   # beside its mid-side node
         axes.text(*middle, f"S{i + 1}", color="white", fontsize=9, ha="center", va="center", weight="bold", zorder=4,
                   bbox={"boxstyle": "round,pad=0.25", "fc": COLOURS[i], "ec": "none"})  # fmt: skip
     names = {"CPE4": "CPE4, CPS4, CAX4\n(8, 8R: with the small numbers)", "CPE3": "CPE3, CPS3, CAX3\n(6: with the small numbers)"}
@@ -87,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parents[2] / "doc" / "pictures" / "elements.png")
     wanted = parser.parse_args(arguments)
-    figure, axes = plt.subplots(1, 5, figsize=(13.5, 3.2), width_ratios=[1.3, 1.2, 1.2, 1, 1])
+    figure, axes = plt.subplots(1, 5, figsize=(13.5, 3.4), width_ratios=[1.3, 1.2, 1.2, 1, 1])
     for place, kind in zip(axes, PLACES, strict=True):
         draw(place, kind)
     figure.tight_layout()

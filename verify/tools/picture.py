@@ -4,8 +4,8 @@
     PYTHONPATH=python python -m verify.tools.picture job.vtkhdf [--output job.png] [--increment N] [--pair N] [--section x|y|z[=VALUE]] [--bodies]
 
 Left: the deformed bodies coloured by the Mises stress (displacements magnified by a round factor that is printed), as a whole or cut
-by a section. Right, of one pair: pressure and friction on the slave surface, status of each slave node, its slip scenario. A slave
-surface that runs round a cylinder is unrolled, with the seam opposite to the load. Of plane bodies these are curves. Last, of each
+by a section. Right, of one pair: pressure and friction on the slave surface, status of each slave node, its slip scenario if the
+last increment had any. A slave surface that runs round a cylinder is unrolled, with the seam opposite to the load. Of plane bodies these are curves. Last, of each
 pair: N and T over time, the sums of the sizes of the normal and tangential forces of its slave nodes, and mu N, which T cannot exceed.
 
 N of --increment counts the increments on file from 0, the initial state; default: the last. --pair counts from 1 as in the deck;
@@ -164,8 +164,9 @@ def in_view(job: Job, x: Floats, mises: Floats, share: float) -> np.ndarray:
 
 
 def _triad(axes: Axes, right: Floats, up: Floats, ratio: float) -> None:
-    """The directions of the axes, left of the colours."""
-    inset = axes.inset_axes((0.0, -0.17 * ratio, 0.16, 0.16 * ratio))
+    """The directions of the axes, left of the colours; below a narrow image they reach beyond its left side."""
+    size = max(0.16, 0.13 / ratio)
+    inset = axes.inset_axes((0.16 - size, -(size + 0.02) * ratio, size, size * ratio))
     for d, name in enumerate("xyz"):
         tip = np.array([right[d], up[d]])
         if np.linalg.norm(tip) < 1e-9:
@@ -254,12 +255,13 @@ def draw_classes(axes: Axes, chart: Map, values: Ints, counts: Ints, colours: li
 
 def draw_history(axes: Axes, job: Job, k: int) -> None:
     """N and T of each pair over time, with mu N where Coulomb's law limits T."""
-    times = job.data.times
-    for i, pair in enumerate(job.pairs[: len(PAIR_COLOURS)]):
+    times, shown = job.data.times, job.pairs[: len(PAIR_COLOURS)]
+    for i, pair in enumerate(shown):
         colour, name = PAIR_COLOURS[i], f"{pair.name}: " if len(job.pairs) > 1 else ""
-        axes.plot(times, pair.normal, color=colour, lw=2, label=f"{name}N")
+        wider = min(1.1, 4 / len(shown)) * (len(shown) - 1 - i)   # curves that coincide are all seen
+        axes.plot(times, pair.normal, color=colour, lw=2 + wider, label=f"{name}N")
         if pair.shear.max() > 1e-9 * max(pair.normal.max(), 1e-300):
-            axes.plot(times, pair.shear, color=colour, lw=1.2, marker="o", ms=3, label=f"{name}T")
+            axes.plot(times, pair.shear, color=colour, lw=1.2 + wider, marker="o", ms=3 + wider, label=f"{name}T")
         if pair.has_coulomb:
             axes.plot(times, pair.friction * pair.normal, color=colour, lw=1, ls="--", label=f"{name}{pair.friction:g} N")
     for end in job.step_ends:
@@ -275,23 +277,25 @@ def draw_history(axes: Axes, job: Job, k: int) -> None:
 
 
 def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int, pair: Pair) -> None:
-    """The four panels on the right."""
+    """The panels on the right: pressure, status, scenarios where nodes have any, forces."""
     chart = slave_map.map_of(job.data, pair, job.frame("CPRESS", k))
     if chart is None:
         _draw_line_of_slaves(figure, grid, job, k, pair)
         return
     width, height = np.ptp(np.concatenate(chart.places), axis=0)
+    heights = [1.3, 1, 1, 1.7] if pair.scenario[k].any() else [1.3, 1, 1.7]
     if width > STRIP * height:   # one above the other
-        rows = grid[:, 1:].subgridspec(4, 1, height_ratios=[1.3, 1, 1, 1.7])
-        places = [figure.add_subplot(rows[i]) for i in range(4)]
+        rows = grid[:, 1:].subgridspec(len(heights), 1, height_ratios=heights)
+        places = [figure.add_subplot(rows[i]) for i in range(len(heights))]
     else:
-        places = [figure.add_subplot(grid[i, j]) for i in (0, 1) for j in (1, 2)]
+        parts = [grid[0, 1], grid[0, 2], grid[1, 1], grid[1, 2]] if len(heights) == 4 else [grid[0, 1], grid[0, 2], grid[1, 1:]]
+        places = [figure.add_subplot(part) for part in parts]
     draw_pressure(places[0], job, chart, k)
-    status, scenario = nodal(job, pair.nodes, pair.status[k]), nodal(job, pair.nodes, pair.scenario[k])
-    draw_classes(places[1], chart, status, pair.counts[k], STATUS_COLOURS, STATUS_NAMES, f"Status{of_points(pair, k)}")
-    counts = np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
-    draw_classes(places[2], chart, scenario, counts, SCENARIO_COLOURS, SCENARIO_NAMES, "Slip scenario, last seen")
-    draw_history(places[3], job, k)
+    draw_classes(places[1], chart, nodal(job, pair.nodes, pair.status[k]), pair.counts[k], STATUS_COLOURS, STATUS_NAMES, f"Status{of_points(pair, k)}")
+    if len(heights) == 4:
+        scenario, counts = nodal(job, pair.nodes, pair.scenario[k]), np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
+        draw_classes(places[2], chart, scenario, counts, SCENARIO_COLOURS, SCENARIO_NAMES, "Slip scenario, last seen")
+    draw_history(places[-1], job, k)
 
 
 def _draw_line_of_slaves(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int, pair: Pair) -> None:
@@ -309,17 +313,21 @@ def _draw_line_of_slaves(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec,
     axes.legend(frameon=False, fontsize=8.5)
     axes.spines[["top", "right"]].set_visible(False)
     axes = figure.add_subplot(grid[1, 1])
-    scenarios = np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
-    for values, counts, colours, names, height in (
-        (pair.status[k], pair.counts[k], STATUS_COLOURS, STATUS_NAMES, 1.0),
-        (pair.scenario[k], scenarios, SCENARIO_COLOURS, SCENARIO_NAMES, 0.0),
-    ):
+    rows = [("status", pair.status[k], pair.counts[k], STATUS_COLOURS, STATUS_NAMES)]
+    if pair.scenario[k].any():
+        counts = np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
+        rows.append(("scenario", pair.scenario[k], counts, SCENARIO_COLOURS, SCENARIO_NAMES))
+    for height, (_, values, counts, colours, names) in enumerate(rows):
         for c, what in enumerate(names):
             mine = values[order] == c
-            axes.scatter(s[mine], np.full(mine.sum(), height), 14, color=colours[c], label=f"{what} ({counts[c]})", edgecolors=GREY, linewidths=0.3)
-    axes.set(xlabel=label, ylim=(-0.6, 1.6), yticks=[0, 1], yticklabels=["scenario", "status"])
-    axes.set_title(f"Status{of_points(pair, k)}, and slip scenario last seen")
-    legend_below(axes, 8, ncols=2)
+            axes.scatter(s[mine], np.full(mine.sum(), -height), 14, color=colours[c], label=f"{what} ({counts[c]})", edgecolors=GREY, linewidths=0.3)
+    axes.set(xlabel=label, ylim=(0.4 - len(rows), 0.6), yticks=-np.arange(len(rows)), yticklabels=[name for name, *_ in rows])
+    axes.set_title(f"Status{of_points(pair, k)}" + (", and slip scenario last seen" if len(rows) > 1 else ""))
+    handles = axes.get_legend_handles_labels()[0]
+    if len(rows) > 1:   # a column of the status, one of the scenarios
+        gap = [Patch(alpha=0, label="")] * (len(SCENARIO_NAMES) - len(STATUS_NAMES))
+        handles = handles[: len(STATUS_NAMES)] + gap + handles[len(STATUS_NAMES) :]
+    legend_below(axes, 8, handles=handles, ncols=len(rows) if len(rows) > 1 else len(STATUS_NAMES))
     axes.spines[["top", "right", "left"]].set_visible(False)
     draw_history(figure.add_subplot(grid[1, 2]), job, k)
 

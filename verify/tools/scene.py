@@ -46,14 +46,14 @@ def camera(points: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def section_camera(axis: int) -> tuple[Floats, Floats, Floats]:
-    """The same, rather steep on the plane of a section."""
-    towards = np.eye(3)[axis] + 0.35 * np.eye(3)[(axis + 2) % 3 if axis != 2 else 1] * (-1 if axis == 2 else 1)
+    """The same, on the plane of a section, a little from above and aside."""
+    above = np.eye(3)[2 if axis != 2 else 1]
+    aside = np.cross(above, np.eye(3)[axis])
+    towards = np.eye(3)[axis] + 0.38 * (above if axis != 2 else -above) + 0.3 * aside
     towards = towards / np.linalg.norm(towards)
-    right = np.eye(3)[0] if axis != 0 else np.eye(3)[1]
-    right = right - (right @ towards) * towards
+    right = np.cross(above, towards)
     right = right / np.linalg.norm(right)
-    up = np.cross(towards, right)
-    return (right, up, towards) if up @ np.ones(3) > 0 else (-right, -up, towards)
+    return right, np.cross(towards, right), towards
 
 
 def is_tool(job: Job, nodes: Ints) -> NDArray[np.bool_]:
@@ -104,7 +104,7 @@ def render(job: Job, x: Floats, values: Floats, top: float, size: tuple[int, int
             "specular": 0.08}  # fmt: skip
     if section is not None and cells is not None:
         bodies = cut_bodies(cells, x, values, section)
-        edges = bodies.extract_feature_edges(35.0, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
+        edges = bodies.clean().extract_feature_edges(35.0, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
     if bodies.n_faces:
         plotter.add_mesh(bodies, **look, **({} if flat else {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": 35.0}))
     if edges.n_lines:

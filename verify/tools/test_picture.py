@@ -180,6 +180,42 @@ def test_friction_stays_below_its_limit(bolt: tuple[picture.Job, str]) -> None:
     assert 10000 < job.pairs[0].normal[-1] < 10100
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2], ids=list("xyz"))
+def test_a_section_is_seen_from_its_front(axis: int) -> None:
+    """Its plane lies nearly in the paper, x or y to a side; what is upright stays upright, seen a little from above."""
+    right, up, towards = scene.section_camera(axis)
+    assert np.stack([right, up, towards]) @ np.stack([right, up, towards]).T == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.cross(right, up) == pytest.approx(towards)
+    assert towards[axis] > 0.85
+    above = 2 if axis != 2 else 1
+    assert right[above] == pytest.approx(0, abs=1e-12)
+    assert up[above] > 0.85
+    assert 0.2 < abs(towards[above]) < 0.5
+
+
+def test_scenarios_are_drawn_where_there_are_any(bolt: tuple[picture.Job, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Statuses and scenarios have a column of the legend each, so that `none` is no status."""
+    job, _ = bolt
+    titles, legends = [], []
+
+    def keep(figure: picture.plt.Figure, *_: object, **__: object) -> None:
+        titles.append([axes.get_title(loc="left") for axes in figure.axes])
+        legends.append([[text.get_text().split(" (")[0] for text in axes.get_legend().get_texts()] for axes in figure.axes if axes.get_legend()])
+
+    monkeypatch.setattr(picture.plt.Figure, "savefig", keep)
+    last = len(job.data.times) - 1
+    scenario = job.pairs[0].scenario[last]
+    before = scenario.copy()
+    for values in (0, 2):
+        scenario[:] = 0
+        scenario[0] = values
+        picture.draw(job, last, tmp_path / "job.png", pair=0)
+    scenario[:] = before
+    assert "Status" in titles[0] and "Status, and slip scenario last seen" in titles[1]
+    assert picture.STATUS_NAMES in legends[0]
+    assert [*picture.STATUS_NAMES, "", "", *picture.SCENARIO_NAMES] in legends[1]
+
+
 def test_sections_and_pairs_are_chosen(bolt: tuple[picture.Job, str], run_deck: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By the command line; wrong words are refused."""
     job, _ = bolt

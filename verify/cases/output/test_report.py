@@ -12,6 +12,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -155,6 +156,9 @@ def test_energies_add_up(run_deck: Run, tmp_path: Path) -> None:
     assert abs(rest) < 0.1 * values["proximal_work"]
     text = sections.ledger(job)
     assert "unbalanced steps" in text and number(values["proximal_work"]) in text
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        columns = {name for name, column in file["AMONTONS/history"].items() if "energy" in str(column.attrs["unit"])}
+    assert columns == set(sections.ENERGIES), "the table has every energy of the file"
 
 
 def test_command(cubes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
