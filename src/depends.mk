@@ -16,12 +16,12 @@ uses_version =
 uses_blas_lapack = kinds
 uses_dense = kinds blas_lapack
 uses_anderson_acceleration = kinds dense
-uses_sparse = kinds errors
+uses_sparse = kinds containers errors
 uses_factorization = kinds errors sparse
 uses_graph_partition = errors sparse
 uses_krylov = kinds errors sparse
 uses_null_space = kinds dense
-uses_two_level_preconditioner = kinds dense sparse
+uses_two_level_preconditioner = kinds errors dense sparse factorization
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
 # distributed

@@ -14,9 +14,10 @@ module amontons_reduced_system
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
-  use amontons_graph_partition, only: partition_mesh, order_unknowns, order_unknowns_by_node, nodes_by_first_use, separator_size
+  use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
+    nodes_by_first_use, separator_size
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, factorise_two_level, &
-    apply_preconditioner, choose_n_parts, &
+    apply_preconditioner, choose_n_parts, elements_of_part, &
     two_level_megabytes
   use amontons_mpi_ranks, only: n_ranks, min_over_ranks
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
@@ -118,11 +119,11 @@ contains
     self%analysed_map%value = constraints%transformation%value
     if (self%is_iterative) then
       if (self%distributed_kind == DISTRIBUTED_NONE) then
-        call factorise_two_level(self%iterative, self%matrix, is_broken)
+        call factorise_two_level(self%iterative, self%matrix, is_broken, error)
       else
         call update_distributed(self%distributed, self%matrix, is_broken, error)
-        if (allocated(error)) return
       end if
+      if (allocated(error)) return
       self%is_current = .not. is_broken
       if (self%is_current) return
       call abandon_iteration(self)
@@ -424,8 +425,8 @@ contains
     integer, allocatable :: of_element(:), part(:), axis(:)
     real(DP), allocatable :: position(:, :)
     integer :: of_node(mesh%n_nodes), n_parts, e, i, f
-    n_parts = choose_n_parts(mesh%n_nodes)
-    call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, n_parts, of_element, error=error)
+    call aggregate_elements(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, &
+      elements_of_part(mesh%n_elements, mesh%n_nodes), of_element, n_parts, error)
     if (allocated(error)) return
     of_node = 1
     do e = 1, mesh%n_elements

@@ -8,6 +8,7 @@
 module amontons_sparse
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
+  use amontons_containers, only: sort_integers
 !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
@@ -47,6 +48,7 @@ module amontons_sparse
     integer :: capacity = 0
     logical :: is_full = .false.               !< an item did not fit: default integers cannot count them
   contains
+    procedure :: reserve => reserve_items
     procedure :: append => append_item
     procedure :: to_array => list_to_array
   end type growing_list_type
@@ -147,35 +149,6 @@ contains
     matrix%first = 1
     matrix%value = 0
   end subroutine allocate_matrix
-
-
-  !> The upper triangle whose transpose has the given unsorted rows below the diagonal: a pass over these rows finds
-  !> the columns of each upper row in ascending order, so no sort is needed. The diagonal is added.
-  subroutine upper_from_lower_rows(n, below_first, below, matrix, error)
-    integer, intent(in) :: n
-    integer, intent(in) :: below_first(:)      !< (n + 1)
-    type(growing_list_type), intent(in) :: below       !< strictly smaller columns of each row
-    type(sparse_type), intent(out) :: matrix
-    type(error_type), allocatable, intent(out) :: error
-    integer :: next(n), i, p, j
-    if (below%is_full .or. below%n > huge(n) - n) then
-      call set_too_large(error)
-      return
-    end if
-    call allocate_matrix(matrix, n, n, below%n + n)
-    if (below%n > 0) call row_starts(below%items(:below%n), n, matrix%first)
-    matrix%first = matrix%first + [(i - 1, i=1, n + 1)]
-    next = matrix%first(:n)
-    do i = 1, n
-      matrix%column(next(i)) = i
-      next(i) = next(i) + 1
-      do p = below_first(i), below_first(i + 1) - 1
-        j = below%items(p)
-        matrix%column(next(j)) = i
-        next(j) = next(j) + 1
-      end do
-    end do
-  end subroutine upper_from_lower_rows
 
 
   !> Position of an entry in column(:) and value(:); 0 if it is not in the pattern. Cost: binary search.
@@ -460,30 +433,109 @@ contains
     type(sparse_type), intent(in) :: matrix, transformation
     type(sparse_type), intent(out) :: reduced
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: full, dependents
-    type(growing_list_type) :: below
-    integer, allocatable :: below_first(:)
-    integer :: seen(transformation%n_columns), a, d, p, q
-    full = full_from_upper(matrix)
+    type(sparse_type) :: dependents, mirrored
+    type(growing_list_type) :: above
+    integer :: seen(transformation%n_columns), a, d
+    mirrored = mirror_entries(matrix, transformation)
     dependents = sparse_transpose(transformation)
-    allocate (below_first(transformation%n_columns + 1))
+    reduced%n_rows = transformation%n_columns
+    reduced%n_columns = transformation%n_columns
+    allocate (reduced%first(transformation%n_columns + 1))
+    call above%reserve(size(matrix%column))
     seen = 0
     do a = 1, transformation%n_columns
-      below_first(a) = below%n + 1
+      reduced%first(a) = above%n + 1
+      seen(a) = a
+      call above%append(a)
       do d = dependents%first(a), dependents%first(a + 1) - 1
-        do p = full%first(dependents%column(d)), full%first(dependents%column(d) + 1) - 1
-          do q = transformation%first(full%column(p)), transformation%first(full%column(p) + 1) - 1
-            if (transformation%column(q) >= a) exit
-            if (seen(transformation%column(q)) == a) cycle
-            seen(transformation%column(q)) = a
-            call below%append(transformation%column(q))
-          end do
-        end do
+        call append_columns_above(matrix, dependents%column(d), transformation, a, seen, above)
+        call append_columns_above(mirrored, dependents%column(d), transformation, a, seen, above)
+      end do
+      if (above%is_full) then
+        call set_too_large(error)
+        return
+      end if
+      call sort_integers(above%items(reduced%first(a):above%n))
+    end do
+    reduced%first(transformation%n_columns + 1) = above%n + 1
+    call above%to_array(reduced%column)
+    allocate (reduced%value(above%n), source=0.0_DP)
+  end subroutine reduced_pattern
+
+
+  !> The transposed entries of K that the upper triangle of A needs: those that touch an unknown which is not direct. The columns of
+  !! direct unknowns ascend with them, so that entries of K between two of them lie in the upper triangle of A already.
+  pure function mirror_entries(matrix, transformation) result(mirrored)
+    type(sparse_type), intent(in) :: matrix    !< K, upper triangle
+    type(sparse_type), intent(in) :: transformation   !< C
+    type(sparse_type) :: mirrored              !< pattern only
+    logical :: is_direct(matrix%n_rows)        ! one column of C, which no unknown before has
+    integer :: next(matrix%n_rows), last, i, j, p
+    last = 0
+    do i = 1, matrix%n_rows
+      is_direct(i) = width(i) == 1
+      if (is_direct(i)) is_direct(i) = transformation%column(transformation%first(i)) > last
+      if (is_direct(i)) last = transformation%column(transformation%first(i))
+    end do
+    mirrored%n_rows = matrix%n_rows
+    mirrored%n_columns = matrix%n_rows
+    next = 0
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
+        if (is_needed(i, matrix%column(p))) next(matrix%column(p)) = next(matrix%column(p)) + 1
       end do
     end do
-    below_first(transformation%n_columns + 1) = below%n + 1
-    call upper_from_lower_rows(transformation%n_columns, below_first, below, reduced, error)
-  end subroutine reduced_pattern
+    allocate (mirrored%first(matrix%n_rows + 1))
+    mirrored%first(1) = 1
+    do j = 1, matrix%n_rows
+      mirrored%first(j + 1) = mirrored%first(j) + next(j)
+    end do
+    next = mirrored%first(:matrix%n_rows)
+    allocate (mirrored%column(mirrored%first(matrix%n_rows + 1) - 1))
+    do i = 1, matrix%n_rows
+      do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
+        j = matrix%column(p)
+        if (.not. is_needed(i, j)) cycle
+        mirrored%column(next(j)) = i
+        next(j) = next(j) + 1
+      end do
+    end do
+
+  contains
+
+    !> Whether the transposed entry of (i, j) is needed.
+    pure logical function is_needed(i, j)
+      integer, intent(in) :: i, j
+      is_needed = .not. (is_direct(i) .and. is_direct(j))
+      if (is_needed) is_needed = width(i) > 0 .and. width(j) > 0
+    end function is_needed
+
+    !> Entries of one row of C.
+    pure integer function width(row)
+      integer, intent(in) :: row
+      width = transformation%first(row + 1) - transformation%first(row)
+    end function width
+  end function mirror_entries
+
+
+  !> Appends the columns of A above the diagonal to which a row of K leads.
+  pure subroutine append_columns_above(matrix, row, transformation, a, seen, above)
+    type(sparse_type), intent(in) :: matrix    !< K, or its mirrored entries
+    integer, intent(in) :: row
+    type(sparse_type), intent(in) :: transformation   !< C
+    integer, intent(in) :: a                   !< row of A
+    integer, intent(inout) :: seen(:)          !< (n_columns) a for those appended already
+    type(growing_list_type), intent(inout) :: above
+    integer :: p, q
+    do p = matrix%first(row), matrix%first(row + 1) - 1
+      do q = transformation%first(matrix%column(p)), transformation%first(matrix%column(p) + 1) - 1
+        if (transformation%column(q) <= a) cycle
+        if (seen(transformation%column(q)) == a) cycle
+        seen(transformation%column(q)) = a
+        call above%append(transformation%column(q))
+      end do
+    end do
+  end subroutine append_columns_above
 
 
   !> The targets of the entries of K whose row and column have one entry of C each.
@@ -706,6 +758,15 @@ contains
     self%n = self%n + 1
     self%items(self%n) = item
   end subroutine append_item
+
+
+  !> Memory for a number of items in an empty list: pages that are not used cost nothing.
+  pure subroutine reserve_items(self, n)
+    class(growing_list_type), intent(inout) :: self
+    integer, intent(in) :: n
+    allocate (self%items(n))
+    self%capacity = n
+  end subroutine reserve_items
 
 
   !> The list as an array of exact size.

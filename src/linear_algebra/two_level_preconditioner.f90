@@ -5,23 +5,28 @@
 !!
 !!     inv(A)  ~  inv(U'U)  +  Z inv(Z'AZ) Z'
 !!
-!! U is an incomplete Cholesky factor with the pattern of A, in single precision: it reduces the oscillatory error. The columns of
-!! Z are the six rigid body motions of each part of a METIS partition: they reduce the smooth error across the whole
-!! body. Both are symmetric and positive definite, so that conjugate gradients can use the sum.
+!! U is an incomplete Cholesky factor with the pattern of A: it reduces the oscillatory error. The columns of Z are the six rigid
+!! body motions of each of many small parts of the mesh: they reduce the smooth error across the whole body. Z'AZ is sparse and
+!! factorized by CHOLMOD. Both factors are in single precision. Both terms are symmetric and positive definite, so that conjugate
+!! gradients can use the sum. On several threads U has a domain for each, without entries between them.
 !! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
 !! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts).
 module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP
-  use amontons_sparse, only: sparse_type
-  use amontons_dense, only: invert_spd, solve_symmetric_eigen, multiply_dense_symmetric, DENSE_OK
+  use amontons_errors, only: error_type
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern
+  use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
+  use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, FACTOR_OK
+!$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
   public :: two_level_preconditioner_type, build_coarse_space, factorise_two_level, apply_preconditioner, choose_n_parts, &
-    two_level_megabytes
+    elements_of_part, two_level_megabytes
   public :: rigid_motion
 
-  integer, parameter :: TARGET_NODES_PER_PART = 60              !< target size of a part; MAX_PARTS has precedence
-  integer, parameter :: MAX_PARTS = 400               !< six columns each: limit of a cheap dense inverse
+  integer, parameter :: NODES_PER_PART = 60   !< fewer iterations with smaller parts, but a larger coarse factor | 0012
+  real(DP), parameter :: COARSE_ENTRIES_RATIO = 30.0_DP   !< entries of the factor of Z'AZ over its size to the power 4/3 [-]
+  integer, parameter :: MIN_UNKNOWNS_PER_DOMAIN = 10000   !< smaller domains cost iterations and save no time | 0012
   integer, parameter :: MAX_SHIFTS = 10             !< shifts of the diagonal
   real(DP), parameter :: INITIAL_SHIFT = 4.0e-3_DP       !< of the diagonal, if the factorization breaks down [-]
   real(DP), parameter :: MIN_PIVOT_RATIO = 1.0e-3_DP          !< smallest accepted pivot over its diagonal entry [-]
@@ -30,12 +35,18 @@ module amontons_two_level_preconditioner
   !> The preconditioner of one matrix.
   type :: two_level_preconditioner_type
     integer :: n = 0                                   !< unknowns
-    real(SP), allocatable :: value(:)                  !< U, in the pattern of A; its diagonal as the reciprocal
+    real(SP), allocatable :: value(:)                  !< U, in the pattern of A or `inner`; its diagonal as the reciprocal
     real(DP) :: shift = 0                              !< of the diagonal, used by the factor [-]
+    integer :: n_domains = 1                           !< U has no entries between domains: a thread works on each
+    integer, allocatable :: domain_first(:)            !< (n_domains + 1) first row of each domain, if there are several
+    integer, allocatable :: domain_unknown(:)          !< (n) unknown of each row: domain after domain
+    type(sparse_type) :: inner                         !< pattern of U by rows, if there are several domains
     integer :: n_parts = 0
     integer, allocatable :: part(:)                    !< (n) of each unknown
     real(DP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
-    real(DP), allocatable :: coarse(:, :)              !< (6 n_parts, 6 n_parts) inverse of Z'AZ
+    logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
+    type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
+    type(cholesky_type) :: coarse_factor               !< of Z'AZ, in single precision
   end type two_level_preconditioner_type
 
 contains
@@ -43,8 +54,15 @@ contains
   !> Number of parts for a number of nodes.
   pure integer function choose_n_parts(n_nodes) result(n_parts)
     integer, intent(in) :: n_nodes
-    n_parts = max(1, min(MAX_PARTS, n_nodes / TARGET_NODES_PER_PART))
+    n_parts = max(1, n_nodes / NODES_PER_PART)
   end function choose_n_parts
+
+
+  !> Elements of a part.
+  pure integer function elements_of_part(n_elements, n_nodes)
+    integer, intent(in) :: n_elements, n_nodes
+    elements_of_part = max(1, nint(real(NODES_PER_PART, DP) * real(n_elements, DP) / real(max(1, n_nodes), DP)))
+  end function elements_of_part
 
 
   !> Memory of the preconditioner [megabytes].
@@ -52,7 +70,8 @@ contains
     integer, intent(in) :: n                           !< unknowns
     integer, intent(in) :: n_entries                   !< of the upper triangle
     integer, intent(in) :: n_parts
-    megabytes = (12.0_DP * real(n_entries, DP) + 52.0_DP * real(n, DP) + 8.0_DP * (6.0_DP * real(n_parts, DP))**2) / 1.0e6_DP
+    megabytes = (12.0_DP * real(n_entries, DP) + 52.0_DP * real(n, DP) + &
+      8.0_DP * COARSE_ENTRIES_RATIO * (6.0_DP * real(n_parts, DP))**(4.0_DP / 3.0_DP)) / 1.0e6_DP
   end function two_level_megabytes
 
 
@@ -134,54 +153,106 @@ contains
   end subroutine orthonormalize_motions
 
 
-  !> Builds the preconditioner of a matrix: U and the inverse of Z'AZ.
-  subroutine factorise_two_level(self, matrix, is_broken)
+  !> Builds the preconditioner of a matrix: U and the factor of Z'AZ.
+  subroutine factorise_two_level(self, matrix, is_broken, error)
     type(two_level_preconditioner_type), intent(inout) :: self        !< after build_coarse_space, or without parts
     type(sparse_type), intent(in) :: matrix            !< A: symmetric, upper triangle with its diagonal
     logical, intent(out) :: is_broken                  !< .true.: A is far from positive definite, no preconditioner
-    real(DP), allocatable :: u(:)
-    integer :: attempt, broken
+    type(error_type), allocatable, intent(out) :: error
+    integer :: attempt
     self%n = matrix%n_rows
     self%shift = 0
+    call divide_into_domains(self, matrix)
     do attempt = 1, MAX_SHIFTS
-      call factorise_incomplete(matrix, self%shift, u, broken)
-      if (broken == 0) exit
+      if (self%n_domains == 1) then
+        call factorise_incomplete(self, matrix, [1, self%n + 1], is_broken)
+      else
+        call factorise_incomplete(self, self%inner, self%domain_first, is_broken)
+      end if
+      if (.not. is_broken) exit
       self%shift = max(INITIAL_SHIFT, 2.0_DP * self%shift)
     end do
-    is_broken = broken /= 0
+    if (allocated(self%inner%value)) deallocate (self%inner%value)
     if (is_broken) return
-    if (is_broken) return
-    self%value = real(u, SP)
-    deallocate (u)
-    call invert_coarse_matrix(self, matrix)
+    call factorise_coarse_matrix(self, matrix, error)
   end subroutine factorise_two_level
 
 
-  !> U with the pattern of A, so that U'U = A + shift diag(A) on it. Each row in turn updates the rows after it.
-  subroutine factorise_incomplete(matrix, shift, u, broken)
+  !> Divides the unknowns into a domain of consecutive parts for each thread, and A into its blocks on the domains.
+  subroutine divide_into_domains(self, matrix)
+    type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
-    real(DP), intent(in) :: shift                      !< [-]
-    real(DP), allocatable, intent(out) :: u(:)         !< entries; the diagonal as the reciprocal
-    integer, intent(out) :: broken                     !< row whose pivot is not positive; 0: all are positive
+    integer :: domain(self%n), row_of(self%n), i, k, p, n_threads
+    n_threads = 1
+!$  n_threads = omp_get_max_threads()
+    self%n_domains = max(1, min(n_threads, self%n / MIN_UNKNOWNS_PER_DOMAIN, self%n_parts))
+    if (self%n_domains == 1) return
+    domain = 1 + int(real(self%n_domains, DP) * (real(self%part, DP) - 1.0_DP) / real(self%n_parts, DP))
+    self%domain_first = spread(0, 1, self%n_domains + 1)
+    self%domain_unknown = spread(0, 1, self%n)
+    call group_unknowns(domain, self%domain_first, self%domain_unknown)
+    row_of(self%domain_unknown) = [(i, i=1, self%n)]
+    self%inner = sparse_type(self%n, self%n)
+    allocate (self%inner%first(self%n + 1), self%inner%column(size(matrix%column)), self%inner%value(size(matrix%column)))
+    k = 0
+    do i = 1, self%n
+      self%inner%first(i) = k + 1
+      associate (unknown => self%domain_unknown(i))
+        do p = matrix%first(unknown), matrix%first(unknown + 1) - 1
+          if (domain(matrix%column(p)) /= domain(unknown)) cycle
+          k = k + 1
+          self%inner%column(k) = row_of(matrix%column(p))
+          self%inner%value(k) = matrix%value(p)
+        end do
+      end associate
+    end do
+    self%inner%first(self%n + 1) = k + 1
+  end subroutine divide_into_domains
+
+
+  !> U with the pattern of a matrix, so that U'U = A + shift diag(A) on it; domains do not depend on one another.
+  subroutine factorise_incomplete(self, matrix, domain_first, is_broken)
+    type(two_level_preconditioner_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: matrix            !< A, or its blocks on the domains
+    integer, intent(in) :: domain_first(:)             !< (n_domains + 1) first row of each domain
+    logical, intent(out) :: is_broken                  !< a pivot is not positive
+    real(DP), allocatable :: u(:)
+    logical :: is_domain_broken(self%n_domains)
+    integer :: d
+    allocate (u, source=matrix%value)
+    !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
+    do d = 1, self%n_domains
+      call factorise_rows(matrix, domain_first(d), domain_first(d + 1) - 1, self%shift, u, is_domain_broken(d))
+    end do
+    !$omp end parallel do
+    is_broken = any(is_domain_broken)
+    if (.not. is_broken) self%value = real(u, SP)
+  end subroutine factorise_incomplete
+
+
+  !> Some rows of U. Each row in turn updates the rows after it.
+  pure subroutine factorise_rows(matrix, low, high, shift, u, is_broken)
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: low, high                   !< rows; their entries lie within them
+    real(DP), intent(in) :: shift                      !< of the diagonal [-]
+    real(DP), intent(inout) :: u(:)                    !< entries; in: those of the matrix; out: the diagonal as the reciprocal
+    logical, intent(out) :: is_broken                  !< a pivot is not positive
     integer :: k, p
-    broken = 0
-    u = matrix%value
-    do k = 1, matrix%n_rows
+    do k = low, high
       u(matrix%first(k)) = (1.0_DP + shift) * u(matrix%first(k))
     end do
-    do k = 1, matrix%n_rows
+    is_broken = .true.
+    do k = low, high
       p = matrix%first(k)
-      if (.not. u(p) > MIN_PIVOT_RATIO * matrix%value(p)) then
-        broken = k
-        return
-      end if
+      if (.not. u(p) > MIN_PIVOT_RATIO * matrix%value(p)) return
       u(p) = 1.0_DP / sqrt(u(p))
       u(p + 1:matrix%first(k + 1) - 1) = u(p + 1:matrix%first(k + 1) - 1) * u(p)
       do p = matrix%first(k) + 1, matrix%first(k + 1) - 1
         call eliminate_with_row(matrix, p, matrix%first(k + 1) - 1, u)
       end do
     end do
-  end subroutine factorise_incomplete
+    is_broken = .false.
+  end subroutine factorise_rows
 
 
   !> Subtracts from row j, the column of entry p, u_kj times the rest of row k, within the pattern.
@@ -202,50 +273,155 @@ contains
   end subroutine eliminate_with_row
 
 
-  !> The inverse of Z'AZ. Missing motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
-  subroutine invert_coarse_matrix(self, matrix)
+  !> The factor of Z'AZ. Missing motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
+  subroutine factorise_coarse_matrix(self, matrix, error)
     type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: coarse
     integer :: i, status
+    self%has_coarse_space = .false.
     if (self%n_parts == 0) return
-    if (allocated(self%coarse)) deallocate (self%coarse)
-    allocate (self%coarse(6 * self%n_parts, 6 * self%n_parts))
-    call assemble_coarse_matrix(self, matrix)
-    do i = 1, 6 * self%n_parts
-      if (.not. abs(self%coarse(i, i)) > 0.0_DP) self%coarse(i, i) = 1
+    call assemble_coarse_matrix(self, matrix, coarse, error)
+    if (allocated(error)) return
+    do i = 1, coarse%n_rows
+      if (.not. abs(coarse%value(coarse%first(i))) > 0.0_DP) coarse%value(coarse%first(i)) = 1
     end do
-    call invert_spd(self%coarse, epsilon(1.0_DP), status)
-    if (status /= DENSE_OK) deallocate (self%coarse)
-  end subroutine invert_coarse_matrix
+    if (.not. is_same_pattern(coarse, self%coarse_pattern)) then
+      call analyse(self%coarse_factor, coarse, error=error)
+      if (allocated(error)) return
+      self%coarse_pattern = sparse_type(coarse%n_rows, coarse%n_columns)
+      self%coarse_pattern%first = coarse%first
+      self%coarse_pattern%column = coarse%column
+    end if
+    call factorise(self%coarse_factor, coarse, status, error=error)
+    if (allocated(error)) return
+    self%has_coarse_space = status == FACTOR_OK
+    if (self%has_coarse_space) call round_factor(self%coarse_factor)
+  end subroutine factorise_coarse_matrix
 
 
-  !> Z'AZ, both triangles. A row of A couples few parts: A Z of the row is gathered first.
-  subroutine assemble_coarse_matrix(self, matrix)
-    type(two_level_preconditioner_type), intent(inout) :: self
+  !> Z'AZ, upper triangle. W = Z'BZ, where B is the upper triangle of A with half of its diagonal, gives Z'AZ = W + W'. W is
+  !! assembled by rows of blocks of 6 x 6, a block for each pair of parts that A couples.
+  subroutine assemble_coarse_matrix(self, matrix, coarse, error)
+    type(two_level_preconditioner_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix
-    integer :: i, j, p, a, b, m, l
-    real(DP) :: half
-    self%coarse = 0
-    do i = 1, matrix%n_rows
-      a = 6 * (self%part(i) - 1)
-      do p = matrix%first(i), matrix%first(i + 1) - 1
-        j = matrix%column(p)
-        b = 6 * (self%part(j) - 1)
-        half = merge(0.5_DP, 1.0_DP, j == i) * matrix%value(p)
-        do m = 1, 6
-          do l = 1, 6
-            self%coarse(a + l, b + m) = self%coarse(a + l, b + m) + half * self%motion(l, i) * self%motion(m, j)
-          end do
-        end do
+    type(sparse_type), intent(out) :: coarse
+    type(error_type), allocatable, intent(out) :: error
+    integer :: first(self%n_parts + 1), members(self%n), block_of(self%n_parts), touched(self%n_parts)
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:), block_row(:, :, :)
+    integer :: a, k, n_touched, n_triplets
+    call group_unknowns(self%part, first, members)
+    allocate (row(0), column(0), value(0), block_row(6, 6, 64))
+    block_of = 0
+    n_triplets = 0
+    do a = 1, self%n_parts
+      n_touched = 0
+      do k = first(a), first(a + 1) - 1
+        call add_row_to_blocks(self, matrix, members(k), block_of, touched, n_touched, block_row)
       end do
-    end do
-    do m = 1, 6 * self%n_parts
-      do l = 1, m
-        self%coarse(l, m) = self%coarse(l, m) + self%coarse(m, l)
-        self%coarse(m, l) = self%coarse(l, m)
+      do k = 1, n_touched
+        call append_block(a, touched(k), block_row(:, :, k), row, column, value, n_triplets)
       end do
+      block_of(touched(:n_touched)) = 0
     end do
+    call sparse_from_triplets(6 * self%n_parts, 6 * self%n_parts, row(:n_triplets), column(:n_triplets), value(:n_triplets), &
+      coarse, error)
   end subroutine assemble_coarse_matrix
+
+
+  !> The unknowns of each group, ascending: those of group g are members(first(g):first(g + 1) - 1).
+  pure subroutine group_unknowns(group, first, members)
+    integer, intent(in) :: group(:)                    !< (n) of each unknown, from 1
+    integer, intent(out) :: first(:)                   !< (number of groups + 1)
+    integer, intent(out) :: members(:)                 !< (n)
+    integer :: next(size(first) - 1), i, g
+    first = 0
+    first(1) = 1
+    do i = 1, size(group)
+      first(group(i) + 1) = first(group(i) + 1) + 1
+    end do
+    do g = 1, size(next)
+      first(g + 1) = first(g) + first(g + 1)
+    end do
+    next = first(:size(next))
+    do i = 1, size(group)
+      members(next(group(i))) = i
+      next(group(i)) = next(group(i)) + 1
+    end do
+  end subroutine group_unknowns
+
+
+  !> Adds the contribution of row i of B to the blocks of its part: its motions times (B Z)_i.
+  subroutine add_row_to_blocks(self, matrix, i, block_of, touched, n_touched, block_row)
+    type(two_level_preconditioner_type), intent(in) :: self
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: i
+    integer, intent(inout) :: block_of(:)              !< (n_parts) index of the block of a part; 0: none yet
+    integer, intent(inout) :: touched(:)               !< (n_parts) part of each block
+    integer, intent(inout) :: n_touched                !< blocks
+    real(DP), allocatable, intent(inout) :: block_row(:, :, :)   !< (6, 6, at least n_touched)
+    real(DP) :: product(6)
+    integer :: p, k, b, m
+    p = matrix%first(i)
+    product = 0.5_DP * matrix%value(p) * self%motion(:, i)
+    b = self%part(i)
+    do k = p + 1, matrix%first(i + 1)
+      if (k == matrix%first(i + 1)) then
+        call add_product()
+      else if (self%part(matrix%column(k)) /= b) then
+        call add_product()
+        b = self%part(matrix%column(k))
+        product = matrix%value(k) * self%motion(:, matrix%column(k))
+      else
+        product = product + matrix%value(k) * self%motion(:, matrix%column(k))
+      end if
+    end do
+
+  contains
+
+    !> Adds the product of the row with part b to its block.
+    subroutine add_product()
+      if (block_of(b) == 0) then
+        n_touched = n_touched + 1
+        block_of(b) = n_touched
+        touched(n_touched) = b
+        if (n_touched > size(block_row, 3)) block_row = reshape(block_row, [6, 6, 2 * size(block_row, 3)], pad=[0.0_DP])
+        block_row(:, :, n_touched) = 0
+      end if
+      do m = 1, 6
+        block_row(:, m, block_of(b)) = block_row(:, m, block_of(b)) + self%motion(:, i) * product(m)
+      end do
+    end subroutine add_product
+
+  end subroutine add_row_to_blocks
+
+
+  !> Appends block (a, b) of W as triplets of the upper triangle of W + W'.
+  pure subroutine append_block(a, b, block, row, column, value, n)
+    integer, intent(in) :: a, b                        !< parts
+    real(DP), intent(in) :: block(6, 6)
+    integer, allocatable, intent(inout) :: row(:), column(:)
+    real(DP), allocatable, intent(inout) :: value(:)
+    integer, intent(inout) :: n                        !< triplets
+    integer :: l, m
+    if (n + 36 > size(row)) then
+      row = [row, spread(0, 1, n + 360)]
+      column = [column, spread(0, 1, n + 360)]
+      value = [value, spread(0.0_DP, 1, n + 360)]
+    end if
+    do m = 1, 6
+      do l = 1, 6
+        if (a == b .and. l > m) cycle
+        n = n + 1
+        row(n) = 6 * (min(a, b) - 1) + merge(l, m, a <= b)
+        column(n) = 6 * (max(a, b) - 1) + merge(m, l, a <= b)
+        value(n) = block(l, m)
+        if (a == b) value(n) = value(n) + block(m, l)
+      end do
+    end do
+  end subroutine append_block
 
 
   !> z: the preconditioner times r.
@@ -254,47 +430,72 @@ contains
     type(sparse_type), intent(in) :: matrix            !< the matrix it was built for: its pattern
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
-    real(DP) :: c(6 * self%n_parts)
+    real(DP) :: c(6 * self%n_parts), d(6 * self%n_parts)
     integer :: i
     call solve_incomplete(self, matrix, r, z)
-    if (.not. allocated(self%coarse)) return
+    if (.not. self%has_coarse_space) return
     c = 0
     do i = 1, self%n
       associate (a => 6 * (self%part(i) - 1))
         c(a + 1:a + 6) = c(a + 1:a + 6) + self%motion(:, i) * r(i)
       end associate
     end do
-    call multiply_dense_symmetric(self%coarse, c)
+    call solve(self%coarse_factor, c, d)
     do i = 1, self%n
       associate (a => 6 * (self%part(i) - 1))
-        z(i) = z(i) + dot_product(self%motion(:, i), c(a + 1:a + 6))
+        z(i) = z(i) + dot_product(self%motion(:, i), d(a + 1:a + 6))
       end associate
     end do
   end subroutine apply_preconditioner
 
 
   !> z = inv(U) inv(U') r.
-  pure subroutine solve_incomplete(self, matrix, r, z)
+  subroutine solve_incomplete(self, matrix, r, z)
     type(two_level_preconditioner_type), intent(in) :: self
-    type(sparse_type), intent(in) :: matrix
+    type(sparse_type), intent(in) :: matrix            !< A: its pattern is that of U, if there is one domain
     real(DP), intent(in) :: r(:)
     real(DP), intent(out) :: z(:)
+    real(DP), allocatable :: w(:)
+    integer :: d
+    if (self%n_domains == 1) then
+      z = r
+      call solve_rows(matrix, self%value, 1, self%n, z)
+      return
+    end if
+    allocate (w(self%n))
+    !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
+    do d = 1, self%n_domains
+      associate (low => self%domain_first(d), high => self%domain_first(d + 1) - 1)
+        w(low:high) = r(self%domain_unknown(low:high))
+        call solve_rows(self%inner, self%value, low, high, w)
+        z(self%domain_unknown(low:high)) = w(low:high)
+      end associate
+    end do
+    !$omp end parallel do
+  end subroutine solve_incomplete
+
+
+  !> Forward and backward substitution with some rows of U.
+  pure subroutine solve_rows(pattern, value, low, high, z)
+    type(sparse_type), intent(in) :: pattern           !< of U
+    real(SP), intent(in) :: value(:)                   !< U
+    integer, intent(in) :: low, high                   !< rows; their entries lie within them
+    real(DP), intent(inout) :: z(:)
     real(DP) :: sum
     integer :: k, p
-    z = r
-    do k = 1, self%n
-      z(k) = z(k) * real(self%value(matrix%first(k)), DP)
-      do p = matrix%first(k) + 1, matrix%first(k + 1) - 1
-        z(matrix%column(p)) = z(matrix%column(p)) - real(self%value(p), DP) * z(k)
+    do k = low, high
+      z(k) = z(k) * real(value(pattern%first(k)), DP)
+      do p = pattern%first(k) + 1, pattern%first(k + 1) - 1
+        z(pattern%column(p)) = z(pattern%column(p)) - real(value(p), DP) * z(k)
       end do
     end do
-    do k = self%n, 1, -1
+    do k = high, low, -1
       sum = z(k)
-      do p = matrix%first(k) + 1, matrix%first(k + 1) - 1
-        sum = sum - real(self%value(p), DP) * z(matrix%column(p))
+      do p = pattern%first(k) + 1, pattern%first(k + 1) - 1
+        sum = sum - real(value(p), DP) * z(pattern%column(p))
       end do
-      z(k) = sum * real(self%value(matrix%first(k)), DP)
+      z(k) = sum * real(value(pattern%first(k)), DP)
     end do
-  end subroutine solve_incomplete
+  end subroutine solve_rows
 
 end module amontons_two_level_preconditioner

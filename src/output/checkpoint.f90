@@ -622,10 +622,10 @@ contains
   subroutine exchange_matrix(self, values)
     class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:, :)
-    integer(I64), allocatable :: words(:)
-    words = transfer(values, [0_I64])
-    call exchange_words(self, words)
-    if (.not. self%is_packing) values = reshape(transfer(words, [0.0_DP]), shape(values))
+    integer :: j
+    do j = 1, size(values, 2)
+      call self%exchange(values(:, j))
+    end do
   end subroutine exchange_matrix
 
 end module amontons_checkpoint

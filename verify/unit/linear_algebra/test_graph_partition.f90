@@ -4,7 +4,7 @@ program test_graph_partition
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type, sparse_from_triplets
-  use amontons_graph_partition, only: partition_mesh, order_unknowns, separator_size
+  use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, separator_size
   use amontons_factorization, only: cholesky_type, analyse
   use check, only: suite_type
   implicit none
@@ -16,6 +16,7 @@ program test_graph_partition
   call test_parts(3, 1.01_DP)
   call test_parts(12, 1.10_DP)
   call test_few()
+  call test_aggregates()
   call test_weights()
   call test_order()
   call test_groups()
@@ -71,6 +72,62 @@ contains
     call partition_mesh(N_ELEMENTS, first, nodes, N_NODES, n_parts, again, error=error)
     call suite%that('parts: the same again', all(part == again))
   end subroutine test_parts
+
+
+  !> Aggregates: connected, of about the size asked for, none over two bodies, and the same again.
+  subroutine test_aggregates()
+    integer, parameter :: PART_SIZE = 30
+    integer, allocatable :: part(:), again(:)
+    type(error_type), allocatable :: error
+    integer :: two_bodies(16 * N_ELEMENTS), two_first(2 * N_ELEMENTS + 1), n_parts, p, e
+    call aggregate_elements(N_ELEMENTS, first, nodes, N_NODES, PART_SIZE, part, n_parts, error)
+    call suite%that('aggregates: no error', .not. allocated(error))
+    call suite%that('aggregates: numbers', minval(part) == 1 .and. maxval(part) == n_parts)
+    call suite%that('aggregates: sizes', all([(2 * count(part == p) >= PART_SIZE .and. 2 * count(part == p) <= 4 * PART_SIZE, &
+      p=1, n_parts)]))
+    call partition_mesh(N_ELEMENTS, first, nodes, N_NODES, n_parts, again, error=error)
+    call suite%that('aggregates: not much less compact than parts by METIS', 2 * n_shared(part) < 3 * n_shared(again))
+    call suite%that('aggregates: connected', all([(is_connected(part == p), p=1, n_parts)]))
+    call aggregate_elements(N_ELEMENTS, first, nodes, N_NODES, PART_SIZE, again, n_parts, error)
+    call suite%that('aggregates: the same again', all(part == again))
+    two_bodies = [nodes, nodes + N_NODES]
+    two_first = [(8 * e - 7, e=1, 2 * N_ELEMENTS + 1)]
+    call aggregate_elements(2 * N_ELEMENTS, two_first, two_bodies, 2 * N_NODES, PART_SIZE, part, n_parts, error)
+    call suite%that('aggregates: no part of two bodies', maxval(part(:N_ELEMENTS)) < minval(part(N_ELEMENTS + 1:)))
+  end subroutine test_aggregates
+
+
+  !> Whether some elements of the block are joined by faces.
+  pure logical function is_connected(is_member)
+    logical, intent(in) :: is_member(:)
+    logical :: is_reached(N_ELEMENTS), before(N_ELEMENTS)
+    integer, parameter :: STEPS(6) = [-1, 1, -N, N, -N**2, N**2]
+    integer :: e, k
+    is_reached = .false.
+    is_reached(findloc(is_member, .true., dim=1)) = .true.
+    do
+      before = is_reached
+      do e = 1, N_ELEMENTS
+        do k = 1, 6
+          if (is_beside(e, e + STEPS(k))) is_reached(e) = is_reached(e) .or. is_reached(min(max(e + STEPS(k), 1), N_ELEMENTS))
+        end do
+      end do
+      is_reached = is_reached .and. is_member
+      if (all(is_reached .eqv. before)) exit
+    end do
+    is_connected = all(is_reached .eqv. is_member)
+  end function is_connected
+
+
+  !> Whether two elements of the block have a common face.
+  pure logical function is_beside(e, f)
+    integer, intent(in) :: e, f
+    integer :: d(3)
+    is_beside = .false.
+    if (f < 1 .or. f > N_ELEMENTS) return
+    d = [mod(e - 1, N) - mod(f - 1, N), mod((e - 1) / N, N) - mod((f - 1) / N, N), (e - 1) / N**2 - (f - 1) / N**2]
+    is_beside = sum(abs(d)) == 1
+  end function is_beside
 
 
   !> The pattern of the cube with several unknowns a node: those of an element are all coupled. Upper triangle, zeros.
