@@ -114,5 +114,6 @@ def test_search(site: Path, tmp_path: Path) -> None:
     """Pages that are opened as files can be searched, and no script complains."""
     document, log = open_in_browser(f"{(site / 'index.html').as_uri()}?q=stick+slope", tmp_path)
     links = re.findall(r'<a [^>]*class="md-search-result__link"[^>]*>', document)
+    assert "manual/" in links[0], links
     assert any("manual/cards.html" in link for link in links), links
     assert [line for line in log.splitlines() if "CONSOLE" in line] == []

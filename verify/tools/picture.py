@@ -32,6 +32,7 @@ import numpy as np  # noqa: E402
 from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize  # noqa: E402
+from matplotlib.gridspec import GridSpec, SubplotSpec  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
 from matplotlib.ticker import MaxNLocator  # noqa: E402
 from matplotlib.transforms import ScaledTranslation  # noqa: E402
@@ -126,8 +127,24 @@ def nodal(job: Job, nodes: Ints, values: Ints) -> Ints:
 # ------------------------------------------------------------------------------------------------ the bodies
 
 
-def draw_bodies(axes: Axes, job: Job, k: int, section: Section | None = None, is_close: bool = False) -> float:
-    """The deformed bodies as an image in the axes. Gives the factor of magnification.
+@dataclass
+class View:
+    """The deformed bodies as an image."""
+
+    image: np.ndarray
+    right: Floats  #: directions of the paper
+    up: Floats
+    norm: Normalize  #: of the Mises stress
+    factor: float  #: of magnification
+
+    @property
+    def ratio(self) -> float:
+        """Width over height."""
+        return float(self.image.shape[1] / self.image.shape[0])
+
+
+def view_of(job: Job, k: int, section: Section | None = None, is_close: bool = False) -> View:
+    """The deformed bodies, whole or cut.
 
     is_close: only around what is stressed, and at true size where bodies touch: magnified, they would seem to overlap.
     """
@@ -137,18 +154,20 @@ def draw_bodies(axes: Axes, job: Job, k: int, section: Section | None = None, is
     largest = float(job.data.fields["S_mises"].max())   # of the job: rounding of an unloaded body is dark
     norm = Normalize(0.0, max(float(mises.max()), 1e-6 * largest) or 1.0)
     image, right, up = scene.render(job.data, x, mises, norm.vmax, (1500, 1500), in_view(job, x, mises, 0.05 if is_close else 1e-9), section, job.cells)
-    image = scene.without_margins(image)
-    axes.imshow(image, interpolation="lanczos")
+    return View(scene.without_margins(image), right, up, norm, factor)
+
+
+def draw_bodies(axes: Axes, view: View) -> None:
+    """The image, the directions and the colours below it."""
+    axes.imshow(view.image, interpolation="lanczos")
     axes.axis("off")
     axes.set_anchor("N")
-    ratio = image.shape[1] / image.shape[0]   # what stands below has its place by the width of the image
-    _triad(axes, right, up, ratio)
-    place = axes.inset_axes((0.24, -0.07 * ratio, 0.7, 0.022 * ratio))
-    bar = plt.colorbar(plt.cm.ScalarMappable(norm, scene.COLOURS), cax=place, orientation="horizontal")
-    bar.locator = MaxNLocator(6 if ratio > 0.7 else 4)
+    _triad(axes, view.right, view.up, view.ratio)   # what stands below has its place by the width of the image
+    place = axes.inset_axes((0.24, -0.07 * view.ratio, 0.7, 0.022 * view.ratio))
+    bar = plt.colorbar(plt.cm.ScalarMappable(view.norm, scene.COLOURS), cax=place, orientation="horizontal")
+    bar.locator = MaxNLocator(6 if view.ratio > 0.7 else 4)
     bar.set_label("Mises stress")
     bar.outline.set_visible(False)
-    return factor
 
 
 def in_view(job: Job, x: Floats, mises: Floats, share: float) -> np.ndarray:
@@ -236,7 +255,7 @@ def nearest_distance(places: Floats) -> float:
 
 def of_points(pair: slave_map.Pair, k: int) -> str:
     """What the counts of a status are of, where the pair has integration points in place of slave nodes."""
-    return "" if sum(pair.counts[k]) == len(pair.scenario[k]) else " (counts of integration points)"
+    return "" if sum(pair.counts[k]) == len(pair.scenario[k]) else " (integration points)"
 
 
 def draw_classes(axes: Axes, chart: Map, values: Ints, counts: Ints, colours: list[str], names: list[str], title: str) -> None:
@@ -249,8 +268,7 @@ def draw_classes(axes: Axes, chart: Map, values: Ints, counts: Ints, colours: li
     axes.plot(*places.T, ".", color="white", ms=2.2, mew=0, alpha=0.8)
     handles = [Patch(color=colours[c], label=f"{names[c]} ({counts[c]})") for c in range(len(names))]
     _map_axes(axes, chart, title)
-    width, height = np.ptp(places, axis=0)
-    legend_below(axes, handles=handles, ncols=3 if len(names) == 3 or width > STRIP * height else 2, handlelength=1.1, columnspacing=1.2)
+    legend_below(axes, handles=handles, ncols=3 if len(names) == 3 or is_strip(chart) else 2, handlelength=1.1, columnspacing=1.2)
 
 
 def draw_history(axes: Axes, job: Job, k: int) -> None:
@@ -276,43 +294,55 @@ def draw_history(axes: Axes, job: Job, k: int) -> None:
     legend_below(axes, 8 if len(job.pairs) > 1 else 8.5, ncols=min(3, len(job.pairs)) if len(job.pairs) > 1 else 3, handlelength=1.6)
 
 
-def _draw_contact(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int, pair: Pair) -> None:
-    """The panels on the right: pressure, status, scenarios where nodes have any, forces."""
-    chart = slave_map.map_of(job.data, pair, job.frame("CPRESS", k))
-    if chart is None:
-        _draw_line_of_slaves(figure, grid, job, k, pair)
-        return
-    width, height = np.ptp(np.concatenate(chart.places), axis=0)
-    heights = [1.3, 1, 1, 1.7] if pair.scenario[k].any() else [1.3, 1, 1.7]
-    if width > STRIP * height:   # one above the other
-        rows = grid[:, 1:].subgridspec(len(heights), 1, height_ratios=heights)
-        places = [figure.add_subplot(rows[i]) for i in range(len(heights))]
-    else:
-        parts = [grid[0, 1], grid[0, 2], grid[1, 1], grid[1, 2]] if len(heights) == 4 else [grid[0, 1], grid[0, 2], grid[1, 1:]]
-        places = [figure.add_subplot(part) for part in parts]
+def _draw_maps(figure: plt.Figure, parts: list[SubplotSpec], job: Job, k: int, pair: Pair, chart: Map) -> None:
+    """Pressure, status, and scenarios where nodes have any."""
+    places = [figure.add_subplot(part) for part in parts]
     draw_pressure(places[0], job, chart, k)
     draw_classes(places[1], chart, nodal(job, pair.nodes, pair.status[k]), pair.counts[k], STATUS_COLOURS, STATUS_NAMES, f"Status{of_points(pair, k)}")
-    if len(heights) == 4:
+    if len(places) > 2:
         scenario, counts = nodal(job, pair.nodes, pair.scenario[k]), np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
         draw_classes(places[2], chart, scenario, counts, SCENARIO_COLOURS, SCENARIO_NAMES, "Slip scenario, last seen")
-    draw_history(places[-1], job, k)
 
 
-def _draw_line_of_slaves(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec, job: Job, k: int, pair: Pair) -> None:
+def _draw_contact(figure: plt.Figure, grid: GridSpec, job: Job, k: int, pair: Pair, chart: Map | None,
+                  below: SubplotSpec | None) -> None:  # fmt: skip
+    """The panels on the right. below: where the forces stand, if that is below the bodies."""
+    has_scenario = bool(pair.scenario[k].any())
+    if chart is None:
+        forces = below or grid[1, 2]
+        _draw_line_of_slaves(figure, grid[0, 1:], grid[1, 1:] if below else grid[1, 1], job, k, pair)
+    elif is_strip(chart):   # one above the other
+        heights = [1.3, 1, 1][: 2 + has_scenario] + ([] if below else [1.7])
+        rows = grid[:, 1:].subgridspec(len(heights), 1, height_ratios=heights)
+        forces = below or rows[len(heights) - 1]
+        _draw_maps(figure, [rows[i] for i in range(2 + has_scenario)], job, k, pair, chart)
+    else:
+        forces = grid[1, 2] if has_scenario else grid[1, 1:]
+        _draw_maps(figure, [grid[0, 1], grid[0, 2], grid[1, 1]][: 2 + has_scenario], job, k, pair, chart)
+    draw_history(figure.add_subplot(forces), job, k)
+
+
+def is_strip(chart: Map) -> bool:
+    """Whether a map is much wider than high."""
+    width, height = np.ptp(np.concatenate(chart.places), axis=0)
+    return bool(width > STRIP * height)
+
+
+def _draw_line_of_slaves(figure: plt.Figure, above: SubplotSpec, below: SubplotSpec, job: Job, k: int, pair: Pair) -> None:
     """The panels of slaves that have no faces, as those of plane bodies."""
     place, label = slave_map.along_of(job.data, pair, job.frame("CPRESS", k))
     order = np.argsort(place, kind="stable")
     nodes, s = pair.nodes[order], place[order]
     pressure = job.frame("CPRESS", k)[nodes]
     shear = np.linalg.norm(np.reshape(job.frame("CSHEAR", k)[nodes], (len(nodes), -1)), axis=1)
-    axes = figure.add_subplot(grid[0, 1:])
+    axes = figure.add_subplot(above)
     axes.plot(s, pressure, color="#2f6db3", lw=1.5, marker="o", ms=3, label="pressure")
     axes.plot(s, shear, color="#f28e2b", lw=1.5, marker="o", ms=3, label="friction")
     axes.set(xlabel=label)
     axes.set_title("Pressure and friction of the slave nodes")
     axes.legend(frameon=False, fontsize=8.5)
     axes.spines[["top", "right"]].set_visible(False)
-    axes = figure.add_subplot(grid[1, 1])
+    axes = figure.add_subplot(below)
     rows = [("status", pair.status[k], pair.counts[k], STATUS_COLOURS, STATUS_NAMES)]
     if pair.scenario[k].any():
         counts = np.bincount(pair.scenario[k], minlength=len(SCENARIO_NAMES))
@@ -329,7 +359,6 @@ def _draw_line_of_slaves(figure: plt.Figure, grid: matplotlib.gridspec.GridSpec,
         handles = handles[: len(STATUS_NAMES)] + gap + handles[len(STATUS_NAMES) :]
     legend_below(axes, 8, handles=handles, ncols=len(rows) if len(rows) > 1 else len(STATUS_NAMES))
     axes.spines[["top", "right", "left"]].set_visible(False)
-    draw_history(figure.add_subplot(grid[1, 2]), job, k)
 
 
 # ------------------------------------------------------------------------------------------------- the whole
@@ -340,23 +369,28 @@ def draw(job: Job, k: int, output: Path, pair: int | None = None, section: Secti
     times = job.data.times
     with plt.rc_context(STYLE):
         has_contact = bool(job.pairs) and not is_bodies_only
-        figure = plt.figure(figsize=(15.5, 8.4) if has_contact else (9, 8.4), dpi=120, layout="constrained")
+        view = view_of(job, k, section)
+        shown = int(np.argmax([p.normal[k] for p in job.pairs])) if has_contact and pair is None else pair or 0
+        figure = plt.figure(figsize=(13.5, 7.6) if has_contact else (8, 7.6), dpi=120, layout="constrained")
         grid = figure.add_gridspec(2, 3 if has_contact else 1, width_ratios=[1.7, 1, 1] if has_contact else None)
-        bodies = figure.add_subplot(grid[:, 0])
-        factor = draw_bodies(bodies, job, k, section)
-        magnified = "true scale" if factor == 1 else f"displacements \u00d7 {factor:g}"
+        share = 0.8 * (1 / view.ratio + 0.22)   # of the height that the image and what stands below it take
+        chart = slave_map.map_of(job.data, job.pairs[shown], job.frame("CPRESS", k)) if has_contact else None
+        is_low = has_contact and share < 0.7 and (chart is None or is_strip(chart))   # the forces have a place below it
+        left = grid[:, 0].subgridspec(2, 1, height_ratios=[share, 1 - share]) if is_low else None
+        bodies = figure.add_subplot(left[0] if left else grid[:, 0])
+        draw_bodies(bodies, view)
+        magnified = "true scale" if view.factor == 1 else f"displacements \u00d7 {view.factor:g}"
         cut = "" if section is None else f", cut at {'xyz'[section.axis]} = {section.value:g}"
         bodies.set_title(f"Deformed shape{cut}, {magnified}")
         name = f"{job.data.name}   t = {times[k]:.4g}   (increment {k} of {len(times) - 1} on file)"
         if has_contact:
-            shown = int(np.argmax([p.normal[k] for p in job.pairs])) if pair is None else pair
-            _draw_contact(figure, grid, job, k, job.pairs[shown])
+            _draw_contact(figure, grid, job, k, job.pairs[shown], chart, left[1] if left else None)
             name += f"   pair {shown + 1} of {len(job.pairs)}: {job.pairs[shown].name}" if len(job.pairs) > 1 else ""
         figure.suptitle(name, x=0.01, ha="left", fontsize=14)
         figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.03, hspace=0.04)
         figure.savefig(output, facecolor="white")
         plt.close(figure)
-    return factor
+    return view.factor
 
 
 def shape(path: Path) -> tuple[plt.Figure, str]:
@@ -365,9 +399,10 @@ def shape(path: Path) -> tuple[plt.Figure, str]:
     k = len(job.data.times) - 1
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(6.4, 4.4), layout="constrained")
-        factor = draw_bodies(figure.add_subplot(), job, k, is_close=True)
+        view = view_of(job, k, is_close=True)
+        draw_bodies(figure.add_subplot(), view)
         plt.close(figure)
-    magnified = "in true size" if factor == 1 else f"{factor:g} times as large"
+    magnified = "in true size" if view.factor == 1 else f"{view.factor:g} times as large"
     return figure, f"elements at the end (t = {job.data.times[k]:.4g}), displacements {magnified}; the colour is the Mises stress."
 
 
