@@ -216,6 +216,24 @@ def test_scenarios_are_drawn_where_there_are_any(bolt: tuple[picture.Job, str], 
     assert [*picture.STATUS_NAMES, "", "", *picture.SCENARIO_NAMES] in legends[1]
 
 
+def test_forces_stand_below_wide_bodies(bolt: tuple[picture.Job, str], run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside high ones; no axes cover each other."""
+    assert run(["--quiet", "--outdir", tmp_path, ROOT / "input" / "press_fit.inp"]).returncode == 0
+    places = []
+
+    def keep(figure: picture.plt.Figure, *_: object, **__: object) -> None:
+        figure.draw_without_rendering()
+        places.append({axes.get_title(loc="left").split(",")[0]: axes.get_position() for axes in figure.axes})
+
+    monkeypatch.setattr(picture.plt.Figure, "savefig", keep)
+    for job in (picture.read_job(tmp_path / "press_fit.vtkhdf"), bolt[0]):
+        picture.draw(job, len(job.data.times) - 1, tmp_path / "job.png")
+    wide, high = places
+    assert wide["Contact forces"].y1 < wide["Deformed shape"].y0
+    assert wide["Contact forces"].x1 < wide["Status"].x0
+    assert high["Contact forces"].x0 > high["Status"].x1 > high["Deformed shape"].x1
+
+
 def test_sections_and_pairs_are_chosen(bolt: tuple[picture.Job, str], run_deck: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By the command line; wrong words are refused."""
     job, _ = bolt
