@@ -10,7 +10,7 @@ module amontons_logger
   use amontons_errors, only: diagnostic_list_type, diagnostic_type
   use amontons_text, only: plural, to_text, BLANK_CHARACTERS, NEWLINE
   use amontons_iteration_records, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES, PHASE_OTHER
-  use amontons_posix, only: peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, tell_heartbeat
+  use amontons_posix, only: peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat
   implicit none
   private
   public :: logger_type, log_sink_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
@@ -99,7 +99,7 @@ contains
     logger%is_live = progress == PROGRESS_AUTO .and. logger%is_terminal
     if (is_quiet .or. logger%is_live .or. progress == PROGRESS_NONE .or. present(unit) .or. present(log_sink)) return
     call start_heartbeat(logger%heartbeat, 1_c_int, HEARTBEAT)
-    call tell_heartbeat(logger%heartbeat, '        At work: the first iteration is not done yet.')
+    call set_heartbeat(logger%heartbeat, '        At work: the first iteration is not done yet.')
   end subroutine open_logger
 
 
@@ -136,7 +136,7 @@ contains
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text
     integer :: first
-    call tell_heartbeat(self%heartbeat, '')
+    call set_heartbeat(self%heartbeat, '')
     first = index(text, NEWLINE)
     if (first > 0) call write_line(self, text(first + 1:))
     if (first == 0) first = len(text) + 1
@@ -240,7 +240,7 @@ contains
       end do
     end if
     write (line, '(8x,2(a,i0))') 'At work after step ', record%step, ', increment ', record%increment
-    call tell_heartbeat(self%heartbeat, trim(line) // '.')
+    call set_heartbeat(self%heartbeat, trim(line) // '.')
     if (record%is_converged) return
     if (allocated(record%reason)) then
       call write_line(self, '        This attempt failed: ' // sanitized(record%reason))
@@ -260,7 +260,7 @@ contains
       write (line, '(8x,3(a,i0),a,es8.1,2(a,i0),a)') 'At work after step ', record%step, ', increment ', record%increment, &
         ', iteration ', record%iteration, ': residual', record%residual, ', stick ', record%n_status(1), ', slip ', &
         record%n_status(2), '.'
-      call tell_heartbeat(self%heartbeat, trim(line))
+      call set_heartbeat(self%heartbeat, trim(line))
       return
     end if
     write (line, '(3(a,i0),a,es7.1,2a)') 'Step ', record%step, ' inc ', record%increment, ' iter ', record%iteration, &
@@ -277,7 +277,7 @@ contains
   subroutine show_summary(self, records)
     class(logger_type), intent(inout) :: self
     type(increment_record_type), intent(in) :: records(:)   !< all attempts of the job, in order
-    call tell_heartbeat(self%heartbeat, '')
+    call set_heartbeat(self%heartbeat, '')
     if (self%is_quiet .or. size(records) == 0) return
     call write_line(self, '')
     call write_counts(self, records)

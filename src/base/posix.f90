@@ -9,7 +9,7 @@ module amontons_posix
   public :: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text
   public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
     is_status_requested, set_exit_handler, restart_passive_threads
-  public :: heartbeat_type, start_heartbeat, postpone_heartbeat, tell_heartbeat, stop_heartbeat
+  public :: heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat, stop_heartbeat
   public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
 
   !> The process lock of a thread around text output and formatting (reason in posix_shim.c); a procedure holds it until its end.
@@ -132,11 +132,11 @@ module amontons_posix
       type(c_ptr), value :: handle
     end subroutine postpone_heartbeat_c
 
-    subroutine tell_heartbeat_c(handle, text) bind(C, name='amontons_tell_heartbeat')
+    subroutine set_heartbeat_c(handle, text) bind(C, name='amontons_set_heartbeat')
       import :: c_ptr, c_char
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: text(*)
-    end subroutine tell_heartbeat_c
+    end subroutine set_heartbeat_c
 
     subroutine stop_heartbeat_c(handle) bind(C, name='amontons_stop_heartbeat')
       import :: c_ptr
@@ -169,11 +169,11 @@ contains
 
 
   !> Sets the line that a heartbeat writes; '': none.
-  subroutine tell_heartbeat(beat, text)
+  subroutine set_heartbeat(beat, text)
     type(heartbeat_type), intent(in) :: beat
     character(*), intent(in) :: text
-    if (c_associated(beat%handle)) call tell_heartbeat_c(beat%handle, text // c_null_char)
-  end subroutine tell_heartbeat
+    if (c_associated(beat%handle)) call set_heartbeat_c(beat%handle, text // c_null_char)
+  end subroutine set_heartbeat
 
 
   !> Ends a heartbeat.

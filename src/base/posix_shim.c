@@ -166,7 +166,7 @@ void amontons_postpone_heartbeat(void *handle)
 }
 
 /* Sets the text alone. */
-void amontons_tell_heartbeat(void *handle, const char *text)
+void amontons_set_heartbeat(void *handle, const char *text)
 {
   struct heartbeat *beat = handle;
   pthread_mutex_lock(&beat->lock);
@@ -190,15 +190,15 @@ void amontons_stop_heartbeat(void *handle)
 static void give_exit_code(void)
 {
   const char no_memory[] = "*ERROR: There is not enough memory for this job.\n";
-  const char no_room[] = "*ERROR: A file could not be written: is the disk full?\n";
-  const char other[] = "*ERROR: Amontons was ended by the run-time library, which tells why above.\n";
+  const char no_space[] = "*ERROR: A file could not be written: is the disk full?\n";
+  const char other[] = "*ERROR: Amontons was ended by the run-time library, see its message above.\n";
   if (!is_watching_end) return;
   const int reason = errno, is_memory = reason == ENOMEM;
-  const int is_room = reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
-  const char *line = is_memory ? no_memory : is_room ? no_room : other;
+  const int is_space = reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
+  const char *line = is_memory ? no_memory : is_space ? no_space : other;
   ssize_t unused = write(STDOUT_FILENO, line, strlen(line));
   (void)unused;
-  _exit(is_memory ? 6 : is_room ? 7 : 8);
+  _exit(is_memory ? 6 : is_space ? 7 : 8);
 }
 
 /* Starts monitoring the end of the process (is_on = 1), or announces a regular end (0). */

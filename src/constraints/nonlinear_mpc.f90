@@ -54,18 +54,18 @@ contains
     violation = 0.0_DP
     n = 0
     do i = 1, n_nonlinear_mpcs(model)
-      associate (bond => model%nonlinear_mpcs(i))
-        call evaluate_mpc_rows(bond, model%mesh%coordinates, u, is_nlgeom, rows)
-        mpc_size = find_mpc_size(bond, model%mesh%coordinates)
+      associate (mpc => model%nonlinear_mpcs(i))
+        call evaluate_mpc_rows(mpc, model%mesh%coordinates, u, is_nlgeom, rows)
+        mpc_size = find_mpc_size(mpc, model%mesh%coordinates)
         do k = 1, size(rows)
           n = n + 1
           rows(k)%tag = TAG_MPC + n
           violation = max(violation, abs(rows(k)%rhs) / mpc_size)
-          call add_constraint_row(base, rows(k), merge(3, size(rows(k)%unknown), bond%kind <= MPC_STRAIGHT), &
+          call add_constraint_row(base, rows(k), merge(3, size(rows(k)%unknown), mpc%kind <= MPC_STRAIGHT), &
             1.0e-6_DP * mpc_size, row_status)
           if (row_status /= ROW_CONFLICT) cycle
-          write (line, '(i0)') bond%line
-          call set_error(error, EXIT_SETUP, 'The *' // bond%card // ' of line ' // trim(line) // ' contradicts the ' // &
+          write (line, '(i0)') mpc%line
+          call set_error(error, EXIT_SETUP, 'The *' // mpc%card // ' of line ' // trim(line) // ' contradicts the ' // &
             'boundary conditions of its nodes or the constraints before it. Release one of them.')
           return
         end do
@@ -141,18 +141,18 @@ contains
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
-    real(DP), allocatable :: multiplier(:), of_bonds(:), H(:, :)
+    real(DP), allocatable :: multiplier(:), of_mpcs(:), H(:, :)
     integer, allocatable :: nodes(:)
     integer :: i, k, n, n_rows, a, b
     call find_multipliers(base, fields%applied_force + fields%contact_force - fields%internal_force, multiplier)
-    allocate (of_bonds(sum([(count_rows(model%nonlinear_mpcs(i)), i=1, n_nonlinear_mpcs(model))])), source=0.0_DP)
+    allocate (of_mpcs(sum([(count_rows(model%nonlinear_mpcs(i)), i=1, n_nonlinear_mpcs(model))])), source=0.0_DP)
     do k = 1, base%n_rows
-      if (base%rows(k)%tag > TAG_MPC) of_bonds(base%rows(k)%tag - TAG_MPC) = multiplier(k)
+      if (base%rows(k)%tag > TAG_MPC) of_mpcs(base%rows(k)%tag - TAG_MPC) = multiplier(k)
     end do
     n = 0
     do i = 1, n_nonlinear_mpcs(model)
       n_rows = count_rows(model%nonlinear_mpcs(i))
-      call evaluate_mpc_hessian(model%nonlinear_mpcs(i), model%mesh%coordinates, fields%u, of_bonds(n + 1:n + n_rows), H)
+      call evaluate_mpc_hessian(model%nonlinear_mpcs(i), model%mesh%coordinates, fields%u, of_mpcs(n + 1:n + n_rows), H)
       n = n + n_rows
       nodes = list_hessian_nodes(model%nonlinear_mpcs(i))
       do b = 1, size(nodes)
@@ -192,62 +192,62 @@ contains
 
 
   !> The number of rows of a constraint.
-  pure integer function count_rows(bond) result(n)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  pure integer function count_rows(mpc) result(n)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     n = 1
-    if (bond%kind == MPC_STRAIGHT) n = 2
-    if (bond%kind == MPC_RIGID_BODY) n = size(bond%node) * count(bond%is_bound)
+    if (mpc%kind == MPC_STRAIGHT) n = 2
+    if (mpc%kind == MPC_RIGID_BODY) n = size(mpc%node) * count(mpc%is_bound)
   end function count_rows
 
 
   !> The rows of one constraint: dg/du, and -g as right-hand side.
-  subroutine evaluate_mpc_rows(bond, coordinates, u, is_nlgeom, rows)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  subroutine evaluate_mpc_rows(mpc, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :)      !< (3, n_nodes) X [length]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     logical, intent(in) :: is_nlgeom               !< .false.: linearized at u = 0
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
-    if (bond%kind == MPC_RIGID_BODY) then
-      call evaluate_rigid_body_rows(bond, coordinates, u, is_nlgeom, rows)
+    if (mpc%kind == MPC_RIGID_BODY) then
+      call evaluate_rigid_body_rows(mpc, coordinates, u, is_nlgeom, rows)
     else
-      call evaluate_geometric_rows(bond, coordinates, u, is_nlgeom, rows)
+      call evaluate_geometric_rows(mpc, coordinates, u, is_nlgeom, rows)
     end if
   end subroutine evaluate_mpc_rows
 
 
   !> The rows of a BODY, direction by direction of each node.
-  subroutine evaluate_rigid_body_rows(bond, coordinates, u, is_nlgeom, rows)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  subroutine evaluate_rigid_body_rows(mpc, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
     real(DP) :: R(3, 3), dR(3, 3, 3), w(3), arm(3), a(3), residual(3), turn(3, 3), e
     integer :: i, k, n
-    w = u(:, bond%rotation)
+    w = u(:, mpc%rotation)
     e = 0.0_DP
-    if (bond%expansion > 0) e = u(1, bond%expansion)
+    if (mpc%expansion > 0) e = u(1, mpc%expansion)
     call rotation_matrix(merge(w, [0.0_DP, 0.0_DP, 0.0_DP], is_nlgeom), R, dR)
-    allocate (rows(count_rows(bond)))
+    allocate (rows(count_rows(mpc)))
     n = 0
-    do i = 1, size(bond%node)
-      arm = coordinates(:, bond%node(i)) - coordinates(:, bond%reference)
+    do i = 1, size(mpc%node)
+      arm = coordinates(:, mpc%node(i)) - coordinates(:, mpc%reference)
       turn = reshape([(matmul(dR(:, :, k), arm), k=1, 3)], [3, 3])
-      residual = u(:, bond%node(i)) - u(:, bond%reference) - matmul(turn, w) - e * arm
+      residual = u(:, mpc%node(i)) - u(:, mpc%reference) - matmul(turn, w) - e * arm
       if (is_nlgeom) then
         turn = (1.0_DP + e) * turn
-        residual = u(:, bond%node(i)) - u(:, bond%reference) - (1.0_DP + e) * matmul(R, arm) + arm
+        residual = u(:, mpc%node(i)) - u(:, mpc%reference) - (1.0_DP + e) * matmul(R, arm) + arm
       end if
       do k = 1, 3
-        if (.not. bond%is_bound(k)) cycle
+        if (.not. mpc%is_bound(k)) cycle
         n = n + 1
         a = 0.0_DP
         a(k) = 1.0_DP
-        if (allocated(bond%axes)) a = bond%axes(:, k, i)
+        if (allocated(mpc%axes)) a = mpc%axes(:, k, i)
         allocate (rows(n)%unknown(N_RIGID_BODY_TERMS), rows(n)%coefficient(N_RIGID_BODY_TERMS))
-        rows(n)%unknown = [unknowns_of(bond%node(i)), unknowns_of(bond%reference), unknowns_of(bond%rotation)]
+        rows(n)%unknown = [unknowns_of(mpc%node(i)), unknowns_of(mpc%reference), unknowns_of(mpc%rotation)]
         rows(n)%coefficient = [a, -a, -matmul(a, turn)]
-        if (bond%expansion > 0) then
-          rows(n)%unknown = [rows(n)%unknown, 3 * bond%expansion - 2]
+        if (mpc%expansion > 0) then
+          rows(n)%unknown = [rows(n)%unknown, 3 * mpc%expansion - 2]
           rows(n)%coefficient = [rows(n)%coefficient, -dot_product(a, matmul(R, arm))]
         end if
         rows(n)%rhs = -dot_product(a, residual)
@@ -258,27 +258,27 @@ contains
 
 
   !> The rows of the other kinds, which depend on the current positions of their nodes (and the pilot).
-  subroutine evaluate_geometric_rows(bond, coordinates, u, is_nlgeom, rows)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  subroutine evaluate_geometric_rows(mpc, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :), u(:, :)
     logical, intent(in) :: is_nlgeom
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
     real(DP), allocatable :: X(:, :), shift(:, :), dg(:, :)
     real(DP) :: g
     integer :: k, i
-    X = coordinates(:, bond%node)
-    shift = u(:, bond%node)
-    allocate (dg(3, size(bond%node)))
-    allocate (rows(count_rows(bond)))
+    X = coordinates(:, mpc%node)
+    shift = u(:, mpc%node)
+    allocate (dg(3, size(mpc%node)))
+    allocate (rows(count_rows(mpc)))
     do k = 1, size(rows)
-      call evaluate_constraint(bond, k, X, merge(X + shift, X, is_nlgeom), g, dg)
+      call evaluate_constraint(mpc, k, X, merge(X + shift, X, is_nlgeom), g, dg)
       if (.not. is_nlgeom) g = g + sum(dg * shift)
-      rows(k)%unknown = [(unknowns_of(bond%node(i)), i=1, size(bond%node))]
+      rows(k)%unknown = [(unknowns_of(mpc%node(i)), i=1, size(mpc%node))]
       rows(k)%coefficient = reshape(dg, [size(dg)])
-      if (bond%kind == MPC_MEAN_ROTATION) then
-        g = g - find_mean_radius(bond%axis, X) * u(bond%pilot_direction, bond%reference)
-        rows(k)%unknown = [rows(k)%unknown, 3 * bond%reference - 3 + bond%pilot_direction]
-        rows(k)%coefficient = [rows(k)%coefficient, -find_mean_radius(bond%axis, X)]
+      if (mpc%kind == MPC_MEAN_ROTATION) then
+        g = g - find_mean_radius(mpc%axis, X) * u(mpc%pilot_direction, mpc%reference)
+        rows(k)%unknown = [rows(k)%unknown, 3 * mpc%reference - 3 + mpc%pilot_direction]
+        rows(k)%coefficient = [rows(k)%coefficient, -find_mean_radius(mpc%axis, X)]
       end if
       rows(k)%rhs = -g
     end do
@@ -286,15 +286,15 @@ contains
 
 
   !> g (for TURN without the pilot) and its derivative with respect to the positions of the nodes.
-  subroutine evaluate_constraint(bond, k, X, position, g, dg)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  subroutine evaluate_constraint(mpc, k, X, position, g, dg)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     integer, intent(in) :: k                       !< index of the row in the constraint
     real(DP), intent(in) :: X(:, :)                !< (3, n) reference [length]
     real(DP), intent(in) :: position(:, :)            !< (3, n) current [length]
     real(DP), intent(out) :: g                     !< [length]
     real(DP), intent(out) :: dg(:, :)              !< (3, n) [-]
     real(DP) :: a(3), b(3), c(3), t(3), d
-    select case (bond%kind)
+    select case (mpc%kind)
     case (MPC_PLANE)
       d = norm2(cross_product(X(:, 2) - X(:, 4), X(:, 3) - X(:, 4)))
       a = position(:, 1) - position(:, 4)
@@ -321,7 +321,7 @@ contains
       dg(:, 1) = a / d
       dg(:, 2) = -a / d
     case default
-      call evaluate_mean_rotation(bond%axis, X, position, g, dg)
+      call evaluate_mean_rotation(mpc%axis, X, position, g, dg)
     end select
   end subroutine evaluate_constraint
 
@@ -386,21 +386,21 @@ contains
 
 
   !> The nodes whose displacements the second derivatives of a constraint couple.
-  pure function list_hessian_nodes(bond) result(nodes)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  pure function list_hessian_nodes(mpc) result(nodes)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     integer, allocatable :: nodes(:)
-    if (bond%kind == MPC_RIGID_BODY) then
-      nodes = [bond%rotation]
-      if (bond%expansion > 0) nodes = [nodes, bond%expansion]
+    if (mpc%kind == MPC_RIGID_BODY) then
+      nodes = [mpc%rotation]
+      if (mpc%expansion > 0) nodes = [nodes, mpc%expansion]
     else
-      nodes = bond%node
+      nodes = mpc%node
     end if
   end function list_hessian_nodes
 
 
   !> sum multiplier * d2g/du2 of one constraint, at u, between its nonlinear nodes.
-  subroutine evaluate_mpc_hessian(bond, coordinates, u, multiplier, H)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  subroutine evaluate_mpc_hessian(mpc, coordinates, u, multiplier, H)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :), u(:, :)   !< (3, n_nodes) [length]
     real(DP), intent(in) :: multiplier(:)          !< of the rows of the constraint, in their order [force]
     real(DP), allocatable, intent(out) :: H(:, :)  !< (3 n, 3 n) symmetric [force/length]
@@ -408,17 +408,17 @@ contains
     integer, allocatable :: nodes(:)
     real(DP) :: h_step
     integer :: j
-    nodes = list_hessian_nodes(bond)
+    nodes = list_hessian_nodes(mpc)
     allocate (H(3 * size(nodes), 3 * size(nodes)))
     h_step = 1.0e-5_DP
-    if (bond%kind /= MPC_RIGID_BODY) h_step = 1.0e-4_DP * find_mpc_size(bond, coordinates)
+    if (mpc%kind /= MPC_RIGID_BODY) h_step = 1.0e-4_DP * find_mpc_size(mpc, coordinates)
     moved = u(:, nodes)
     do j = 1, 3 * size(nodes)
       associate (unknown => moved(mod(j - 1, 3) + 1, (j + 2) / 3))
         unknown = unknown + h_step
-        plus = sum_weighted_gradients(bond, coordinates, moved, multiplier)
+        plus = sum_weighted_gradients(mpc, coordinates, moved, multiplier)
         unknown = unknown - 2.0_DP * h_step
-        minus = sum_weighted_gradients(bond, coordinates, moved, multiplier)
+        minus = sum_weighted_gradients(mpc, coordinates, moved, multiplier)
         unknown = unknown + h_step
       end associate
       H(:, j) = (plus - minus) / (2.0_DP * h_step)
@@ -428,8 +428,8 @@ contains
 
 
   !> sum multiplier * dg/du with respect to the displacements of the nonlinear nodes.
-  function sum_weighted_gradients(bond, coordinates, u_curved, multiplier) result(slope)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  function sum_weighted_gradients(mpc, coordinates, u_curved, multiplier) result(slope)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :)
     real(DP), intent(in) :: u_curved(:, :)         !< (3, n curved)
     real(DP), intent(in) :: multiplier(:)
@@ -438,40 +438,40 @@ contains
     real(DP), allocatable :: dg(:, :)
     integer :: k
     slope = 0.0_DP
-    if (bond%kind == MPC_RIGID_BODY) then
-      torque = sum_force_moments(bond, coordinates, multiplier)
+    if (mpc%kind == MPC_RIGID_BODY) then
+      torque = sum_force_moments(mpc, coordinates, multiplier)
       call rotation_matrix(u_curved(:, 1), R, dR)
       slope(:3) = [(-sum(dR(:, :, k) * torque), k=1, 3)]
-      if (bond%expansion == 0) return
+      if (mpc%expansion == 0) return
       slope(:3) = (1.0_DP + u_curved(1, 2)) * slope(:3)
       slope(4) = -sum(R * torque)
       return
     end if
-    allocate (dg(3, size(bond%node)))
+    allocate (dg(3, size(mpc%node)))
     do k = 1, size(multiplier)
-      call evaluate_constraint(bond, k, coordinates(:, bond%node), coordinates(:, bond%node) + u_curved, g, dg)
+      call evaluate_constraint(mpc, k, coordinates(:, mpc%node), coordinates(:, mpc%node) + u_curved, g, dg)
       slope = slope + multiplier(k) * reshape(dg, [size(dg)])
     end do
   end function sum_weighted_gradients
 
 
   !> sum f_i (X_i - X_r)' of a BODY, with the constraint forces f_i on its nodes.
-  pure function sum_force_moments(bond, coordinates, multiplier) result(torque)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  pure function sum_force_moments(mpc, coordinates, multiplier) result(torque)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :), multiplier(:)
     real(DP) :: torque(3, 3)
     real(DP) :: a(3), arm(3)
     integer :: i, j, k, n
     torque = 0.0_DP
     n = 0
-    do i = 1, size(bond%node)
-      arm = coordinates(:, bond%node(i)) - coordinates(:, bond%reference)
+    do i = 1, size(mpc%node)
+      arm = coordinates(:, mpc%node(i)) - coordinates(:, mpc%reference)
       do k = 1, 3
-        if (.not. bond%is_bound(k)) cycle
+        if (.not. mpc%is_bound(k)) cycle
         n = n + 1
         a = 0.0_DP
         a(k) = 1.0_DP
-        if (allocated(bond%axes)) a = bond%axes(:, k, i)
+        if (allocated(mpc%axes)) a = mpc%axes(:, k, i)
         do j = 1, 3
           torque(:, j) = torque(:, j) + multiplier(n) * a * arm(j)
         end do
@@ -522,13 +522,13 @@ contains
 
 
   !> The size of a constraint: the largest distance of a node from the first one, or from the reference node.
-  pure real(DP) function find_mpc_size(bond, coordinates)
-    type(nonlinear_mpc_type), intent(in) :: bond
+  pure real(DP) function find_mpc_size(mpc, coordinates)
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: coordinates(:, :)
     integer :: i, from
-    from = bond%node(1)
-    if (bond%kind == MPC_RIGID_BODY) from = bond%reference
-    find_mpc_size = maxval([(norm2(coordinates(:, bond%node(i)) - coordinates(:, from)), i=1, size(bond%node))])
+    from = mpc%node(1)
+    if (mpc%kind == MPC_RIGID_BODY) from = mpc%reference
+    find_mpc_size = maxval([(norm2(coordinates(:, mpc%node(i)) - coordinates(:, from)), i=1, size(mpc%node))])
     if (.not. find_mpc_size > 0.0_DP) find_mpc_size = 1.0_DP
   end function find_mpc_size
 

@@ -100,7 +100,7 @@ contains
   end subroutine open_log
 
 
-  !> An error that the other ranks do not share is told here and ends all; they wait for this rank somewhere.
+  !> An error that the other ranks do not share is reported here and ends all; they wait for this rank somewhere.
   subroutine end_alone(error)
     type(error_type), intent(in) :: error
     type(logger_type) :: logger

@@ -30,28 +30,28 @@ contains
   subroutine connect_nodes(model)
     type(model_type), intent(inout) :: model     !< expanded
     type(equation_type), allocatable :: equations(:)
-    type(nonlinear_mpc_type), allocatable :: bonds(:)
-    integer :: i, last, n, n_bonds, n_new
+    type(nonlinear_mpc_type), allocatable :: mpcs(:)
+    integer :: i, last, n, n_mpcs, n_new
     associate (structure => model%structure)
-      allocate (equations(15 * size(structure%directors)), bonds(3 * size(structure%directors)))
+      allocate (equations(15 * size(structure%directors)), mpcs(3 * size(structure%directors)))
       call create_rotation_nodes(model, n_new)
       n = 0
-      n_bonds = 0
+      n_mpcs = 0
       i = 1
       do while (i <= size(structure%directors))  ! those of a node lie together
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
-          call add_knot(model, i, last, equations, n, bonds, n_bonds)
+          call add_knot(model, i, last, equations, n, mpcs, n_mpcs)
         else
           call add_tie(model, structure%directors(i), equations, n)
           if (structure%is_turned(structure%directors(i)%node)) &
-            call add_mean_rotations(model, structure%directors(i), bonds, n_bonds)
+            call add_mean_rotations(model, structure%directors(i), mpcs, n_mpcs)
         end if
         i = last + 1
       end do
     end associate
     model%equations = equations(:n)
-    model%nonlinear_mpcs = bonds(:n_bonds)
+    model%nonlinear_mpcs = mpcs(:n_mpcs)
   end subroutine connect_nodes
 
 
@@ -149,11 +149,11 @@ contains
 
   !> The mean rotations of the outer nodes of a director about the global axes are the displacements of its rotation node. A fibre
   !! has none about an axis along it.
-  subroutine add_mean_rotations(model, director, bonds, n)
+  subroutine add_mean_rotations(model, director, mpcs, n)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: director
-    type(nonlinear_mpc_type), intent(inout) :: bonds(:)
-    integer, intent(inout) :: n                  !< number of bonds
+    type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
+    integer, intent(inout) :: n                  !< number of mpcs
     real(DP) :: axis(3)
     integer :: k
     do k = 1, 3
@@ -161,39 +161,39 @@ contains
       axis(k) = 1
       if (director%n_outer == 2 .and. norm2(cross_product(axis, director%axes(:, 1))) < TOL_DRILL) cycle
       n = n + 1
-      bonds(n)%kind = MPC_MEAN_ROTATION
-      bonds(n)%node = director%nodes(:director%n_outer)
-      bonds(n)%reference = model%rotation_of(director%node)
-      bonds(n)%pilot_direction = k
-      bonds(n)%axis = axis
-      bonds(n)%card = model%structure%sections(director%section)%card
-      bonds(n)%line = model%structure%sections(director%section)%line
+      mpcs(n)%kind = MPC_MEAN_ROTATION
+      mpcs(n)%node = director%nodes(:director%n_outer)
+      mpcs(n)%reference = model%rotation_of(director%node)
+      mpcs(n)%pilot_direction = k
+      mpcs(n)%axis = axis
+      mpcs(n)%card = model%structure%sections(director%section)%card
+      mpcs(n)%line = model%structure%sections(director%section)%line
     end do
   end subroutine add_mean_rotations
 
 
   !> A knot of the directors first to last.
-  subroutine add_knot(model, first, last, equations, n, bonds, n_bonds)
+  subroutine add_knot(model, first, last, equations, n, mpcs, n_mpcs)
     type(model_type), intent(in) :: model
     integer, intent(in) :: first, last
     type(equation_type), intent(inout) :: equations(:)
     integer, intent(inout) :: n                  !< number of equations
-    type(nonlinear_mpc_type), intent(inout) :: bonds(:)
-    integer, intent(inout) :: n_bonds            !< number of bonds
+    type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
+    integer, intent(inout) :: n_mpcs            !< number of mpcs
     integer :: i, k
     associate (directors => model%structure%directors(first:last), section => &
       model%structure%sections(model%structure%directors(first)%section))
-      n_bonds = n_bonds + 1
-      associate (bond => bonds(n_bonds))
-        bond%kind = MPC_RIGID_BODY
-        bond%reference = directors(1)%node
-        bond%rotation = model%rotation_of(bond%reference)
-        bond%expansion = bond%rotation + 1
-        bond%card = section%card
-        bond%line = section%line
-        bond%node = [integer ::]
+      n_mpcs = n_mpcs + 1
+      associate (mpc => mpcs(n_mpcs))
+        mpc%kind = MPC_RIGID_BODY
+        mpc%reference = directors(1)%node
+        mpc%rotation = model%rotation_of(mpc%reference)
+        mpc%expansion = mpc%rotation + 1
+        mpc%card = section%card
+        mpc%line = section%line
+        mpc%node = [integer ::]
         do i = 1, size(directors)
-          bond%node = [bond%node, pack(directors(i)%nodes, directors(i)%nodes > 0 .and. &
+          mpc%node = [mpc%node, pack(directors(i)%nodes, directors(i)%nodes > 0 .and. &
             [(k <= directors(i)%n_outer .or. model%dialect == DIALECT_CALCULIX, k=1, size(directors(i)%nodes))])]
         end do
       end associate

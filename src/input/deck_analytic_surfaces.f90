@@ -281,7 +281,7 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(in) :: surface               !< index of the surface
     type(nonlinear_mpc_type), intent(in) :: body          !< with reference node and rotation node
-    type(nonlinear_mpc_type) :: bond
+    type(nonlinear_mpc_type) :: mpc
     real(DP) :: x(3)
     integer :: k
     if (.not. allocated(model%surfaces(surface)%profile%piece_length)) return   ! its error is reported
@@ -297,10 +297,10 @@ contains
         model%mesh%is_unstiffened(3, profile%carriers(k)) = profile%kind == PROFILE_PLANAR
       end do
       model%surfaces(surface)%nodes = profile%carriers(:profile%n_carrier_nodes)
-      bond = body
-      bond%node = profile%carriers(:profile%n_carrier_nodes)
-      bond%is_bound(3) = profile%kind /= PROFILE_PLANAR
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+      mpc = body
+      mpc%node = profile%carriers(:profile%n_carrier_nodes)
+      mpc%is_bound(3) = profile%kind /= PROFILE_PLANAR
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
     end associate
   end subroutine attach_profile
 

@@ -181,33 +181,33 @@ contains
     integer, intent(in) :: c
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(nonlinear_mpc_type) :: bond
+    type(nonlinear_mpc_type) :: mpc
     integer, allocatable :: nodes(:)
     integer :: i, surface
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     is_ok = .true.
-    bond%card = 'RIGID BODY'
-    bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    mpc%card = 'RIGID BODY'
+    mpc%line = reader%cards%line_number(reader%cards%cards(c)%line)
     surface = rigid_surface(reader, model, c, parameters, is_ok)
     call rigid_body_nodes(reader, model, c, parameters, nodes, is_ok)
-    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
+    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), mpc%reference, is_ok)
     if (has_parameter(parameters, 'ROT NODE')) call single_node(reader, model, c, &
-      parameter_text(parameters, 'ROT NODE'), bond%rotation, is_ok)
+      parameter_text(parameters, 'ROT NODE'), mpc%rotation, is_ok)
     if (.not. is_ok) return
-    if (bond%rotation == 0) call make_rotation_node(model, bond%reference, bond%rotation)
-    model%mesh%is_auxiliary(bond%rotation) = .true.
-    model%rotation_of(bond%reference) = bond%rotation
-    bond%node = pack(nodes, [(nodes(i) /= bond%reference .and. nodes(i) /= bond%rotation, i=1, size(nodes))])
-    if (surface > 0) call attach_profile(model, surface, bond)
-    if (size(bond%node) == 0 .and. surface == 0) then
+    if (mpc%rotation == 0) call make_rotation_node(model, mpc%reference, mpc%rotation)
+    model%mesh%is_auxiliary(mpc%rotation) = .true.
+    model%rotation_of(mpc%reference) = mpc%rotation
+    mpc%node = pack(nodes, [(nodes(i) /= mpc%reference .and. nodes(i) /= mpc%rotation, i=1, size(nodes))])
+    if (surface > 0) call attach_profile(model, surface, mpc)
+    if (size(mpc%node) == 0 .and. surface == 0) then
       call report_error(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes: its sets ' // &
         'hold no node and no element of a supported type. Rigid elements are R3D3 and R3D4.')
-    else if (any(bond%rotation == model%mesh%nodes)) then
+    else if (any(mpc%rotation == model%mesh%nodes)) then
       call report_error(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
         'be a rotation. Name a node of its own.')
-    else if (size(bond%node) > 0) then
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+    else if (size(mpc%node) > 0) then
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
     end if
   end subroutine read_rigid_body
 
@@ -392,19 +392,19 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(coordinate_system_type) :: rule
-    type(nonlinear_mpc_type) :: bond
+    type(nonlinear_mpc_type) :: mpc
     integer, allocatable :: nodes(:)
     integer :: first, last, n
     logical :: is_ok, is_row
     call open_card(reader, c, parameters, row)
     is_ok = .true.
-    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), bond%reference, is_ok)
+    call single_node(reader, model, c, parameter_text(parameters, 'REF NODE'), mpc%reference, is_ok)
     if (has_parameter(parameters, 'ORIENTATION')) call find_orientation(reader, c, parameter_text(parameters, 'ORIENTATION'), &
       rule, is_ok)
     if (.not. is_ok) return
-    call make_rotation_node(model, bond%reference, bond%rotation)
-    bond%card = 'KINEMATIC COUPLING'
-    bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    call make_rotation_node(model, mpc%reference, mpc%rotation)
+    mpc%card = 'KINEMATIC COUPLING'
+    mpc%line = reader%cards%line_number(reader%cards%cards(c)%line)
     n = 0
     do while (next_row(reader%cards, row))
       n = n + 1
@@ -420,10 +420,10 @@ contains
           'solids do not exist.')
         cycle
       end if
-      bond%is_bound = [first <= 1, first <= 2 .and. last >= 2, last >= 3]
+      mpc%is_bound = [first <= 1, first <= 2 .and. last >= 2, last >= 3]
       if (last == 6 .and. allocated(model%structure)) nodes = expanded_nodes(model%structure, nodes)   ! their rotations too
-      bond%node = pack(nodes, nodes /= bond%reference)
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+      mpc%node = pack(nodes, nodes /= mpc%reference)
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
       if (has_parameter(parameters, 'ORIENTATION')) call set_mpc_axes(model, rule)
     end do
     if (n == 0) call report_error(reader, reader%cards%cards(c)%line, &
@@ -461,25 +461,25 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c, reference, surface
     logical, intent(in) :: is_bound(6)
-    type(nonlinear_mpc_type) :: bond
+    type(nonlinear_mpc_type) :: mpc
     if (.not. any(is_bound(:3))) then
       call report_error(reader, reader%cards%cards(c)%line, 'KINEMATIC binds displacements of the surface: name at ' // &
         'least one of the degrees of freedom 1 to 3.')
       return
     end if
-    bond%card = 'COUPLING'
-    bond%line = reader%cards%line_number(reader%cards%cards(c)%line)
-    bond%reference = reference
-    call make_rotation_node(model, reference, bond%rotation)
-    bond%is_bound = is_bound(:3)
-    bond%node = pack(model%surfaces(surface)%nodes, model%surfaces(surface)%nodes /= reference)
+    mpc%card = 'COUPLING'
+    mpc%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    mpc%reference = reference
+    call make_rotation_node(model, reference, mpc%rotation)
+    mpc%is_bound = is_bound(:3)
+    mpc%node = pack(model%surfaces(surface)%nodes, model%surfaces(surface)%nodes /= reference)
     if (allocated(model%structure)) then         ! with the rotations of shells and beams
       if (any(is_bound(4:)) .and. .not. all(is_bound(4:)) .and. &
-        size(expanded_nodes(model%structure, bond%node)) > size(bond%node)) call report_error(reader, &
+        size(expanded_nodes(model%structure, mpc%node)) > size(mpc%node)) call report_error(reader, &
         reader%cards%cards(c)%line, 'Of the rotations of shells and beams a coupling binds all three (1, 6) or none (1, 3).')
-      if (all(is_bound(4:))) bond%node = expanded_nodes(model%structure, bond%node)
+      if (all(is_bound(4:))) mpc%node = expanded_nodes(model%structure, mpc%node)
     end if
-    model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+    model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
   end subroutine add_kinematic
 
 
@@ -488,10 +488,10 @@ contains
     type(model_type), intent(inout) :: model
     type(coordinate_system_type), intent(in) :: rule
     integer :: i
-    associate (bond => model%nonlinear_mpcs(size(model%nonlinear_mpcs)))
-      allocate (bond%axes(3, 3, size(bond%node)))
-      do i = 1, size(bond%node)
-        bond%axes(:, :, i) = axes_at(rule, model%mesh%coordinates(:, bond%node(i)))
+    associate (mpc => model%nonlinear_mpcs(size(model%nonlinear_mpcs)))
+      allocate (mpc%axes(3, 3, size(mpc%node)))
+      do i = 1, size(mpc%node)
+        mpc%axes(:, :, i) = axes_at(rule, model%mesh%coordinates(:, mpc%node(i)))
       end do
     end associate
   end subroutine set_mpc_axes

@@ -127,35 +127,35 @@ contains
     integer, intent(in) :: line
     character(*), intent(in) :: kind             !< squeezed
     integer, intent(in) :: given(:)              !< nodes as written in the deck
-    type(nonlinear_mpc_type) :: bond
+    type(nonlinear_mpc_type) :: mpc
     integer, allocatable :: nodes(:)
     integer :: i
     nodes = unique_nodes(given)
     if (kind == 'PLANE') call order_spanning_nodes(model, nodes)
-    bond%card = 'MPC'
-    bond%line = reader%cards%line_number(line)
+    mpc%card = 'MPC'
+    mpc%line = reader%cards%line_number(line)
     if (allocated(model%structure) .and. is_one_of(kind, 'BEAM|TIE')) then
       if (size(expanded_nodes(model%structure, nodes)) > size(nodes)) call report_error(reader, line, 'The MPC ' // kind // &
         ' binds rotations; at nodes of shells and beams write *COUPLING with *KINEMATIC, 1, 6, or *MPC, PIN for a hinge.')
     end if
     select case (kind)
     case ('PLANE', 'STRAIGHT')
-      bond%kind = merge(MPC_PLANE, MPC_STRAIGHT, kind == 'PLANE')
+      mpc%kind = merge(MPC_PLANE, MPC_STRAIGHT, kind == 'PLANE')
       if (.not. is_spanning(model, nodes, kind)) then
         call report_error(reader, line, 'PLANE needs three nodes that are not on a line and more, STRAIGHT two nodes that ' // &
           'are apart and more.')
         return
       end if
       do i = merge(4, 3, kind == 'PLANE'), size(nodes)
-        bond%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
-        model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+        mpc%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
+        model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
       end do
     case ('BEAM', 'LINK')
-      call add_beam(reader, model, line, nodes, bond, is_link=kind == 'LINK')
+      call add_beam(reader, model, line, nodes, mpc, is_link=kind == 'LINK')
     case ('TIE', 'PIN')
       call add_pin(reader, model, line, nodes)
     case ('MEANROT')
-      call add_mean_rotation(reader, model, line, nodes, bond)
+      call add_mean_rotation(reader, model, line, nodes, mpc)
     case ('LINEAR')
       call add_interpolation(reader, model, line, nodes)
     case default
@@ -210,23 +210,23 @@ contains
 
 
   !> LINK, and BEAM in CalculiX: two nodes keep their distance. BEAM in Abaqus: the first is rigidly attached to the second.
-  subroutine add_beam(reader, model, line, nodes, bond, is_link)
+  subroutine add_beam(reader, model, line, nodes, mpc, is_link)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line, nodes(:)
-    type(nonlinear_mpc_type), intent(inout) :: bond
+    type(nonlinear_mpc_type), intent(inout) :: mpc
     logical, intent(in) :: is_link
     if (size(nodes) /= 2) then
       call report_error(reader, line, 'BEAM and LINK need two nodes.')
     else if (is_link .or. reader%dialect == DIALECT_CALCULIX) then
-      bond%kind = MPC_DISTANCE
-      bond%node = nodes
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+      mpc%kind = MPC_DISTANCE
+      mpc%node = nodes
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
     else
-      bond%node = nodes(:1)
-      bond%reference = nodes(2)
-      call make_rotation_node(model, bond%reference, bond%rotation)
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+      mpc%node = nodes(:1)
+      mpc%reference = nodes(2)
+      call make_rotation_node(model, mpc%reference, mpc%rotation)
+      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
     end if
   end subroutine add_beam
 
@@ -273,28 +273,28 @@ contains
 
 
   !> MEANROT: nodes, and last a pilot: its coordinates are the axis, its first displacement the mean rotation.
-  subroutine add_mean_rotation(reader, model, line, nodes, bond)
+  subroutine add_mean_rotation(reader, model, line, nodes, mpc)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line, nodes(:)
-    type(nonlinear_mpc_type), intent(inout) :: bond
+    type(nonlinear_mpc_type), intent(inout) :: mpc
     integer :: n
     n = size(nodes)
     if (n < 3) then
       call report_error(reader, line, 'MEANROT needs at least two nodes and the pilot.')
       return
     end if
-    bond%kind = MPC_MEAN_ROTATION
-    bond%node = nodes(:n - 1)
-    bond%reference = nodes(n)
-    bond%axis = model%mesh%coordinates(:, nodes(n))
-    if (.not. norm2(bond%axis) > 0.0_DP) then
+    mpc%kind = MPC_MEAN_ROTATION
+    mpc%node = nodes(:n - 1)
+    mpc%reference = nodes(n)
+    mpc%axis = model%mesh%coordinates(:, nodes(n))
+    if (.not. norm2(mpc%axis) > 0.0_DP) then
       call report_error(reader, line, 'The coordinates of the last node of MEANROT are the axis; they must not all be zero.')
       return
     end if
-    bond%axis = bond%axis / norm2(bond%axis)
-    model%mesh%is_auxiliary(bond%reference) = .true.
-    model%nonlinear_mpcs = [model%nonlinear_mpcs, bond]
+    mpc%axis = mpc%axis / norm2(mpc%axis)
+    model%mesh%is_auxiliary(mpc%reference) = .true.
+    model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
   end subroutine add_mean_rotation
 
 

@@ -333,7 +333,7 @@ contains
     type(surface_type) :: surface
     type(node_elements_type) :: index
     integer, allocatable :: stamp(:)
-    integer :: c, position, twin
+    integer :: c, position, earlier
     logical :: is_new
     allocate (model%surfaces(0))
     allocate (stamp(max(6 * model%mesh%n_elements, model%mesh%n_nodes)), source=0)
@@ -347,7 +347,7 @@ contains
       surface%is_node_based = parameter_word(parameters, 'TYPE', 'ELEMENT') == 'NODE'
       if (.not. is_new .and. reader%dialect == DIALECT_CALCULIX) then
         if (surface%is_node_based .neqv. model%surfaces(position)%is_node_based) call reader%surfaces%add(surface%name // &
-          NODE_SURFACE_SUFFIX, twin, is_new)
+          NODE_SURFACE_SUFFIX, earlier, is_new)
       end if
       if (.not. is_new) then
         call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // surface%name // ''' is defined twice.')

@@ -267,7 +267,7 @@ int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int 
 
 /* Allocates the entries of the factor. The memory of an earlier analysis is reused if it is large enough: new memory makes a
  * factorisation up to 1.5 times as slow, because of page faults. */
-static int give_room(cholesky *self)
+static int reserve_workspace(cholesky *self)
 {
   cholmod_factor *l = self->factor;
   if (self->capacity < l->xsize) {
@@ -321,7 +321,7 @@ int amontons_cholesky_factorise(void *handle, const double *value, const double 
   if (shift)
     for (int k = 0; k < n; k++) x[first[k]] += shift[order[k]];
   int is_finite = all_finite(x, self->n_entries);
-  if (!is_finite || !give_room(self)) {
+  if (!is_finite || !reserve_workspace(self)) {
     free(x);
     return is_finite ? NO_MEMORY : NOT_FINITE;
   }

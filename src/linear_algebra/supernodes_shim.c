@@ -357,7 +357,7 @@ static void factorise_together(const supernode_plan *plan, const cholmod_sparse 
 }
 
 /* Starts a thread: its number, the number of threads, and whether the allocation of any thread failed. */
-static void join_team(int has_room, int *id, int *team, int *is_poor)
+static void join_team(int has_slot, int *id, int *team, int *is_poor)
 {
   *id = 0;
   *team = 1;
@@ -365,7 +365,7 @@ static void join_team(int has_room, int *id, int *team, int *is_poor)
   *id = omp_get_thread_num();
   *team = omp_get_num_threads();
 #endif
-  if (!has_room) {
+  if (!has_slot) {
 #pragma omp atomic write
     *is_poor = 1;
   }

@@ -75,7 +75,7 @@ contains
     type(diagnostic_list_type), intent(inout) :: report
     type(bodies_type) :: bodies
     call find_bodies(model, 1, bodies)
-    call check_lone_nodes(model, bodies, report)
+    call check_unattached_nodes(model, bodies, report)
     call check_rigid_motions(model, contact, slaves, bodies, report)
     call check_unilateral_support(model, contact, slaves, bodies, report)
   end subroutine check_bodies
@@ -147,7 +147,7 @@ contains
 
 
   !> Warns of nodes without elements and equations that have loads or supports: these have no effect.
-  subroutine check_lone_nodes(model, bodies, report)
+  subroutine check_unattached_nodes(model, bodies, report)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     type(diagnostic_list_type), intent(inout) :: report
@@ -185,7 +185,7 @@ contains
       call list%add(model%mesh%node_label(node))
     end subroutine add_node_once
 
-  end subroutine check_lone_nodes
+  end subroutine check_unattached_nodes
 
 
   !> Equations that contradict the supports at the end of a step or one another (errors), or are redundant (warnings).
@@ -389,7 +389,7 @@ contains
     n = count([(any(bodies%of_node(model%equations(k)%node) == b), k=1, size(model%equations))])
     if (n > 0) text = text // ', ' // plural(n, 'equation')
     n = count([(any(bodies%of_node(model%nonlinear_mpcs(k)%node) == b), k=1, n_nonlinear_mpcs(model))])
-    if (n > 0) text = text // ', ' // plural(n, 'bond')
+    if (n > 0) text = text // ', ' // plural(n, 'nonlinear constraint')
     call count_touching(bodies, contact, slaves, b, n_closed, n_open)
     do p = 1, size(model%pairs)
       if (n_closed(p) + n_open(p) == 0) cycle

@@ -343,9 +343,9 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)
     type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type), allocatable :: found(:)
-    logical, allocatable :: is_free(:, :), was_told(:)
+    logical, allocatable :: is_free(:, :), was_reported(:)
     integer :: i, s, p
-    allocate (was_told(size(model%pairs)), source=.false.)
+    allocate (was_reported(size(model%pairs)), source=.false.)
     do i = 1, size(model%steps)
       call find_free_unknowns(model, i, is_free)
       if (allocated(found)) deallocate (found)
@@ -357,8 +357,8 @@ contains
         call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))
       end do
       do p = 1, size(found)
-        if (found(p)%n == 0 .or. was_told(p)) cycle
-        was_told(p) = .true.
+        if (found(p)%n == 0 .or. was_reported(p)) cycle
+        was_reported(p) = .true.
         call report_warning(report, 'In step ' // to_text(i) // ' the displacement along the contact normal is held by a ' // &
           'support or an equation at ' // plural(found(p)%n, 'slave node') // ' of ' // pair_name(model, p) // ' (' // &
           label_list(found(p)%trimmed()) // '): the contact cannot push there. Swap slave and master.')

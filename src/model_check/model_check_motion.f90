@@ -225,7 +225,7 @@ contains
     allocate (bases%n(bodies%n), n_rows(bodies%n), source=0)
     allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
     do b = 1, bodies%n
-      if (bodies%list(b)%n_elements == 0) call constrain_lone_node(model, bodies%list(b)%node, gram(:, :, b))
+      if (bodies%list(b)%n_elements == 0) call constrain_unattached_node(model, bodies%list(b)%node, gram(:, :, b))
     end do
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
@@ -401,7 +401,7 @@ contains
 
 
   !> A node without elements does not rotate, and moves only in the directions that occur in equations.
-  subroutine constrain_lone_node(model, node, gram)
+  subroutine constrain_unattached_node(model, node, gram)
     type(model_type), intent(in) :: model
     integer, intent(in) :: node
     real(DP), intent(inout) :: gram(6, 6)
@@ -416,7 +416,7 @@ contains
     do k = 1, 6
       if (.not. is_used(k)) gram(k, k) = 1.0_DP
     end do
-  end subroutine constrain_lone_node
+  end subroutine constrain_unattached_node
 
 
   !> Adds a'u(node) to the current row.

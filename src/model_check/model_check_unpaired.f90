@@ -24,18 +24,18 @@ module amontons_model_check_unpaired
   private
   public :: check_unpaired_bodies
 
-  real(DP), parameter :: MEETING_RADIUS = 0.05_DP          !< faces within this distance, over the edge, meet [-]
+  real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP          !< faces within this distance, over the edge, meet [-]
   real(DP), parameter :: OVERLAP_RADIUS = 0.25_DP          !< the same for faces that lie behind each other [-]
   integer, parameter :: MAX_PAIRS_SHOWN = 5                !< pairs of bodies with cards; of the others only the number appears
   integer, parameter :: MAX_LISTED = 160                   !< faces of a surface to copy; of wider ones general contact is proposed
   integer, parameter :: LABELS_PER_LINE = 12
 
   !> Two bodies that meet.
-  type :: meeting_type
+  type :: touching_bodies_type
     integer :: body(2) = 0                         !< slave and master
     type(integer_list_type) :: faces(2)            !< exterior faces of each that meet the other one
     logical :: is_joined = .false.
-  end type meeting_type
+  end type touching_bodies_type
 
 contains
 
@@ -45,23 +45,23 @@ contains
     type(diagnostic_list_type), intent(inout) :: report
     type(exterior_type) :: exterior
     type(face_data_type) :: data
-    type(meeting_type), allocatable :: meetings(:)
+    type(touching_bodies_type), allocatable :: contacts(:)
     integer, allocatable :: of_node(:)
     integer :: i, n
     if (allocated(model%general_contact)) return
     call build_model_exterior(model, exterior)
     if (exterior%n_bodies < 2) return
     call collect_stiffness(model, exterior, data)
-    call find_meetings(exterior, data, meetings)
-    if (size(meetings) == 0) return
+    call find_touching_bodies(exterior, data, contacts)
+    if (size(contacts) == 0) return
     call number_nodes(model, exterior, of_node)
-    call mark_pairs(model, of_node, meetings)
-    call mark_constraints(model, of_node, meetings)
+    call mark_pairs(model, of_node, contacts)
+    call mark_constraints(model, of_node, contacts)
     n = 0
-    do i = 1, size(meetings)
-      if (meetings(i)%is_joined) cycle
+    do i = 1, size(contacts)
+      if (contacts(i)%is_joined) cycle
       n = n + 1
-      if (n <= MAX_PAIRS_SHOWN) call report_warning(report, meeting_text(model, exterior, meetings(i)))
+      if (n <= MAX_PAIRS_SHOWN) call report_warning(report, touching_text(model, exterior, contacts(i)))
     end do
     if (n > MAX_PAIRS_SHOWN) call report_warning(report, plural(n - MAX_PAIRS_SHOWN, 'more pair') // &
       verb(n - MAX_PAIRS_SHOWN, ' of bodies meets', ' of bodies meet') // ' without a contact pair or a ' // &
@@ -70,16 +70,16 @@ contains
 
 
   !> Finds the bodies that meet, the better slave first.
-  subroutine find_meetings(exterior, data, meetings)
+  subroutine find_touching_bodies(exterior, data, contacts)
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
-    type(meeting_type), allocatable, intent(out) :: meetings(:)
+    type(touching_bodies_type), allocatable, intent(out) :: contacts(:)
     type(integer_list_type) :: own, other
     integer, allocatable :: order(:)
     integer(I64), allocatable :: key(:)
     integer :: i, k
-    allocate (meetings(0))
-    call find_meeting_faces(exterior, data, own, other)
+    allocate (contacts(0))
+    call find_touching_faces(exterior, data, own, other)
     allocate (key(own%n))
     do i = 1, own%n
       associate (a => exterior%body(own%items(i)), b => exterior%body(other%items(i)))
@@ -94,14 +94,14 @@ contains
         if (key(order(k + 1)) /= key(order(i))) exit
         k = k + 1
       end do
-      meetings = [meetings, meeting_of(exterior, data, [own%items(order(i:k)), other%items(order(i:k))])]
+      contacts = [contacts, touching_bodies_of(exterior, data, [own%items(order(i:k)), other%items(order(i:k))])]
       i = k + 1
     end do
-  end subroutine find_meetings
+  end subroutine find_touching_bodies
 
 
   !> Pairs of faces that meet: each face with those of other bodies near its centre.
-  subroutine find_meeting_faces(exterior, data, own, other)
+  subroutine find_touching_faces(exterior, data, own, other)
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
     type(integer_list_type), intent(out) :: own, other
@@ -117,55 +117,55 @@ contains
       do k = 1, n
         i = list(k)
         if (exterior%body(i) == exterior%body(f) .or. (data%is_rigid(f) .and. data%is_rigid(i))) cycle
-        if (.not. do_meet(exterior, f, i)) cycle
+        if (.not. do_touch(exterior, f, i)) cycle
         call own%add(f)
         call other%add(i)
       end do
     end do
-  end subroutine find_meeting_faces
+  end subroutine find_touching_faces
 
 
   !> Whether two faces of different bodies meet.
-  pure logical function do_meet(exterior, f, m)
+  pure logical function do_touch(exterior, f, m)
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: f, m                    !< faces
     real(DP) :: between(3)
-    do_meet = are_near(exterior, f, m, MEETING_RADIUS, 0.0_DP)
-    if (do_meet) return
+    do_touch = are_near(exterior, f, m, TOUCHING_RADIUS, 0.0_DP)
+    if (do_touch) return
     between = exterior%centre(:, m) - exterior%centre(:, f)
     if (dot_product(between, exterior%normal(:, f)) > 0.0_DP .or. dot_product(between, exterior%normal(:, m)) < 0.0_DP) return
-    do_meet = are_near(exterior, f, m, OVERLAP_RADIUS, 0.0_DP)
-  end function do_meet
+    do_touch = are_near(exterior, f, m, OVERLAP_RADIUS, 0.0_DP)
+  end function do_touch
 
 
   !> The two bodies of some faces: who is the better slave, and the faces of each.
-  function meeting_of(exterior, data, faces) result(meeting)
+  function touching_bodies_of(exterior, data, faces) result(contact)
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
     integer, intent(in) :: faces(:)                !< of two bodies, perhaps several times
-    type(meeting_type) :: meeting
+    type(touching_bodies_type) :: contact
     type(side_type) :: sides(2)
     integer, allocatable :: sorted(:)
     integer :: i, s, reason
     logical :: is_slave
-    meeting%body = [minval(exterior%body(faces)), maxval(exterior%body(faces))]
+    contact%body = [minval(exterior%body(faces)), maxval(exterior%body(faces))]
     sorted = faces
     call sort_integers(sorted)
     do i = 1, size(sorted)
       if (i > 1) then
         if (sorted(i) == sorted(i - 1)) cycle
       end if
-      s = merge(1, 2, exterior%body(sorted(i)) == meeting%body(1))
-      call meeting%faces(s)%add(sorted(i))
+      s = merge(1, 2, exterior%body(sorted(i)) == contact%body(1))
+      call contact%faces(s)%add(sorted(i))
       call add_to_side(exterior, data, sorted(i), sides(s))
     end do
     sides%modulus = sides%modulus / real(sides%n, DP)
     sides%edge = sides%edge / real(sides%n, DP)
     call compare_sides(sides(1), sides(2), is_slave, reason)
     if (is_slave) return
-    meeting%body = meeting%body(2:1:-1)
-    meeting%faces = meeting%faces(2:1:-1)
-  end function meeting_of
+    contact%body = contact%body(2:1:-1)
+    contact%faces = contact%faces(2:1:-1)
+  end function touching_bodies_of
 
 
   !> The body of each node; 0: none.
@@ -183,10 +183,10 @@ contains
 
 
   !> Marks bodies that a contact pair or a tie joins.
-  subroutine mark_pairs(model, of_node, meetings)
+  subroutine mark_pairs(model, of_node, contacts)
     type(model_type), intent(in) :: model
     integer, intent(in) :: of_node(:)
-    type(meeting_type), intent(inout) :: meetings(:)
+    type(touching_bodies_type), intent(inout) :: contacts(:)
     integer :: p
     do p = 1, size(model%pairs)
       call mark(model%pairs(p)%slave, model%pairs(p)%master)
@@ -207,9 +207,9 @@ contains
       is_on(of_node(model%surfaces(slave)%nodes), 1) = .true.
       if (.not. allocated(model%surfaces(master)%nodes)) return    ! a profile
       is_on(of_node(model%surfaces(master)%nodes), 2) = .true.
-      do i = 1, size(meetings)
-        associate (a => meetings(i)%body(1), b => meetings(i)%body(2))
-          if ((is_on(a, 1) .and. is_on(b, 2)) .or. (is_on(b, 1) .and. is_on(a, 2))) meetings(i)%is_joined = .true.
+      do i = 1, size(contacts)
+        associate (a => contacts(i)%body(1), b => contacts(i)%body(2))
+          if ((is_on(a, 1) .and. is_on(b, 2)) .or. (is_on(b, 1) .and. is_on(a, 2))) contacts(i)%is_joined = .true.
         end associate
       end do
     end subroutine mark
@@ -219,10 +219,10 @@ contains
 
   !> Marks bodies that have nodes in one equation, multi-point constraint or element without faces, or in several that share nodes
   !! without a body.
-  subroutine mark_constraints(model, of_node, meetings)
+  subroutine mark_constraints(model, of_node, contacts)
     type(model_type), intent(in) :: model
     integer, intent(in) :: of_node(:)
-    type(meeting_type), intent(inout) :: meetings(:)
+    type(touching_bodies_type), intent(inout) :: contacts(:)
     type(element_kind_type) :: kind
     integer, allocatable :: parent(:)              ! trees of bodyless nodes, then of the constraints themselves
     type(integer_list_type) :: tree, body
@@ -240,7 +240,7 @@ contains
       kind = element_kind(model%mesh%kind(i))
       if (kind%n_faces == 0) call join(model%mesh%nodes(model%mesh%first(i):model%mesh%first(i + 1) - 1))
     end do
-    call mark_trees(parent, tree, body, meetings)
+    call mark_trees(parent, tree, body, contacts)
 
   contains
 
@@ -262,16 +262,16 @@ contains
   end subroutine mark_constraints
 
 
-  !> Marks the meetings of bodies that are in one tree.
-  subroutine mark_trees(parent, tree, body, meetings)
+  !> Marks the contacts of bodies that are in one tree.
+  subroutine mark_trees(parent, tree, body, contacts)
     integer, intent(inout) :: parent(:)
     type(integer_list_type), intent(in) :: tree, body   !< in the tree of item i is body i
-    type(meeting_type), intent(inout) :: meetings(:)
+    type(touching_bodies_type), intent(inout) :: contacts(:)
     type(integer_list_type), allocatable :: trees_of(:)
     integer :: i, b, k
     b = 0
-    do i = 1, size(meetings)
-      b = max(b, maxval(meetings(i)%body))
+    do i = 1, size(contacts)
+      b = max(b, maxval(contacts(i)%body))
     end do
     do i = 1, body%n
       b = max(b, body%items(i))
@@ -286,9 +286,9 @@ contains
         call list%add(k)
       end associate
     end do
-    do i = 1, size(meetings)
-      associate (a => trees_of(meetings(i)%body(1)), c => trees_of(meetings(i)%body(2)))
-        if (a%n > 0 .and. c%n > 0) meetings(i)%is_joined = meetings(i)%is_joined .or. have_common(a%trimmed(), c%trimmed())
+    do i = 1, size(contacts)
+      associate (a => trees_of(contacts(i)%body(1)), c => trees_of(contacts(i)%body(2)))
+        if (a%n > 0 .and. c%n > 0) contacts(i)%is_joined = contacts(i)%is_joined .or. have_common(a%trimmed(), c%trimmed())
       end associate
     end do
   end subroutine mark_trees
@@ -319,23 +319,23 @@ contains
 
 
   !> The warning, with cards to copy.
-  function meeting_text(model, exterior, meeting) result(text)
+  function touching_text(model, exterior, contact) result(text)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
-    type(meeting_type), intent(in) :: meeting
+    type(touching_bodies_type), intent(in) :: contact
     character(:), allocatable :: text
     character(:), allocatable :: name, slave, master, cards
     integer :: s
     cards = ''
     do s = 1, 2
-      call surface_cards(model, exterior, meeting%body(s), meeting%faces(s)%trimmed(), name, cards)
+      call surface_cards(model, exterior, contact%body(s), contact%faces(s)%trimmed(), name, cards)
       if (s == 1) slave = name
       if (s == 2) master = name
     end do
-    text = 'The bodies ' // body_name(model, exterior, meeting%body(1)) // ' (element ' // &
-      to_text(model%mesh%element_label(exterior%element(meeting%faces(1)%items(1)))) // ') and ' // &
-      body_name(model, exterior, meeting%body(2)) // ' (element ' // &
-      to_text(model%mesh%element_label(exterior%element(meeting%faces(2)%items(1)))) // &
+    text = 'The bodies ' // body_name(model, exterior, contact%body(1)) // ' (element ' // &
+      to_text(model%mesh%element_label(exterior%element(contact%faces(1)%items(1)))) // ') and ' // &
+      body_name(model, exterior, contact%body(2)) // ' (element ' // &
+      to_text(model%mesh%element_label(exterior%element(contact%faces(2)%items(1)))) // &
       ') touch, overlap or nearly meet, but no contact pair and no tie joins them: they can pass through each other. '
     text = text // 'If they are to touch, copy these cards before the first step; a *TIE of their surfaces bonds them.'
     if (slave == '' .or. master == '') then
@@ -350,7 +350,7 @@ contains
     end if
     text = text // cards // NEWLINE // '*CONTACT PAIR, INTERACTION=' // name // ', TYPE=SURFACE TO SURFACE' // NEWLINE // slave // &
       ', ' // master
-  end function meeting_text
+  end function touching_text
 
 
   !> The name of a surface that has the faces: the smallest of the deck, or a new one, whose cards are appended.

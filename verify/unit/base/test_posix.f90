@@ -6,7 +6,7 @@ program test_posix
   use amontons_kinds, only: DP, I64
   use amontons_posix, only: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text, &
     has_memory, available_megabytes, total_megabytes, peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, &
-    tell_heartbeat, stop_heartbeat
+    set_heartbeat, stop_heartbeat
   use check, only: suite_type
   implicit none
   interface
@@ -45,7 +45,7 @@ contains
     call start_heartbeat(beat, creat('test_posix.beats' // c_null_char, 384_c_int), 0.1_DP)
     call wait(250)
     call suite%that('silent at first', beats() == 0)
-    call tell_heartbeat(beat, 'still here')
+    call set_heartbeat(beat, 'still here')
     call wait(1050)
     n = beats()
     call suite%that('ten a second', n >= 5 .and. n <= 11)
@@ -54,14 +54,14 @@ contains
     call wait(250)
     call suite%that('none after the end', beats() == i)
     call start_heartbeat(beat, creat('test_posix.beats' // c_null_char, 384_c_int), 2.0_DP)
-    call tell_heartbeat(beat, 'still here')
+    call set_heartbeat(beat, 'still here')
     do i = 1, 12
       call wait(250)
       call postpone_heartbeat(beat)
     end do
     call suite%that('none where others write', beats() == 0)
     call stop_heartbeat(beat)
-    call tell_heartbeat(beat, 'nobody')            ! without a thread: nothing happens
+    call set_heartbeat(beat, 'nobody')            ! without a thread: nothing happens
   end subroutine check_heartbeat
 
 

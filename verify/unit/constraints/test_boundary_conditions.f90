@@ -55,7 +55,7 @@ contains
     call build_base_constraints(base, model, model%steps(1), state%new, u_start, reshape([integer ::], [3, 0]), is_alone, &
       violation, error)
     call suite%that('prescribed: nodes without elements are held', base%n_free == 72)
-    call suite%near('prescribed: no bonds, no violation', violation, 0.0_DP, 0.0_DP)
+    call suite%near('prescribed: no constraints, no violation', violation, 0.0_DP, 0.0_DP)
   end subroutine check_prescribed
 
 

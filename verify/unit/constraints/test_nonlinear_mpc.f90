@@ -75,38 +75,38 @@ contains
   !> Every kind of constraint, linear and not: the row is the derivative of its function, the second derivative that of the row.
   subroutine test_rows(suite)
     type(suite_type), intent(inout) :: suite
-    type(nonlinear_mpc_type) :: bond
+    type(nonlinear_mpc_type) :: mpc
     real(DP) :: X(3, N_NODES)
     integer :: kind
     X = reshape([0.0_DP, 0.0_DP, 0.0_DP, 2.0_DP, 0.1_DP, 0.0_DP, 0.3_DP, 1.5_DP, 0.2_DP, 0.2_DP, -0.4_DP, 1.7_DP, &
       1.1_DP, 0.9_DP, 0.8_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.6_DP, 0.7_DP, -0.5_DP], [3, N_NODES])
     do kind = MPC_RIGID_BODY, MPC_MEAN_ROTATION
-      bond = nonlinear_mpc_type(kind=kind)
-      bond%card = 'TEST'
+      mpc = nonlinear_mpc_type(kind=kind)
+      mpc%card = 'TEST'
       select case (kind)
       case (MPC_RIGID_BODY)
-        bond%node = [1, 2, 3, 4]
-        bond%reference = 5
-        bond%rotation = 6
-        bond%is_bound(2) = .false.
-        call check_rows(suite, bond, X, .true.)
-        call check_curvature(suite, bond, X)
-        bond%expansion = 7
+        mpc%node = [1, 2, 3, 4]
+        mpc%reference = 5
+        mpc%rotation = 6
+        mpc%is_bound(2) = .false.
+        call check_rows(suite, mpc, X, .true.)
+        call check_curvature(suite, mpc, X)
+        mpc%expansion = 7
       case (MPC_PLANE)
-        bond%node = [5, 1, 2, 3]
+        mpc%node = [5, 1, 2, 3]
       case (MPC_STRAIGHT)
-        bond%node = [5, 1, 2]
+        mpc%node = [5, 1, 2]
       case (MPC_DISTANCE)
-        bond%node = [5, 4]
+        mpc%node = [5, 4]
       case (MPC_MEAN_ROTATION)
-        bond%node = [1, 2, 3, 4, 7]
-        bond%reference = 6
-        bond%pilot_direction = 2
-        bond%axis = [1.0_DP, 2.0_DP, 2.0_DP] / 3.0_DP
+        mpc%node = [1, 2, 3, 4, 7]
+        mpc%reference = 6
+        mpc%pilot_direction = 2
+        mpc%axis = [1.0_DP, 2.0_DP, 2.0_DP] / 3.0_DP
       end select
-      call check_rows(suite, bond, X, .true.)
-      call check_rows(suite, bond, X, .false.)
-      call check_curvature(suite, bond, X)
+      call check_rows(suite, mpc, X, .true.)
+      call check_rows(suite, mpc, X, .false.)
+      call check_curvature(suite, mpc, X)
     end do
   end subroutine test_rows
 
@@ -120,9 +120,9 @@ contains
 
 
   !> d(-rhs)/du = the coefficients, by central differences.
-  subroutine check_rows(suite, bond, X, is_nlgeom)
+  subroutine check_rows(suite, mpc, X, is_nlgeom)
     type(suite_type), intent(inout) :: suite
-    type(nonlinear_mpc_type), intent(in) :: bond
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: X(:, :)
     logical, intent(in) :: is_nlgeom
     real(DP), parameter :: H = 1.0e-6_DP
@@ -130,31 +130,31 @@ contains
     real(DP) :: u(3, N_NODES), v(3, N_NODES), slope
     integer :: i, k
     character(24) :: name
-    write (name, '(a,i0,l2)') 'row of bond ', bond%kind, is_nlgeom
+    write (name, '(a,i0,l2)') 'row of mpc ', mpc%kind, is_nlgeom
     u = some_displacement()
-    call evaluate_mpc_rows(bond, X, u, is_nlgeom, rows)
+    call evaluate_mpc_rows(mpc, X, u, is_nlgeom, rows)
     do i = 1, 3 * N_NODES
       v = u
       v(mod(i - 1, 3) + 1, (i + 2) / 3) = v(mod(i - 1, 3) + 1, (i + 2) / 3) + H
-      call evaluate_mpc_rows(bond, X, v, is_nlgeom, plus)
+      call evaluate_mpc_rows(mpc, X, v, is_nlgeom, plus)
       v(mod(i - 1, 3) + 1, (i + 2) / 3) = v(mod(i - 1, 3) + 1, (i + 2) / 3) - 2.0_DP * H
-      call evaluate_mpc_rows(bond, X, v, is_nlgeom, minus)
+      call evaluate_mpc_rows(mpc, X, v, is_nlgeom, minus)
       do k = 1, size(rows)
         slope = sum(rows(k)%coefficient, mask=rows(k)%unknown == i)
         call suite%near(name, slope, (minus(k)%rhs - plus(k)%rhs) / (2.0_DP * H), 1.0e-8_DP)
       end do
     end do
     u = 0.0_DP
-    call evaluate_mpc_rows(bond, X, u, is_nlgeom, rows)
-    if (bond%kind /= MPC_PLANE .and. bond%kind /= MPC_STRAIGHT) call suite%near(name // ' at the start', &
+    call evaluate_mpc_rows(mpc, X, u, is_nlgeom, rows)
+    if (mpc%kind /= MPC_PLANE .and. mpc%kind /= MPC_STRAIGHT) call suite%near(name // ' at the start', &
       maxval([(abs(rows(k)%rhs), k=1, size(rows))]), 0.0_DP, 1.0e-14_DP)
   end subroutine check_rows
 
 
   !> The second derivative is the weighted difference of the rows.
-  subroutine check_curvature(suite, bond, X)
+  subroutine check_curvature(suite, mpc, X)
     type(suite_type), intent(inout) :: suite
-    type(nonlinear_mpc_type), intent(in) :: bond
+    type(nonlinear_mpc_type), intent(in) :: mpc
     real(DP), intent(in) :: X(:, :)
     real(DP), parameter :: H = 1.0e-6_DP
     type(constraint_row_type), allocatable :: rows(:), plus(:), minus(:)
@@ -163,17 +163,17 @@ contains
     real(DP) :: u(3, N_NODES), v(3, N_NODES), slope
     integer :: i, j, k, unknown
     u = some_displacement()
-    call evaluate_mpc_rows(bond, X, u, .true., rows)
+    call evaluate_mpc_rows(mpc, X, u, .true., rows)
     weight = [(1.0_DP + 0.5_DP * real(k, DP), k=1, size(rows))]
-    call evaluate_mpc_hessian(bond, X, u, weight, curvature)
-    nodes = list_hessian_nodes(bond)
+    call evaluate_mpc_hessian(mpc, X, u, weight, curvature)
+    nodes = list_hessian_nodes(mpc)
     do j = 1, 3 * size(nodes)
       v = u
       associate (moved => v(mod(j - 1, 3) + 1, nodes((j + 2) / 3)))
         moved = moved + H
-        call evaluate_mpc_rows(bond, X, v, .true., plus)
+        call evaluate_mpc_rows(mpc, X, v, .true., plus)
         moved = moved - 2.0_DP * H
-        call evaluate_mpc_rows(bond, X, v, .true., minus)
+        call evaluate_mpc_rows(mpc, X, v, .true., minus)
       end associate
       do i = 1, 3 * size(nodes)
         unknown = 3 * (nodes((i + 2) / 3) - 1) + mod(i - 1, 3) + 1

@@ -27,7 +27,7 @@ program test_model_check
   call check_equations_conflict(suite)
   call check_many_bodies(suite)
   call check_elements(suite)
-  call check_lone_nodes(suite)
+  call check_unattached_nodes(suite)
   call check_projection(suite)
   call check_depth(suite)
   call check_overlap(suite)
@@ -476,7 +476,7 @@ contains
 
 
   !> A support and a force at a node without elements.
-  subroutine check_lone_nodes(suite)
+  subroutine check_unattached_nodes(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
     type(concentrated_type) :: load
@@ -493,7 +493,7 @@ contains
     load%end = 1.0_DP
     model%steps(1)%concentrated = [load]
     call expect(suite, 'a lone force', model, 0, 2, 'A force (*CLOAD) acts on 1 node without elements (1009)')
-  end subroutine check_lone_nodes
+  end subroutine check_unattached_nodes
 
 
   !> Pairs that do not face each other, or are too far apart.
