@@ -1,4 +1,4 @@
-# Amontons: build, test, run. `make help` tells what there is.
+# Amontons: build, test, run. `make help` lists the targets.
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 SHELL := /bin/bash
@@ -190,7 +190,7 @@ races: ready $(VENV)/installed ## Build with ThreadSanitizer into build/races, a
 	@PYTHONPATH=python $(PY) -m verify.sanitizers.run --program build/races/bin/amontons --preload build/races/gomp_order.so
 
 # --- what must be there first -------------------------------------------------------------------------------------
-deps: ready ## Install what is missing (Debian, Ubuntu: apt; elsewhere it is told), and the Python packages into .venv
+deps: ready ## Install what is missing (Debian, Ubuntu: apt; elsewhere a list), and the Python packages into .venv
 	@$(MAKE) $(VENV)/installed
 	@echo "All that Amontons needs is there."
 
@@ -199,7 +199,7 @@ ready:
 
 # A second make, because the places of the headers are looked up when make starts.
 proven:
-	@.ci/deps check || { .ci/deps tell; exit 1; }
+	@.ci/deps check || { .ci/deps list; exit 1; }
 
 # A link to an environment elsewhere is never written through: it has the packages, or make says so.
 $(VENV)/installed: verify/requirements.txt | ready
@@ -229,7 +229,7 @@ report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside i
 programs: all
 	@$(MAKE) unit
 
-# Each test with one thread and as many tests at once as there are processors; tests of threads ask for theirs.
+# Each test with one thread and as many tests at once as there are processors; tests of threads set their own.
 PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB=$(LIB) AMONTONS_UNITS=$(B)/unit \
   $(PY) -m pytest -n $(JOBS) $(PYTEST_OPTIONS)
 
@@ -296,7 +296,7 @@ lint: $(VENV)/installed ## Prove the layers of src, the limits of style.md, the 
 	  $(VENV)/bin/fortitude check --output-format concise $(SOURCES) || failed=1; \
 	  exit $$failed
 
-hooks: ## Let git run `make lint` before each commit
+hooks: ## Make git run `make lint` before each commit
 	@printf '#!/bin/sh\nexec make lint\n' > "$$(git rev-parse --git-path hooks/pre-commit)"
 	@chmod +x "$$(git rev-parse --git-path hooks/pre-commit)"
 

@@ -22,7 +22,7 @@ HAS_TREE = (TREE / "Makefile").exists() and (TREE / "src" / "driver").exists()
 
 
 def built() -> list[tuple[Path, str]]:
-    """Library and program with their places in the package; built first if nobody names them."""
+    """Library and program with their places in the package; built first unless they are given."""
     if "AMONTONS_LIB" not in os.environ:
         kept = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
         subprocess.run(["make", "-C", str(TREE), "build"], env=kept, check=True)
@@ -51,7 +51,7 @@ class ForThisPlatform(bdist_wheel):
     """Any Python 3, but one kind of machine."""
 
     def get_tag(self) -> tuple[str, str, str]:
-        """The middle part tells that no interface of Python's C is used."""
+        """The middle part says that no C interface of Python is used."""
         return ("py3", "none", super().get_tag()[2])
 
 

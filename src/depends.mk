@@ -155,7 +155,7 @@ uses_contact_initialization = kinds errors topology surfaces model contact_const
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
-uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation contact_pairs
+uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
 uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
 
 # equilibrium

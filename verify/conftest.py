@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from verify.cases.proof import MOST_OVER_ALL, Case, write_index
+from verify.cases.proof import MAX_OVER_ALL, Case, write_index
 
 #: Iteration counts are references, and where rounding decides a path they follow the BLAS kernel, which OpenBLAS chooses by the processor.
 #: So the verification runs with one kernel wherever the processor has AVX2. OPENBLAS_CORETYPE names another.
@@ -97,6 +97,6 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     """The index of the pages, once, when all workers are done; too many iterations over all cases fail the session."""
     if PAGES and not hasattr(session.config, "workerinput"):
         mean = write_index(Path(PAGES).resolve())
-        if mean > MOST_OVER_ALL:
-            print(f"\n{mean:.2f} Newton iterations per increment over all cases; at most {MOST_OVER_ALL:g} are allowed.")
+        if mean > MAX_OVER_ALL:
+            print(f"\n{mean:.2f} Newton iterations per increment over all cases; at most {MAX_OVER_ALL:g} are allowed.")
             session.exitstatus = pytest.ExitCode.TESTS_FAILED

@@ -69,7 +69,7 @@ ERRORS = {kind.status: kind for kind in (UsageError, DeckError, SetupError, NotC
 
 
 class Verdict(IntEnum):
-    """What a Newton iteration has led to."""
+    """The outcome of a Newton iteration."""
 
     GO_ON = 0
     CONVERGED = 1

@@ -227,7 +227,7 @@ class Results:
         """The bodies with all fields, for pyvista; not deformed (`grid.warp_by_vector("U")` is).
 
         Args:
-            time: that of a frame (the nearest is taken, `grid.field_data["TIME"]` tells it); default the last.
+            time: that of a frame (the nearest is taken, `grid.field_data["TIME"]` holds it); default the last.
             elset: only the elements of one or several sets; default all, and analytic surfaces.
 
         Raises:

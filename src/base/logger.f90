@@ -10,7 +10,8 @@ module amontons_logger
   use amontons_errors, only: diagnostic_list_type, diagnostic_type
   use amontons_text, only: plural, to_text, BLANK_CHARACTERS, NEWLINE
   use amontons_iteration_records, only: iteration_record_type, increment_record_type, N_PHASES, PHASE_NAMES, PHASE_OTHER
-  use amontons_posix, only: peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat
+  use amontons_posix, only: peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat, &
+    stop_heartbeat
   implicit none
   private
   public :: logger_type, log_sink_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
@@ -21,7 +22,7 @@ module amontons_logger
 
   integer, parameter :: MAX_ECHO_LENGTH = 1000         !< characters of a line of the deck that are shown
   integer, parameter :: MAX_DIAGNOSTICS_SHOWN = 500  !< diagnostics beyond this number are only counted
-  real(DP), parameter :: HEARTBEAT = 30         !< where nothing is written for so long, a line tells where the job is [s]
+  real(DP), parameter :: HEARTBEAT = 30         !< where nothing is written for so long, a line reports the progress [s]
   integer, parameter :: LIVE_WIDTH = 79         !< a live line must not wrap
   character(*), parameter :: ESCAPE = achar(27), RETURN_KEY = achar(13)
 
@@ -136,7 +137,7 @@ contains
     class(logger_type), intent(inout) :: self
     character(*), intent(in) :: text
     integer :: first
-    call set_heartbeat(self%heartbeat, '')
+    call stop_heartbeat(self%heartbeat)
     first = index(text, NEWLINE)
     if (first > 0) call write_line(self, text(first + 1:))
     if (first == 0) first = len(text) + 1
@@ -277,7 +278,7 @@ contains
   subroutine show_summary(self, records)
     class(logger_type), intent(inout) :: self
     type(increment_record_type), intent(in) :: records(:)   !< all attempts of the job, in order
-    call set_heartbeat(self%heartbeat, '')
+    call stop_heartbeat(self%heartbeat)
     if (self%is_quiet .or. size(records) == 0) return
     call write_line(self, '')
     call write_counts(self, records)

@@ -55,20 +55,20 @@ module amontons_posix
       integer(c_int64_t) :: sum
     end function checksum_words_c
 
-    subroutine acquire_lock_c() bind(C, name='amontons_take_turn')
+    subroutine acquire_lock_c() bind(C, name='amontons_acquire_lock')
     end subroutine acquire_lock_c
 
-    subroutine release_lock_c() bind(C, name='amontons_end_turn')
+    subroutine release_lock_c() bind(C, name='amontons_release_lock')
     end subroutine release_lock_c
 
     !> Releases the lock during long work without text; the number is for resume_lock.
-    function suspend_lock() bind(C, name='amontons_leave_turn') result(before)
+    function suspend_lock() bind(C, name='amontons_suspend_lock') result(before)
       import :: c_int
       integer(c_int) :: before
     end function suspend_lock
 
     !> Takes the lock again if it was held.
-    subroutine resume_lock(before) bind(C, name='amontons_resume_turn')
+    subroutine resume_lock(before) bind(C, name='amontons_resume_lock')
       import :: c_int
       integer(c_int), value :: before
     end subroutine resume_lock
@@ -278,19 +278,19 @@ contains
 
 
   !> Waits for the process lock; finalization of the variable releases it.
-  subroutine acquire_lock(turn)
-    type(process_lock_type), intent(inout) :: turn
-    if (turn%is_locked) return
+  subroutine acquire_lock(lock)
+    type(process_lock_type), intent(inout) :: lock
+    if (lock%is_locked) return
     call acquire_lock_c()
-    turn%is_locked = .true.
+    lock%is_locked = .true.
   end subroutine acquire_lock
 
 
   !> Finalizer: releases the lock.
-  subroutine release_lock(turn)
-    type(process_lock_type), intent(inout) :: turn
-    if (turn%is_locked) call release_lock_c()
-    turn%is_locked = .false.
+  subroutine release_lock(lock)
+    type(process_lock_type), intent(inout) :: lock
+    if (lock%is_locked) call release_lock_c()
+    lock%is_locked = .false.
   end subroutine release_lock
 
 end module amontons_posix

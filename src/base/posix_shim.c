@@ -76,18 +76,18 @@ int amontons_status_requested(void)
 static pthread_mutex_t words = PTHREAD_MUTEX_INITIALIZER;
 static _Thread_local int depth = 0;
 
-void amontons_take_turn(void)
+void amontons_acquire_lock(void)
 {
   if (depth++ == 0) pthread_mutex_lock(&words);
 }
 
-void amontons_end_turn(void)
+void amontons_release_lock(void)
 {
   if (--depth == 0) pthread_mutex_unlock(&words);
 }
 
-/* Releases the lock if this thread holds it; the result is the argument of amontons_resume_turn. */
-int amontons_leave_turn(void)
+/* Releases the lock if this thread holds it; the result is the argument of amontons_resume_lock. */
+int amontons_suspend_lock(void)
 {
   int before = depth;
   depth = 0;
@@ -95,7 +95,7 @@ int amontons_leave_turn(void)
   return before;
 }
 
-void amontons_resume_turn(int before)
+void amontons_resume_lock(int before)
 {
   if (before) pthread_mutex_lock(&words);
   depth = before;

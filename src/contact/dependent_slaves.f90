@@ -134,9 +134,9 @@ contains
     logical, intent(in) :: is_dependent(:, :)      !< (3, n_nodes)
     real(DP) :: modulus, edge
     associate (slave => model%surfaces(model%pairs(p)%slave), master => model%surfaces(model%pairs(p)%master))
-      modulus = min(least_modulus(model, slave, is_dependent), least_modulus(model, master, is_dependent))
-      if (modulus >= huge(1.0_DP)) modulus = min(least_modulus(model, slave, .false. .and. is_dependent), &
-        least_modulus(model, master, .false. .and. is_dependent))
+      modulus = min(min_modulus(model, slave, is_dependent), min_modulus(model, master, is_dependent))
+      if (modulus >= huge(1.0_DP)) modulus = min(min_modulus(model, slave, .false. .and. is_dependent), &
+        min_modulus(model, master, .false. .and. is_dependent))
       if (modulus >= huge(1.0_DP)) modulus = 0.0_DP
       edge = min(mean_edge(slave), mean_edge(master))
       if (edge >= huge(1.0_DP)) modulus = 0.0_DP
@@ -156,7 +156,7 @@ contains
 
 
   !> The least Young's modulus of the elements below a surface that deform; huge if none does.
-  pure real(DP) function least_modulus(model, surface, is_dependent) result(modulus)
+  pure real(DP) function min_modulus(model, surface, is_dependent) result(modulus)
     type(model_type), intent(in) :: model
     type(surface_type), intent(in) :: surface
     logical, intent(in) :: is_dependent(:, :)      !< (3, n_nodes)
@@ -172,6 +172,6 @@ contains
       e = small_strain_modulus(model%materials(material))
       if (e > 0.0_DP) modulus = min(modulus, e)
     end do
-  end function least_modulus
+  end function min_modulus
 
 end module amontons_dependent_slaves

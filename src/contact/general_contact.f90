@@ -25,18 +25,19 @@ module amontons_general_contact
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
+  use amontons_shared_slave_nodes, only: MIN_FREE_PART
   implicit none
   private
   public :: general_pairs_type, find_general_pairs, find_unpaired_contact
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
   public :: are_near, list_facets, exterior_positions, body_name, small_strain_modulus
+  public :: TOUCHING_RADIUS
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
   real(DP), parameter :: LOAD_MOTION_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
   real(DP), parameter :: DISTINCT_STIFFNESS_RATIO = 1.5_DP !< bodies with a smaller ratio of their moduli are alike [-]
   real(DP), parameter :: DISTINCT_MESH_RATIO = 1.1_DP      !< the same for the mean edges [-]
-  real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP         !< a normal with a smaller free part is held by supports [-]
 
   ! Why a body is the slave
   integer, parameter :: REASON_RIGID = 1, REASON_HELD = 2, REASON_SOFTER = 3, REASON_FINER = 4, REASON_SMALLER = 5, &
@@ -585,9 +586,9 @@ contains
     integer, intent(in) :: h                       !< the other group
     real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
-    integer, parameter :: MAX_SAMPLES = 200
+    integer, parameter :: MAX_SAMPLED_FACES = 200
     integer :: i, stride
-    stride = 1 + size(other) / MAX_SAMPLES
+    stride = 1 + size(other) / MAX_SAMPLED_FACES
     do i = 1, size(own)
       if (box_distance(exterior%box(:, :, own(i)), box) > motion) cycle
       if (minval(matmul(exterior%normal(:, own(i)), exterior%normal(:, other(::stride)))) > 0.0_DP) cycle

@@ -24,7 +24,6 @@ module amontons_surface_projection
   private
   public :: projection_type, gap_derivatives_type
   public :: track_projection, find_projection, evaluate_gap_derivatives, evaluate_facet_point, evaluate_vertex_normal, &
-    evaluate_smooth_normal, &
     evaluate_vertex_derivative, find_edge_excess
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
@@ -312,21 +311,6 @@ contains
     end do
     call move_alloc(derivative%d_n, d_n)
   end subroutine evaluate_vertex_derivative
-
-
-  !> The unit normal n(xi) of the smooth surface.
-  pure subroutine evaluate_smooth_normal(facets, x, f, xi, n)
-    type(facets_type), intent(in) :: facets
-    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
-    integer, intent(in) :: f                     !< facet
-    real(DP), intent(in) :: xi(2)                !< natural coordinates [-]
-    real(DP), intent(out) :: n(3)                !< [-]
-    type(facet_geometry_type) :: geometry
-    type(surface_point_type) :: surface_point
-    call build_facet_geometry(facets, x, f, geometry)
-    call evaluate_surface_point(geometry, xi, surface_point)
-    n = surface_point%normal
-  end subroutine evaluate_smooth_normal
 
 
   !> The excess of a point beyond each edge, over the length of the facet across that edge; negative inside. Edge 4 of a triangle,

@@ -159,11 +159,11 @@ contains
     call restore_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
     call rollback_analysis(analysis, error)
     if (allocated(error)) return
-    if (analysis%stepper%step == 0) then
+    if (analysis%stepping%step == 0) then
       call logger%say('The job starts again from its beginning.')
     else
-      call logger%say('The job continues after the checkpoint at time ' // to_text(analysis%stepper%total_time) // &
-        ' in step ' // to_text(analysis%stepper%step) // '.')
+      call logger%say('The job continues after the checkpoint at time ' // to_text(analysis%stepping%total_time) // &
+        ' in step ' // to_text(analysis%stepping%step) // '.')
     end if
   end subroutine resume_from_checkpoint
 
@@ -234,11 +234,11 @@ contains
     is_done = is_at_end(analysis)
     if (is_done) return
     signal = shared_stop_signal()
-    associate (stepper => analysis%stepper)
+    associate (stepping => analysis%stepping)
       if (analysis%options%handles_signals .and. signal /= 0) then
         call set_error(error, EXIT_NOT_CONVERGED, signal_message(analysis))
       else if (.not. analysis%is_step_start .and. &
-          stepper%increment > analysis%model%steps(stepper%step)%max_increments) then
+          stepping%increment > analysis%model%steps(stepping%step)%max_increments) then
         call set_error(error, EXIT_NOT_CONVERGED, 'The step needs more increments than INC on its *STEP card allows. ' // &
           'All converged increments are on disk.')
       end if
@@ -248,7 +248,7 @@ contains
 
   !> Solves one increment with cut-backs; it ends at `until` at the latest. Nothing is committed.
   !!
-  !! After: without an error the stepper and the committed fields of the state are those at the end of the increment; the
+  !! After: without an error the stepping and the committed fields of the state are those at the end of the increment; the
   !! snapshot contains those of the last commit. After an error they are unchanged.
   subroutine solve_increment(analysis, logger, until, error)
     type(analysis_type), intent(inout) :: analysis
@@ -264,10 +264,10 @@ contains
     call log_solver_choice(analysis, logger)
     associate (step => analysis%driven_loads%step)
       do
-        dt = min(propose_increment(analysis%stepper, step), until - analysis%stepper%step_time)
+        dt = min(propose_increment(analysis%stepping, step), until - analysis%stepping%step_time)
         call begin_trial(analysis, dt, error)
-        analysis%newton%can_be_cut_back = can_cut_back(analysis%stepper, step, dt)
-        if (analysis%newton%can_be_cut_back .and. analysis%stepper%attempt == 1) &
+        analysis%newton%can_be_cut_back = can_cut_back(analysis%stepping, step, dt)
+        if (analysis%newton%can_be_cut_back .and. analysis%stepping%attempt == 1) &
           call delay_snap_through(analysis%newton%globalization, step%controls%globalization)
         do
           call iterate_trial(analysis, logger, verdict, error)
@@ -302,12 +302,12 @@ contains
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_step_start) return
-    if (analysis%stepper%step > 0 .and. analysis%stepper%step_time == 0.0_DP) return   ! it has started
-    call begin_stepping(analysis%stepper, analysis%model%steps(analysis%stepper%step + 1))
-    call begin_motion(analysis%model%steps, analysis%stepper%step, analysis%state%old)
-    analysis%state%old%total_time = analysis%stepper%total_time   ! a step may set the clock
-    call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepper%step)
-    call activate_elements(analysis%model, analysis%stepper%step, analysis%state)
+    if (analysis%stepping%step > 0 .and. analysis%stepping%step_time == 0.0_DP) return   ! it has started
+    call begin_stepping(analysis%stepping, analysis%model%steps(analysis%stepping%step + 1))
+    call begin_motion(analysis%model%steps, analysis%stepping%step, analysis%state%old)
+    analysis%state%old%total_time = analysis%stepping%total_time   ! a step may set the clock
+    call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepping%step)
+    call activate_elements(analysis%model, analysis%stepping%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
   end subroutine enter_step
 
@@ -325,7 +325,7 @@ contains
   end subroutine begin_trial
 
 
-  !> One Newton iteration of the attempt. A converged attempt is accepted: stepper and state advance to its end.
+  !> One Newton iteration of the attempt. A converged attempt is accepted: stepping and state advance to its end.
   subroutine iterate_trial(analysis, logger, verdict, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -363,7 +363,7 @@ contains
       call commit_state(analysis%state)
       n_iterations = record%n_iterations
       if (step%solver == SOLVER_GRADIENTS) n_iterations = comparable_iterations(step, n_iterations)
-      call accept_increment(analysis%stepper, step, record%dt, attempt_effort_type(n_iterations, record%n_status_changes, &
+      call accept_increment(analysis%stepping, step, record%dt, attempt_effort_type(n_iterations, record%n_status_changes, &
         record%n_cycles_treated), outcome)
       analysis%is_step_start = outcome == OUTCOME_STEP_DONE
     end associate
@@ -405,7 +405,7 @@ contains
     type(analysis_type), intent(in) :: analysis
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
-    if (.not. analysis%model%steps(max(1, analysis%stepper%step))%is_nlgeom) return
+    if (.not. analysis%model%steps(max(1, analysis%stepping%step))%is_nlgeom) return
     associate (now => analysis%state%old)
       call find_unpaired_contact(analysis%model, now%u, now%time_increment * now%v, message)
     end associate
@@ -417,7 +417,7 @@ contains
   subroutine save_commit(analysis)
     type(analysis_type), intent(inout) :: analysis
     analysis%n_committed = analysis%n_records
-    call take_snapshot(analysis%snapshot, analysis%state, analysis%system, analysis%newton, analysis%stepper, &
+    call take_snapshot(analysis%snapshot, analysis%state, analysis%system, analysis%newton, analysis%stepping, &
       analysis%is_step_start)
     call list_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
   end subroutine save_commit
@@ -429,10 +429,10 @@ contains
     type(error_type), allocatable, intent(out) :: error
     analysis%n_records = analysis%n_committed
     analysis%n_iterations = 0
-    call select_step_loads(analysis%driven_loads, analysis%model, max(1, analysis%snapshot%stepper%step))
+    call select_step_loads(analysis%driven_loads, analysis%model, max(1, analysis%snapshot%stepping%step))
     call restore_snapshot(analysis%snapshot, analysis%model, analysis%driven_loads%step, analysis%state, analysis%system, &
       analysis%newton, &
-      analysis%stepper, analysis%is_step_start, error)
+      analysis%stepping, analysis%is_step_start, error)
     if (allocated(analysis%driven_loads%step%amplitudes)) call restore_user_amplitudes(analysis%driven_loads%step%amplitudes, &
       analysis%state%old)
   end subroutine rollback_analysis
@@ -459,7 +459,7 @@ contains
   end subroutine handle_signals
 
 
-  !> The signal that asks a rank to stop, the same on all ranks; 0: none.
+  !> The stop signal of a rank, the same on all ranks; 0: none.
   integer function shared_stop_signal() result(signal)
     signal = -nint(min_over_ranks(-real(pending_stop_signal(), DP)))
   end function shared_stop_signal
@@ -471,7 +471,7 @@ contains
     character(:), allocatable :: sentence
     integer, parameter :: SIGINT = 2               ! POSIX
     sentence = 'The job was stopped by ' // trim(merge('SIGINT ', 'SIGTERM', shared_stop_signal() == SIGINT)) // &
-      ' at time ' // to_text(analysis%stepper%total_time) // '. All converged increments are on disk; amontons ' // &
+      ' at time ' // to_text(analysis%stepping%total_time) // '. All converged increments are on disk; amontons ' // &
       '--resume ' // analysis%options%job // ' continues after them.'
   end function signal_message
 
@@ -482,10 +482,10 @@ contains
     real(DP), intent(in) :: dt                     !< [time]
     call restore_state(analysis%state)
     analysis%smallest_pnewdt = 1.0_DP
-    analysis%state%new%step_time = analysis%stepper%step_time + dt
-    analysis%state%new%total_time = analysis%stepper%total_time + dt
-    analysis%state%new%step = analysis%stepper%step
-    analysis%state%new%increment = analysis%stepper%increment
+    analysis%state%new%step_time = analysis%stepping%step_time + dt
+    analysis%state%new%total_time = analysis%stepping%total_time + dt
+    analysis%state%new%step = analysis%stepping%step
+    analysis%state%new%increment = analysis%stepping%increment
     analysis%state%new%time_increment = dt
     if (allocated(analysis%driven_loads%step%amplitudes)) call update_user_amplitudes(analysis%model, &
       analysis%driven_loads%step%amplitudes, &
@@ -497,8 +497,8 @@ contains
     call system_clock(analysis%clock)
     analysis%n_records = analysis%n_records + 1
     if (analysis%n_records > size(analysis%records)) call enlarge_records(analysis%records)
-    analysis%records(analysis%n_records) = increment_record_type(step=analysis%stepper%step, &
-      increment=analysis%stepper%increment, attempt=analysis%stepper%attempt, n_cutbacks=analysis%stepper%attempt - 1, &
+    analysis%records(analysis%n_records) = increment_record_type(step=analysis%stepping%step, &
+      increment=analysis%stepping%increment, attempt=analysis%stepping%attempt, n_cutbacks=analysis%stepping%attempt - 1, &
       dt=dt, step_time=analysis%state%new%step_time, total_time=analysis%state%new%total_time, reason='')
   end subroutine start_attempt
 
@@ -557,8 +557,8 @@ contains
       if (analysis%smallest_pnewdt < 1.0_DP) record%failure = failure_type(FAILURE_USER_ROUTINE, number=analysis%smallest_pnewdt)
       record%reason = failure_words(record%failure)
       call complete_record(analysis, record)
-      call reject_increment(analysis%stepper, step, dt, verdict, outcome)
-      if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepper%dt = max(step%dt_min, &
+      call reject_increment(analysis%stepping, step, dt, verdict, outcome)
+      if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepping%dt = max(step%dt_min, &
         analysis%smallest_pnewdt * dt)
       is_always_free = is_always_unsupported(analysis%records(:analysis%n_records), &
         step%controls%increments%max_unsupported_attempts) .and. .not. step%is_dynamic
@@ -677,8 +677,8 @@ contains
   !> Completed fraction of the time of all steps [-].
   pure real(DP) function done_fraction(analysis) result(fraction)
     type(analysis_type), intent(in) :: analysis
-    associate (steps => analysis%model%steps, stepper => analysis%stepper)
-      fraction = (sum(steps(:max(0, stepper%step - 1))%period) + stepper%step_time) / sum(steps%period)
+    associate (steps => analysis%model%steps, stepping => analysis%stepping)
+      fraction = (sum(steps(:max(0, stepping%step - 1))%period) + stepping%step_time) / sum(steps%period)
     end associate
   end function done_fraction
 

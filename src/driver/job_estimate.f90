@@ -111,7 +111,7 @@ contains
     real(DP) :: start, now
     integer :: failed
     call cpu_time(start)
-    call begin_trial(analysis, analysis%stepper%dt, error)
+    call begin_trial(analysis, analysis%stepping%dt, error)
     if (allocated(error)) return
     call cpu_time(now)
     estimate%force_seconds = now - start

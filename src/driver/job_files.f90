@@ -13,7 +13,7 @@ module amontons_job_files
   use amontons_equilibrium, only: equilibrium_type
   use amontons_newton, only: newton_type
   use amontons_postprocess, only: n_nodal_slaves
-  use amontons_increment_control, only: stepper_type
+  use amontons_increment_control, only: increment_control_type
   use amontons_hdf5_file, only: repair_hdf5
   use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
     write_iteration, close_results, export_result_pages, apply_result_pages, discard_results, &
@@ -41,7 +41,7 @@ module amontons_job_files
                                                                !! anything moves
     type(equilibrium_type) :: system
     type(newton_type) :: newton
-    type(stepper_type) :: stepper
+    type(increment_control_type) :: stepping
     type(results_type) :: results
     type(text_output_type) :: text_output
     type(frd_type) :: frd
@@ -73,7 +73,7 @@ contains
   pure logical function is_at_end(analysis)
     type(analysis_type), intent(in) :: analysis
     is_at_end = analysis%options%is_check .or. &
-      (analysis%is_step_start .and. analysis%stepper%step >= size(analysis%model%steps))
+      (analysis%is_step_start .and. analysis%stepping%step >= size(analysis%model%steps))
   end function is_at_end
 
 
@@ -122,7 +122,7 @@ contains
     type(analysis_type), intent(in) :: analysis
     type(increment_record_type) :: record
     associate (old => analysis%state%old)
-      record = increment_record_type(reason='', step=analysis%stepper%step, step_time=old%step_time, &
+      record = increment_record_type(reason='', step=analysis%stepping%step, step_time=old%step_time, &
         total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
         stabilization_work=old%stabilization_work, plastic_work=old%plastic_work, &
         kinetic_energy=old%kinetic_energy, integration_loss=old%integration_loss, &

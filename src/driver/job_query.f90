@@ -144,7 +144,7 @@ contains
       case ('TIMELEFT')
         value = merge(0.0_DP, time_left_in_step(analysis), is_at_end(analysis))
       case ('STEP')
-        value = real(analysis%stepper%step, DP)
+        value = real(analysis%stepping%step, DP)
       case ('INCREMENTS')
         value = real(count(analysis%records(:analysis%n_records)%is_converged), DP)
       case ('ITERATIONS')
@@ -365,7 +365,7 @@ contains
     if (allocated(error)) return
     width = merge(3, 1, quantity == 'CF')
     associate (model => analysis%model, new => analysis%state%new)
-      values = reshape(current_loads(analysis%driven_loads, model, max(1, analysis%stepper%step), kind, items, &
+      values = reshape(current_loads(analysis%driven_loads, model, max(1, analysis%stepping%step), kind, items, &
         [new%total_time, new%step_time]), [width, size(items) / width])
     end associate
   end subroutine get_loads
@@ -546,7 +546,7 @@ contains
         verb(size(values), ' was', ' were') // ' given; it takes ' // to_text(width) // ' or ' // to_text(size(items)) // '.')
       return
     end if
-    now = [analysis%stepper%total_time, time_in_step(analysis)]
+    now = [analysis%stepping%total_time, time_in_step(analysis)]
     if (kind == DRIVEN_TEMPERATURE) now = [now, analysis%snapshot%fields%temperature(items)]
     if (kind == DRIVEN_DISPLACEMENT) now = [now, [(analysis%snapshot%fields%u(mod(items(i) - 1, 3) + 1, &
       (items(i) + 2) / 3), i=1, size(items))]]
@@ -663,8 +663,8 @@ contains
   !> Index of the step of the next increment.
   pure integer function current_step(analysis) result(i_step)
     type(analysis_type), intent(in) :: analysis
-    i_step = max(1, analysis%stepper%step)
-    if (.not. analysis%is_step_start .or. analysis%stepper%step_time == 0.0_DP) return
+    i_step = max(1, analysis%stepping%step)
+    if (.not. analysis%is_step_start .or. analysis%stepping%step_time == 0.0_DP) return
     i_step = min(i_step + 1, size(analysis%model%steps))
   end function current_step
 
@@ -672,7 +672,7 @@ contains
   !> Time within the step of the next increment [time].
   pure real(DP) function time_in_step(analysis) result(time)
     type(analysis_type), intent(in) :: analysis
-    time = merge(0.0_DP, analysis%stepper%step_time, analysis%is_step_start)
+    time = merge(0.0_DP, analysis%stepping%step_time, analysis%is_step_start)
   end function time_in_step
 
 

@@ -162,11 +162,11 @@ contains
       return
     end if
     do while (.not. is_job_done(job))
-      if (total_time - job%analysis%stepper%total_time <= TOL_TIME * max(abs(total_time), time_left_in_step(job%analysis))) exit
+      if (total_time - job%analysis%stepping%total_time <= TOL_TIME * max(abs(total_time), time_left_in_step(job%analysis))) exit
       call check_ready(job, .false., error)
       if (allocated(error)) return
-      call activate_targets(job, total_time - job%analysis%stepper%total_time)
-      call solve_increment(job%analysis, job%logger, end_in_step(job, total_time - job%analysis%stepper%total_time), error)
+      call activate_targets(job, total_time - job%analysis%stepping%total_time)
+      call solve_increment(job%analysis, job%logger, end_in_step(job, total_time - job%analysis%stepping%total_time), error)
       if (.not. allocated(error)) call commit_analysis(job%analysis, job%logger, error)
       call finish_commit(job, error)
       if (allocated(error)) return
@@ -189,12 +189,12 @@ contains
     end_time = end_in_step(job, dt)
     associate (analysis => job%analysis)
       call enter_step(analysis, error)
-      analysis%stepper%dt = end_time - time_in_step(job%analysis)
-      call activate_targets(job, analysis%stepper%dt)
+      analysis%stepping%dt = end_time - time_in_step(job%analysis)
+      call activate_targets(job, analysis%stepping%dt)
       do while (.not. allocated(error))
         call solve_increment(analysis, job%logger, end_time, error)
-        if (analysis%is_step_start .or. end_time - analysis%stepper%step_time <= TOL_TIME * end_time) exit
-        call activate_targets(job, end_time - analysis%stepper%step_time)
+        if (analysis%is_step_start .or. end_time - analysis%stepping%step_time <= TOL_TIME * end_time) exit
+        call activate_targets(job, end_time - analysis%stepping%step_time)
       end do
     end associate
     if (allocated(error)) call rollback_after_error(job)
@@ -352,7 +352,7 @@ contains
   subroutine activate_targets(job, length)
     type(job_type), intent(inout) :: job
     real(DP), intent(in) :: length                 !< [time]
-    associate (now => job%analysis%stepper%total_time)
+    associate (now => job%analysis%stepping%total_time)
       call activate_driven(job%analysis%driven_loads, now, now + length)
     end associate
   end subroutine activate_targets
@@ -376,7 +376,7 @@ contains
       if (job%analysis%is_step_start) then
         length = min(step%dt_initial, step%period)
       else
-        length = propose_increment(job%analysis%stepper, step)
+        length = propose_increment(job%analysis%stepping, step)
       end if
     end associate
   end function next_length
@@ -446,7 +446,7 @@ contains
     integer :: trouble
     type(process_lock_type) :: turn
     call acquire_lock(turn)
-    associate (analysis => job%analysis, system => job%analysis%system, i_step => job%analysis%stepper%step)
+    associate (analysis => job%analysis, system => job%analysis%system, i_step => job%analysis%stepping%step)
       trouble = 1
       if (i_step > 0) then
         call use_threads(analysis%options%n_threads)

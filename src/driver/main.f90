@@ -18,7 +18,7 @@ program amontons
   implicit none
 
   character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (a deck of Abaqus or CalculiX; ' // &
-    'amontons --help tells the options)'
+    'amontons --help lists the options)'
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4, &
     ACTION_ESTIMATE = 5
@@ -404,7 +404,7 @@ contains
       '', &
       '  --explain                    list card by card what is used, has no effect or is refused, with the numbers', &
       '                               taken, then stop', &
-      '  --estimate                   tell unknowns, memory, processor time and the chosen solver, then stop', &
+      '  --estimate                   print unknowns, memory, processor time and the chosen solver, then stop', &
       '  --check                      read the deck, check the model, then stop', &
       '  --resume                     continue a job that was stopped, from its checkpoint job.restart', &
       '  --no-checkpoint              write no checkpoint', &

@@ -20,9 +20,12 @@ module amontons_incompatible_modes
   private
   public :: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, halve_mode_correction, &
     condense_mode_amplitudes, add_mode_skew_part
-  public :: N_MODES
+  public :: N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, TOL_MODE_FORCE_ACCEPTABLE
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
+  integer, parameter :: MAX_AMPLITUDE_CORRECTIONS = 60      !< of the amplitudes, also of solid shells
+  real(DP), parameter :: TOL_MODE_FORCE = 1.0e-14_DP        !< force of the amplitudes over that of the stresses: converged [-]
+  real(DP), parameter :: TOL_MODE_FORCE_ACCEPTABLE = 1.0e-9_DP    !< where the corrections end [-]
 
   real(DP), parameter :: MIN_STEP_LENGTH = 0.05_DP        !< a correction shortened below this is accepted [-]
   real(DP), parameter :: TOL_AMPLITUDE_ROUNDING = 1.0e-14_DP     !< a correction this small over the displacements is rounding [-]
@@ -89,7 +92,7 @@ contains
   end subroutine update_mode_amplitudes
 
 
-  !> Takes back half of the last correction, which led to a configuration that is not valid.
+  !> Takes back half of the last correction, which gave a configuration that is not valid.
   pure subroutine halve_mode_correction(iteration, amplitudes, is_possible)
     type(mode_iteration_type), intent(inout) :: iteration
     real(DP), intent(inout) :: amplitudes(:, :)    !< (3, N_MODES) [length]

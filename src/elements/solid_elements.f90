@@ -9,7 +9,8 @@ module amontons_solid_elements
   use amontons_kinds, only: DP
   use amontons_zero_stress_condition, only: evaluate_initial_tangent, CONDITION_NONE
   use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
-    halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES
+    halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, &
+    TOL_MODE_FORCE_ACCEPTABLE
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
     add_thickness_stabilization
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
@@ -34,9 +35,6 @@ module amontons_solid_elements
   ! they differ.
   integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6]
   integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15]
-  integer, parameter :: MAX_AMPLITUDE_CORRECTIONS = 60      !< of the amplitudes of the incompatible modes
-  real(DP), parameter :: TOL_MODE_FORCE = 1.0e-14_DP        !< their force of the stresses: converged [-]
-  real(DP), parameter :: TOL_MODE_FORCE_ACCEPTABLE = 1.0e-9_DP    !< where the corrections end [-]
   logical, parameter :: HAS_MEAN_DILATATION(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., &
     .false., &
     .false., .false., .false., .false.]

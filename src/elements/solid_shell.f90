@@ -28,7 +28,7 @@ module amontons_solid_shell
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_incompatible_modes, only: mode_iteration_type, update_mode_amplitudes, halve_mode_correction, &
-    condense_mode_amplitudes, N_MODES
+    condense_mode_amplitudes, N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, TOL_MODE_FORCE_ACCEPTABLE
   use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
     split_unsymmetric_tangent, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
@@ -48,9 +48,6 @@ module amontons_solid_shell
   integer, parameter :: MAX_POINTS = 20
   integer, parameter :: MAX_SAMPLES = 8            !< places of strains
   integer, parameter :: MAX_DOF = 3 * (MAX_NODES + N_MODES)
-  integer, parameter :: MAX_CORRECTIONS = 60       !< of the amplitudes
-  real(DP), parameter :: TOL_MODE_FORCE = 1.0e-14_DP            !< force of the amplitudes over that of the stresses: converged [-]
-  real(DP), parameter :: TOL_MODE_FORCE_ACCEPTABLE = 1.0e-9_DP  !< where the corrections end [-]
 
   !> A natural strain at a place of the middle face.
   type :: sample_type
@@ -438,7 +435,7 @@ contains
     first = 3 * reference%n + 1
     residual = huge(1.0_DP)
     force = 0
-    do step = 0, MAX_CORRECTIONS
+    do step = 0, MAX_AMPLITUDE_CORRECTIONS
       call evaluate_stresses(material, is_nlgeom, reference, kinematics, reshape(whole(:, reference%n + 1:), [3 * N_MODES]), &
         points, S, C, status)
       if (status /= ELEMENT_OK) then

@@ -38,7 +38,7 @@ module amontons_conjugate_gradient_preconditioner
 contains
 
   !> Computes the preconditioner for the constraints and the stiffness of the last linearization. A factor is kept as long as C has
-  !! the same pattern and `is_new_attempt` does not ask for the present K.
+  !! the same pattern and `is_new_attempt` does not require the present K.
   subroutine update_gradient_preconditioner(self, system, model, step, is_new_attempt, outcome, error)
     type(gradient_preconditioner_type), intent(inout) :: self
     type(equilibrium_type), intent(inout) :: system

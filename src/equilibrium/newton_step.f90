@@ -151,7 +151,7 @@ contains
     call prepare_interface_solver(system, model, step, state, error)
     if (allocated(error) .or. .not. system%has_interface_solver) return
     call stop_clock(system, clock, PHASE_FACTOR)
-    system%skin_tolerance = merge(step%controls%skin%tolerance_changing, step%controls%skin%tolerance_settled, &
+    system%skin_tolerance = merge(step%controls%skin%tolerance_changing, step%controls%skin%tolerance_unchanged, &
       system%contact%n_changed > 0)
     if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, step%controls%skin%tolerance_halved)
     allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
@@ -467,7 +467,7 @@ contains
   end subroutine update_bulk_solver
 
 
-  !> What the bulk solver of the skin is asked for.
+  !> The accuracy required of the bulk solver of the skin.
   subroutine configure_bulk_solver(robin, step)
     type(reduced_system_type), intent(inout) :: robin
     type(step_type), intent(in) :: step
@@ -702,7 +702,7 @@ contains
   end subroutine solve_by_skin
 
 
-  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step goes on with a
+  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step continues with a
   !! factor of the bulk in place of two levels, then with the dense interface if that is allowed and cheaper.
   subroutine check_skin_convergence(system, report, outcome)
     type(equilibrium_type), intent(inout) :: system

@@ -167,7 +167,7 @@ contains
   end subroutine reject_words
 
 
-  !> The names of all cards and parameters, 'STEP,' and 'STEP,NLGEOM', to tell continuations of keyword lines from data.
+  !> The names of all cards and parameters, 'STEP,' and 'STEP,NLGEOM', to distinguish continuations of keyword lines from data.
   subroutine list_parameters(table, names)
     type(card_table_type), intent(in) :: table
     type(name_table_type), intent(out) :: names

@@ -740,7 +740,7 @@ contains
       call table%option('OUTPUT|OUTPUT ALL|POSITION|VARIABLE|DIRECTIONS|LAST ITERATIONS|CONTACT ELEMENTS|' // &
         'EXTERIOR|SECTION FORCES|TOTALS|MODE|REBAR|ELASTIC', VALUE_TEXT, '', status=ENTRY_IGNORED)
     end do
-    call table%card('OUTPUT', SCOPE_STEP, 'Asks for results in the file; it always holds all fields.', data='none')
+    call table%card('OUTPUT', SCOPE_STEP, 'Requests results in the file; it always holds all fields.', data='none')
     call table%option('FIELD|HISTORY|DIAGNOSTICS', VALUE_NONE, 'Kind of output.')
     call table%option('FREQUENCY', VALUE_INTEGER, 'Every n-th increment and the last one of the step.', default='1')
     call table%option('TIME POINTS', VALUE_NAME, 'Only at these times of *TIME POINTS, and at the end of the step.')

@@ -5,8 +5,7 @@ module amontons_deck_contact
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, check_no_data, &
-    is_card, &
-    check_name
+    is_card, check_name, VALUES_PER_LINE
   use amontons_deck_surfaces, only: find_slave_surface
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -287,7 +286,6 @@ contains
     type(parameter_type), intent(in) :: parameters(:)
     type(data_row_type), intent(inout) :: row
     type(interaction_type), intent(inout) :: law
-    integer, parameter :: FIELDS = 8
     integer :: i, k, n
     logical :: is_ok
     n = parameter_count(parameters, 'PROPERTIES')
@@ -297,11 +295,11 @@ contains
     i = 0
     is_ok = .true.
     do while (next_row(reader%cards, row) .and. is_ok)
-      call check_n_fields(reader, row, min(FIELDS, n - i))
-      do k = 1, min(FIELDS, n - i)
+      call check_n_fields(reader, row, min(VALUES_PER_LINE, n - i))
+      do k = 1, min(VALUES_PER_LINE, n - i)
         call read_real(reader, row, k, 'property', law%props(i + k), is_ok, 0.0_DP)
       end do
-      i = i + min(FIELDS, n - i)
+      i = i + min(VALUES_PER_LINE, n - i)
     end do
     if (i < n .and. is_ok) call report_error(reader, row%line, 'PROPERTIES is ' // to_text(n) // ', but the data lines hold only ' &
       // &

@@ -5,7 +5,7 @@ module amontons_deck_materials
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
-    read_user_constants, is_card, check_name
+    read_user_constants, is_card, check_name, VALUES_PER_LINE
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
@@ -17,7 +17,6 @@ module amontons_deck_materials
   private
   public :: read_materials, finalize_materials, read_plastic
 
-  integer, parameter :: VALUES_PER_LINE = 8               !< values of a data line
   integer, parameter :: MAX_STATEV = 100000
 
 contains
@@ -271,7 +270,7 @@ contains
         if (next_row(reader%cards, row)) cycle
         record(i + 1:) = 0
         if (i < n) call report_error(reader, row%line, 'Of ' // to_text(n) // ' constants only ' // to_text(i) // &
-          ' are there; they go on in the next line after eight values.')
+          ' are there; they continue in the next line after eight values.')
         if (i < n) is_ok = .false.
         exit
       end do

@@ -13,11 +13,13 @@ module amontons_deck_reader
   private
   public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data
-  public :: has_decimal_comma, DECIMAL_COMMA_TEXT
+  public :: has_decimal_comma, DECIMAL_COMMA_TEXT, VALUES_PER_LINE
   public :: support_dofs, read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
 
   character(*), parameter :: DECIMAL_COMMA_TEXT = 'This looks like decimal commas: a comma parts two numbers, and a point is ' // &
     'the decimal mark (0.3). If the numbers are meant as they are, put blanks after all commas.'
+
+  integer, parameter :: VALUES_PER_LINE = 8    !< values of a data line
 
   !> The times of a TIME POINTS card.
   type :: time_list_type
@@ -168,18 +170,17 @@ contains
     type(data_row_type), intent(inout) :: row         !< before its data lines
     character(*), intent(in) :: count_name       !< parameter with their number, for messages
     real(DP), intent(inout) :: constants(:)      !< zero on input, for blank fields
-    integer, parameter :: FIELDS = 8
     integer :: n, i, k
     logical :: is_ok
     n = size(constants)
     i = 0
     is_ok = .true.
     do while (next_row(reader%cards, row) .and. is_ok)
-      call check_n_fields(reader, row, min(FIELDS, n - i))
-      do k = 1, min(FIELDS, n - i)
+      call check_n_fields(reader, row, min(VALUES_PER_LINE, n - i))
+      do k = 1, min(VALUES_PER_LINE, n - i)
         call read_real(reader, row, k, 'constant', constants(i + k), is_ok, 0.0_DP)
       end do
-      i = i + min(FIELDS, n - i)
+      i = i + min(VALUES_PER_LINE, n - i)
     end do
     if (i < n .and. is_ok) call report_error(reader, reader%cards%cards(c)%line, count_name // ' is ' // to_text(n) // &
       ', but the data lines hold only ' // to_text(i) // ', eight in each.')

@@ -379,7 +379,7 @@ contains
 
 
   !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. Knots make
-  !! all their nodes dependent: a note tells how many of them are slaves. Pairs and couplings must be read.
+  !! all their nodes dependent: a note says how many of them are slaves. Pairs and couplings must be read.
   subroutine free_slave_nodes(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model

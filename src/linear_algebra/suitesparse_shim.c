@@ -20,7 +20,7 @@
 #include <umfpack.h>
 #include "supernodes_shim.h"
 
-enum { MOST_COLUMNS = 512 }; /* of a supernode */
+enum { MAX_COLUMNS = 512 }; /* of a supernode */
 enum { HUGE_PAGE = 2097152 }; /* huge pages of the operating system, requested for large allocations */
 static const double WORTH_THREADS = 3.0e7; /* operations of a factorisation */
 
@@ -172,7 +172,7 @@ static int permute_pattern(cholesky *self, int n, int *first, int *column)
 /* Columns of the panels into which a supernode is cut: of equal size, and not too many. */
 static size_t panel_width(size_t columns)
 {
-  size_t n = (columns + MOST_COLUMNS - 1) / MOST_COLUMNS;
+  size_t n = (columns + MAX_COLUMNS - 1) / MAX_COLUMNS;
   return (columns + n - 1) / n;
 }
 

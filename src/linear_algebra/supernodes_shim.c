@@ -17,7 +17,7 @@
 #include <cholmod.h>
 #include "supernodes_shim.h"
 
-enum { PANEL = 128, SLICE = 512, MOST_ABOVE = 256 };
+enum { PANEL = 128, SLICE = 512, MAX_ABOVE = 256 };
 static const double EVEN = 1.04; /* admissible ratio of the largest share of the subtrees to the mean */
 
 extern void dsyrk_(const char *, const char *, const int *, const int *, const double *, const double *, const int *,
@@ -51,8 +51,8 @@ struct supernode_plan {
   update *updates;
   int *start, *members;   /* supernodes of each part, and last those above the parts, ascending */
   int *end;               /* (n_supernodes) first column behind the subtree in which it lies */
-  int most_rows;          /* of a supernode */
-  size_t most_update;     /* numbers of an update */
+  int max_rows;          /* of a supernode */
+  size_t max_update;     /* numbers of an update */
 };
 
 /* The storage of a supernode in the factor. */
@@ -96,9 +96,9 @@ static int list_updates(supernode_plan *plan, const cholmod_factor *l, const int
         if (pass == 0) plan->first[s + 2]++;
         else plan->updates[plan->first[s + 1]++] = (update){d, begin};
         size_t size = (size_t)(down.rows - begin) * (size_t)(k - begin);
-        if (size > plan->most_update) plan->most_update = size;
+        if (size > plan->max_update) plan->max_update = size;
       }
-      if (down.rows > plan->most_rows) plan->most_rows = down.rows;
+      if (down.rows > plan->max_rows) plan->max_rows = down.rows;
     }
     if (pass) break;
     for (int s = 0; s < n; s++) plan->first[s + 2] += plan->first[s + 1];
@@ -161,7 +161,7 @@ static void cut(supernode_plan *plan, const int *parent, const double *subtree, 
     next[s] = child[parent[s]];
     child[parent[s]] = s;
   }
-  while (!share(roots, n_roots, subtree, plan->n_parts, part_of, load) && plan->n_above < MOST_ABOVE) {
+  while (!share(roots, n_roots, subtree, plan->n_parts, part_of, load) && plan->n_above < MAX_ABOVE) {
     int s = roots[0];
     if (child[s] < 0) break;
     n_roots--;
@@ -240,8 +240,8 @@ typedef struct {
 static int bench_new(bench *self, const supernode_plan *plan, size_t n)
 {
   self->place = malloc((n + 1) * sizeof(int));
-  self->relative = malloc(((size_t)plan->most_rows + 1) * sizeof(int));
-  self->product = malloc((plan->most_update + 1) * sizeof(double));
+  self->relative = malloc(((size_t)plan->max_rows + 1) * sizeof(int));
+  self->product = malloc((plan->max_update + 1) * sizeof(double));
   return self->place && self->relative && self->product;
 }
 

@@ -104,7 +104,7 @@ int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor
 #pragma omp parallel num_threads(n_parts)
   {
     int id, team;
-    REAL *product = malloc(((size_t)plan->most_rows + 1) * sizeof(REAL));
+    REAL *product = malloc(((size_t)plan->max_rows + 1) * sizeof(REAL));
     join_team(product != NULL, &id, &team, &is_poor);
     for (int p = id; p < n_parts && !is_poor; p += team) {
       REAL *mine = above + (size_t)p * capacity;
@@ -133,7 +133,7 @@ int KIND(amontons_plan_backward)(const supernode_plan *plan, const cholmod_facto
 #pragma omp parallel num_threads(n_parts)
   {
     int id, team;
-    REAL *gathered = malloc(((size_t)plan->most_rows + 1) * sizeof(REAL));
+    REAL *gathered = malloc(((size_t)plan->max_rows + 1) * sizeof(REAL));
     join_team(gathered != NULL, &id, &team, &is_poor);
     for (int k = plan->n_supernodes - 1; k >= plan->start[n_parts] && !is_poor; k--)
       KIND(backward_together)(l, plan->members[k], x, gathered, id, team);

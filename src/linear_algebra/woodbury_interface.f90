@@ -27,8 +27,8 @@ module amontons_woodbury_interface
 
   real(SP), parameter :: MIN_SINGLE_PIVOT = 1.0e-4_SP     !< least pivot of S over its diagonal for which S is inverted [-]
   real(SP), parameter :: MAX_COUPLING_ENTRY = 1.0e4_SP          !< largest entry of T: stiffer springs need double precision [-]
-  integer, parameter :: BLOCK_ROWS = 32                 !< rows of T computed together
-  integer, parameter :: HALF_BLOCK_ROWS = BLOCK_ROWS / 2
+  integer, parameter :: T_ROWS = 32                 !< rows of T computed together
+  integer, parameter :: HALF_T_ROWS = T_ROWS / 2
   integer, parameter :: TILE_UNKNOWNS = 64                  !< unknowns of the interface in one tile of the transposition
   integer, parameter :: MAX_GMRES_ITERATIONS = 60       !< of a solution; the caller handles the remaining residual
 
@@ -159,10 +159,10 @@ contains
     integer :: n, j, last
     n = size(self%lu, 1)
     !$omp parallel private(rows, last)
-    allocate (rows(BLOCK_ROWS, size(self%compliance, 1)), source=0.0_SP)
+    allocate (rows(T_ROWS, size(self%compliance, 1)), source=0.0_SP)
     !$omp do schedule(static)
-    do j = 1, n, BLOCK_ROWS
-      last = min(j + BLOCK_ROWS - 1, n)
+    do j = 1, n, T_ROWS
+      last = min(j + T_ROWS - 1, n)
       call compute_response_columns(self%springs%spring_tangent, self%scale, self%compliance, j, last, self%response)
       call copy_response_rows(self%response, j, last, rows)
       call compute_coupling_rows(spread_t, j, last, rows, self%lu)
@@ -204,7 +204,7 @@ contains
   pure subroutine copy_response_rows(response, j, last, rows)
     real(SP), contiguous, intent(in) :: response(:, :)
     integer, intent(in) :: j, last
-    real(SP), intent(inout) :: rows(BLOCK_ROWS, size(response, 1))
+    real(SP), intent(inout) :: rows(T_ROWS, size(response, 1))
     integer :: i, k, p
     do k = 1, size(response, 1), TILE_UNKNOWNS
       do p = j, last
@@ -265,9 +265,9 @@ contains
   pure subroutine compute_coupling_rows(spread_t, j, last, rows, t)
     type(sparse_type), intent(in) :: spread_t      !< B' (n_springs x n_contact)
     integer, intent(in) :: j, last
-    real(SP), intent(in) :: rows(BLOCK_ROWS, spread_t%n_columns)
+    real(SP), intent(in) :: rows(T_ROWS, spread_t%n_columns)
     real(SP), contiguous, intent(inout) :: t(:, :)   !< (n_springs, n_springs)
-    real(SP) :: row(HALF_BLOCK_ROWS), other(BLOCK_ROWS - HALF_BLOCK_ROWS), weight   ! kept in registers
+    real(SP) :: row(HALF_T_ROWS), other(T_ROWS - HALF_T_ROWS), weight   ! kept in registers
     integer :: k, p, c
     do k = 1, spread_t%n_rows
       row = 0.0_SP
@@ -275,11 +275,11 @@ contains
       do p = spread_t%first(k), spread_t%first(k + 1) - 1
         weight = real(spread_t%value(p), SP)
         c = spread_t%column(p)
-        row = row - weight * rows(:HALF_BLOCK_ROWS, c)
-        other = other - weight * rows(HALF_BLOCK_ROWS + 1:, c)
+        row = row - weight * rows(:HALF_T_ROWS, c)
+        other = other - weight * rows(HALF_T_ROWS + 1:, c)
       end do
-      t(j:min(last, j + HALF_BLOCK_ROWS - 1), k) = row(:min(last - j + 1, HALF_BLOCK_ROWS))
-      t(j + HALF_BLOCK_ROWS:last, k) = other(:last - j - HALF_BLOCK_ROWS + 1)
+      t(j:min(last, j + HALF_T_ROWS - 1), k) = row(:min(last - j + 1, HALF_T_ROWS))
+      t(j + HALF_T_ROWS:last, k) = other(:last - j - HALF_T_ROWS + 1)
       if (k >= j .and. k <= last) t(k, k) = t(k, k) + 1.0_SP
     end do
   end subroutine compute_coupling_rows

@@ -103,7 +103,7 @@ module amontons_controls
     real(DP) :: iterative_tolerance = 1.0e-11_DP   !< residual without a factor, whose estimate of the error is less reliable [-] |
                                            !! two_level_preconditioner
     integer :: max_stale_iterations = 8    !< iterations after which an old factor of the bulk is discarded | 0004
-    integer :: max_indefinite_factors = 3  !< such factors of the bulk after which an attempt goes on without the interface | set
+    integer :: max_indefinite_factors = 3  !< such factors of the bulk after which an attempt continues without the interface | set
     real(DP) :: single_precision_share = 1.0e-3_DP   !< of the allowed residual: single precision has no effect [-] |
                                            !! schur_interface
     real(DP) :: bulk_share = 0.3_DP        !< of the allowed residual: a right-hand side on the bulk below it is zero [-] | set
@@ -129,7 +129,7 @@ module amontons_controls
     integer :: max_slow_solves = 2         !< slow solves until the bulk is solved anew, doubled each time | contact_preconditioner
     real(DP) :: tolerance_changing = 1.0e-2_DP   !< relative residual of a direction while statuses change [-] | 0021
     real(DP) :: tolerance_halved = 1.0e-3_DP   !< the same where two corrections were halved [-] | 0021
-    real(DP) :: tolerance_settled = 1.0e-4_DP   !< the same when no status changes [-] | contact_preconditioner
+    real(DP) :: tolerance_unchanged = 1.0e-4_DP   !< the same when no status changes [-] | contact_preconditioner
     real(DP) :: tolerance_origin = 1.0e-5_DP   !< the same where the direction sets origins of slip [-] | 0021
     real(DP) :: tolerance_single = 1.0e-7_DP   !< the same where no correction follows (not AUTO) [-] | set: below r_n
     real(DP) :: tolerance_length = 0.1_DP   !< the same where only the length of a correction is used [-] | set
@@ -204,7 +204,7 @@ module amontons_controls
     integer :: max_rounds = 80             !< most rounds of an attempt | contact_rounds
     real(DP) :: first_reduction = 1.0e-3_DP   !< residual of a first round over the largest force [-] | contact_rounds
     real(DP) :: origin_reduction = 1.0e-5_DP   !< the same where it sets origins of slip [-] | contact_rounds
-    real(DP) :: settled_reduction = 1.0e-2_DP   !< residual of a round over that at its start if no status changes [-] | set
+    real(DP) :: unchanged_reduction = 1.0e-2_DP   !< residual of a round over that at its start if no status changes [-] | set
     real(DP) :: least_share = 0.5_DP       !< least residual of a round over r_l [-] | set: below it the correction is not tested
     integer :: max_portions = 64           !< portions in which a round moves the supports | set
     integer :: max_cuts = 12               !< halves of a portion, or quarters of a trial step, that invert elements | set

@@ -35,7 +35,7 @@ static const char *const CAPITALS[N_ROUTINES] = {"UMAT", "FRIC", "UINTER", "DLOA
 /* Status codes of opening; the same numbers as in user_routines.f90. */
 enum { OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4, NO_MEMORY = 5 };
 
-enum { TEXT_ROOM = 8192, NAME_ROOM = 80 };
+enum { TEXT_CAPACITY = 8192, NAME_LENGTH = 80 };
 
 typedef struct {
   void *library;
@@ -44,7 +44,7 @@ typedef struct {
   double smallest;       /* smallest PNEWDT requested since the last query */
   int is_stopped;        /* XIT_CALLED: or STDB_ABQERR with -3; CRASHED */
   int n_text;
-  char text[TEXT_ROOM];  /* messages of STDB_ABQERR since the last query */
+  char text[TEXT_CAPACITY];  /* messages of STDB_ABQERR since the last query */
   char folder[1024], job[256];
   char file[1024];       /* as named by the user */
   uintptr_t low, high;   /* addresses of the library; 0: not known */
@@ -68,7 +68,7 @@ static _Thread_local int caught;   /* signal */
 
 static void say(routines *self, const char *text, size_t length)
 {
-  if ((size_t)self->n_text + length + 2 > TEXT_ROOM) return;
+  if ((size_t)self->n_text + length + 2 > TEXT_CAPACITY) return;
   memcpy(self->text + self->n_text, text, length);
   self->n_text += (int)length;
   self->text[self->n_text++] = '\n';
@@ -146,17 +146,17 @@ void getjobname_(char *to, int *length, size_t capacity)
 
 /* --- routines that crash ------------------------------------------------------------------------------------------ */
 
-enum { N_SIGNALS = 5, STACK_ROOM = 65536 };
+enum { N_SIGNALS = 5, STACK_SIZE = 65536 };
 static const int SIGNALS[N_SIGNALS] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static const char *const CAUSES[N_SIGNALS] = {
   "it used memory that it does not own (an array index out of bounds, a missing argument, or arrays too large for the stack)",
   "it used memory that it does not own (an array index out of bounds, or a missing argument)",
   "it divided an integer by zero",
-  "it ran into code that is none (a call with wrong arguments)",
+  "it ran into invalid code (a call with wrong arguments)",
   "it was aborted (often by memory overwritten before)"};
 static struct sigaction handlers_before[N_SIGNALS];
 static int n_open_libraries, is_exit_watched;
-static _Thread_local char signal_stack[STACK_ROOM];
+static _Thread_local char signal_stack[STACK_SIZE];
 static _Thread_local int has_signal_stack;
 static pthread_mutex_t handlers_lock = PTHREAD_MUTEX_INITIALIZER;
 
@@ -628,7 +628,7 @@ void amontons_user_umat(void *handle, const char *cmname, const double *props, i
        umat(stress, statev, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde, &drpldt, stran,
             dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr, &ntens, &nstatv, props,
             &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel, &v->npt, &one, &one, jstep,
-            &v->increment, NAME_ROOM));
+            &v->increment, NAME_LENGTH));
   memset(v->stress, 0, sizeof v->stress);
   memset(v->ddsdde, 0, sizeof v->ddsdde);
   for (int j = 0; j < ntens; j++) {
@@ -669,7 +669,7 @@ void amontons_user_dload(void *handle, double *f, const double *time, const doub
   dload_routine *dload = (dload_routine *)(uintptr_t)self->routine[DLOAD];
   const call_place where = {DLOAD, counts[2], counts[3], 0, counts[0], counts[1]};
   CALL(self, where,
-       dload(f, &counts[0], &counts[1], time, &counts[2], &counts[3], &one, &one, coords, &counts[4], sname, NAME_ROOM));
+       dload(f, &counts[0], &counts[1], time, &counts[2], &counts[3], &one, &one, coords, &counts[4], sname, NAME_LENGTH));
   *is_taken = !self->is_stopped;
 }
 
@@ -713,13 +713,13 @@ void amontons_user_uamp(void *handle, const char *name, const double *props, int
   int defined[4] = {0, 0, 0, 0};
   const double no_sensor = 0;
   double derivative = 0, second = 0, integral = 0, double_integral = 0;
-  char no_name[NAME_ROOM];
+  char no_name[NAME_LENGTH];
   memset(no_name, ' ', sizeof no_name);
   uamp_routine *uamp = (uamp_routine *)(uintptr_t)self->routine[UAMP];
   const call_place where = {UAMP, 0, 0, 0, v->step, v->increment};
   CALL(self, where,
        uamp(name, v->time, &v->old, &v->dt, &nprops, props, &nsvars, svars, flags, &none, &no_sensor, no_name, &none,
-            &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_ROOM, NAME_ROOM));
+            &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_LENGTH, NAME_LENGTH));
   v->is_taken = !self->is_stopped;
 }
 
@@ -740,7 +740,7 @@ typedef struct {
   int lm, node, nfdir, mcrd, step, increment, is_taken;
 } fric_values;
 
-/* FRIC. `names`: interaction, slave, master, NAME_ROOM letters each. */
+/* FRIC. `names`: interaction, slave, master, NAME_LENGTH letters each. */
 void amontons_user_fric(void *handle, const char *names, const double *props, int nprops, double *statev, int nstatv,
                         fric_values *v)
 {
@@ -753,8 +753,8 @@ void amontons_user_fric(void *handle, const char *names, const double *props, in
   CALL(self, where,
        fric(&v->lm, v->tau, v->ddtddg, v->ddtddp, v->dslip, &v->sed, &v->sfd, ddtddt, &pnewdt, statev, v->dgam, v->taulm,
             &v->press, &v->dpress, &v->ddpddh, v->slip, &v->step, &v->increment, v->time, &v->dtime, &none, names, names +
-            NAME_ROOM, names + 2 * NAME_ROOM, &one, &v->node, &none, v->coords, v->coords, turn, v->temp, no_field,
-            &v->nfdir, &v->mcrd, &none, &nstatv, &v->length, props, &nprops, NAME_ROOM, NAME_ROOM, NAME_ROOM));
+            NAME_LENGTH, names + 2 * NAME_LENGTH, &one, &v->node, &none, v->coords, v->coords, turn, v->temp, no_field,
+            &v->nfdir, &v->mcrd, &none, &nstatv, &v->length, props, &nprops, NAME_LENGTH, NAME_LENGTH, NAME_LENGTH));
   v->is_taken = !self->is_stopped;
 }
 
@@ -790,9 +790,9 @@ void amontons_user_uinter(void *handle, const char *names, const double *props, 
   CALL(self, where,
        uinter(v->stress, d, viscous, structural, flux, ddfddt, ddsddt, ddfddr, statev, &v->sed, &v->sfd, &spd, &svd, &scd,
               &pnewdt, v->rdisp, v->drdisp, v->temp, nothing, nothing, nothing, v->time, &v->dtime, nothing, names, names +
-              NAME_ROOM, names + 2 * NAME_ROOM, props, v->coords, v->axes, turn, &v->area, &length, &v->node, &n, &nstatv,
-              &none, &nprops, &v->mcrd, &v->step, &v->increment, &none, &none, &v->is_closed, &state, &sdi, &none, NAME_ROOM,
-              NAME_ROOM, NAME_ROOM));
+              NAME_LENGTH, names + 2 * NAME_LENGTH, props, v->coords, v->axes, turn, &v->area, &length, &v->node, &n, &nstatv,
+              &none, &nprops, &v->mcrd, &v->step, &v->increment, &none, &none, &v->is_closed, &state, &sdi, &none, NAME_LENGTH,
+              NAME_LENGTH, NAME_LENGTH));
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) v->ddsddr[3 * j + i] = d[n * j + i];
   if (n < 3) v->stress[2] = 0;

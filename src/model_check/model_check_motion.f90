@@ -287,14 +287,14 @@ contains
   pure real(DP) function coordinate_rounding(x, body) result(rounding)
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes)
     type(body_type), intent(in) :: body
-    integer, parameter :: MIN_DIGITS = 4, MAX_DIGITS = 6, MAX_SAMPLES = 1000
+    integer, parameter :: MIN_DIGITS = 4, MAX_DIGITS = 6, MAX_SAMPLED_NODES = 1000
     real(DP), parameter :: SINGLE = 5.0e-7_DP      ! half a unit of the seventh digit [-]
     real(DP), parameter :: EDGE_PART = 3.0e-4_DP   ! of the size of an element: no two nodes are that near [-]
     real(DP) :: largest, written
     integer :: digits, stride
     largest = max(maxval(abs(body%low)), maxval(abs(body%high)))
     rounding = SINGLE * largest
-    stride = max(1, size(x, 2) / MAX_SAMPLES)
+    stride = max(1, size(x, 2) / MAX_SAMPLED_NODES)
     do digits = MIN_DIGITS, MAX_DIGITS
       written = 10.0_DP**(floor(log10(max(largest, tiny(1.0_DP)))) - digits + 1)
       if (.not. all(is_written_with(x(:, ::stride), digits) .or. is_multiple(x(:, ::stride), written))) cycle

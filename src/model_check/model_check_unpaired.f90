@@ -18,14 +18,13 @@ module amontons_model_check_unpaired
   use amontons_facets, only: facets_type
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_general_contact, only: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, &
-    compare_sides, are_near, list_facets, exterior_positions, body_name
+    compare_sides, are_near, list_facets, exterior_positions, body_name, TOUCHING_RADIUS
   use amontons_model_check_bodies, only: report_warning
   implicit none
   private
   public :: check_unpaired_bodies
 
-  real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP          !< faces within this distance, over the edge, meet [-]
-  real(DP), parameter :: OVERLAP_RADIUS = 0.25_DP          !< the same for faces that lie behind each other [-]
+  real(DP), parameter :: OVERLAP_RADIUS = 0.25_DP          !< TOUCHING_RADIUS for faces that lie behind each other [-]
   integer, parameter :: MAX_PAIRS_SHOWN = 5                !< pairs of bodies with cards; of the others only the number appears
   integer, parameter :: MAX_LISTED = 160                   !< faces of a surface to copy; of wider ones general contact is proposed
   integer, parameter :: LABELS_PER_LINE = 12

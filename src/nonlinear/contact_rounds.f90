@@ -38,8 +38,8 @@ module amontons_contact_rounds
     real(DP) :: least_force = 0                    !< with which residuals are compared at least [force]
     integer :: n_rounds = 0
     integer :: n_iterations = 0                    !< conjugate gradients
-    integer :: n_frozen = 0                        !< nodes whose chatter was ended
-    logical :: is_settled = .false.                !< no status changed at the end of the last round
+    integer :: n_frozen = 0                        !< nodes whose status was frozen
+    logical :: is_unchanged = .false.                !< no status changed at the end of the last round
     logical :: is_interrupted = .false.            !< a body moved freely in the last round, or touched
     type(anderson_type) :: acceleration            !< of the friction held
     real(DP), allocatable :: held(:, :)            !< (3, n_slaves) friction held in the last round [force]
@@ -76,8 +76,8 @@ contains
     deallocate (system%contact%held_limit)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     system%n_evaluations = system%n_evaluations + 1
-    rounds%is_settled = system%contact%n_changed == 0
-    call end_chatter(rounds, step%controls%gradients, system, slaves, state%new%slaves)
+    rounds%is_unchanged = system%contact%n_changed == 0
+    call freeze_cycling_nodes(rounds, step%controls%gradients, system, slaves, state%new%slaves)
     report%step_length = inner%step_length
     report%n_scenario = inner%n_scenario
     report%correction = maxval(max_components(system, state%new%u - u, 1))
@@ -100,8 +100,8 @@ contains
         reduction = merge(controls%origin_reduction, controls%first_reduction, is_origin_set)
       else
         residual = max(measures%residual(0), measures%residual_at_gap)
-        reduction = min(controls%first_reduction, residual * merge(min(controls%settled_reduction, controls%reduction), &
-          controls%reduction, rounds%is_settled))
+        reduction = min(controls%first_reduction, residual * merge(min(controls%unchanged_reduction, controls%reduction), &
+          controls%reduction, rounds%is_unchanged))
       end if
       reduction = max(reduction, controls%least_share * step%controls%r_l)
     end associate
@@ -170,7 +170,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_SLIP) contact%held_friction(:, s) = slaves(s)%shear
     end do
-    if (rounds%is_settled .and. size(slipping) > 0) then
+    if (rounds%is_unchanged .and. size(slipping) > 0) then
       allocate (next(3 * size(slipping)))
       call accelerate(rounds%acceleration, reshape(rounds%held(:, slipping), [3 * size(slipping)]), &
         reshape(contact%held_friction(:, slipping), [3 * size(slipping)]), next)
@@ -228,9 +228,9 @@ contains
   end subroutine move_supports
 
 
-  !> Ends chatter: a node of exact contact that changes too often between stick and slip keeps its status until all else is in
+  !> Ends cycling: a node of exact contact that changes too often between stick and slip keeps its status until all else is in
   !! equilibrium; then it is released once (amontons_active_set_cycling).
-  pure subroutine end_chatter(rounds, controls, system, before, slaves)
+  pure subroutine freeze_cycling_nodes(rounds, controls, system, before, slaves)
     type(contact_rounds_type), intent(inout) :: rounds
     type(gradient_controls_type), intent(in) :: controls
     type(equilibrium_type), intent(in) :: system
@@ -249,7 +249,7 @@ contains
       slaves(s)%overrides%status = NODE_OVERRIDE_FROZEN
       rounds%n_frozen = rounds%n_frozen + 1
     end do
-  end subroutine end_chatter
+  end subroutine freeze_cycling_nodes
 
 
   !> The controls of a step with rounds in place of Newton iterations: their rate is linear, so that more are allowed.

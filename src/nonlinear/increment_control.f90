@@ -8,7 +8,8 @@ module amontons_increment_control
   use amontons_convergence, only: VERDICT_DIVERGES
   implicit none
   private
-  public :: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, reject_increment, can_cut_back
+  public :: increment_control_type, attempt_effort_type, &
+    begin_stepping, propose_increment, accept_increment, reject_increment, can_cut_back
   public :: OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
 
   integer, parameter :: OUTCOME_CONTINUE = 0           !< after an accepted increment: the step continues
@@ -24,7 +25,7 @@ module amontons_increment_control
   end type attempt_effort_type
 
   !> Position of the job in time. Times are committed times.
-  type :: stepper_type
+  type :: increment_control_type
     integer :: step = 0                            !< index into model%steps
     integer :: increment = 0                       !< number of the increment, counted from 1 in each step
     integer :: attempt = 1                         !< number of the attempt at this increment
@@ -33,51 +34,51 @@ module amontons_increment_control
     real(DP) :: dt = 0                             !< proposed for the next increment [time]
     integer :: n_fast_increments = 0                          !< consecutive increments that converged within i_g iterations
     logical :: has_failed = .false.                !< an attempt failed in this step
-  end type stepper_type
+  end type increment_control_type
 
 contains
 
   !> Starts the next step.
-  pure subroutine begin_stepping(stepper, step)
-    type(stepper_type), intent(inout) :: stepper
+  pure subroutine begin_stepping(stepping, step)
+    type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
-    stepper%step = stepper%step + 1
-    stepper%increment = 1
-    stepper%attempt = 1
-    stepper%step_time = 0.0_DP
-    if (step%is_total_time_set) stepper%total_time = step%clock
-    stepper%dt = min(step%dt_initial, step%period)
-    stepper%n_fast_increments = 0
-    stepper%has_failed = .false.
+    stepping%step = stepping%step + 1
+    stepping%increment = 1
+    stepping%attempt = 1
+    stepping%step_time = 0.0_DP
+    if (step%is_total_time_set) stepping%total_time = step%clock
+    stepping%dt = min(step%dt_initial, step%period)
+    stepping%n_fast_increments = 0
+    stepping%has_failed = .false.
   end subroutine begin_stepping
 
 
   !> Length of the next attempt: the proposed one, shortened to end at a time point or at the end of the step [time].
-  pure real(DP) function propose_increment(stepper, step) result(dt)
-    type(stepper_type), intent(in) :: stepper
+  pure real(DP) function propose_increment(stepping, step) result(dt)
+    type(increment_control_type), intent(in) :: stepping
     type(step_type), intent(in) :: step
     real(DP) :: time_left
-    time_left = next_time_point(step, stepper%step_time) - stepper%step_time
-    dt = stepper%dt
+    time_left = next_time_point(step, stepping%step_time) - stepping%step_time
+    dt = stepping%dt
     if (dt >= time_left - TOL_STOP_TIME * step%period) dt = time_left
   end function propose_increment
 
 
   !> Accepts a converged increment: advances the time and adapts the length of the next increment.
-  pure subroutine accept_increment(stepper, step, dt, effort, outcome)
-    type(stepper_type), intent(inout) :: stepper
+  pure subroutine accept_increment(stepping, step, dt, effort, outcome)
+    type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
     type(attempt_effort_type), intent(in) :: effort
     integer, intent(out) :: outcome                !< OUTCOME_STEP_DONE or OUTCOME_CONTINUE
-    stepper%total_time = stepper%total_time + dt
-    stepper%step_time = stepper%step_time + dt
-    if (abs(step%period - stepper%step_time) <= TOL_STOP_TIME * step%period) stepper%step_time = step%period
-    if (.not. step%is_direct) call adapt_increment(stepper, step, effort)
-    stepper%attempt = 1
+    stepping%total_time = stepping%total_time + dt
+    stepping%step_time = stepping%step_time + dt
+    if (abs(step%period - stepping%step_time) <= TOL_STOP_TIME * step%period) stepping%step_time = step%period
+    if (.not. step%is_direct) call adapt_increment(stepping, step, effort)
+    stepping%attempt = 1
     outcome = OUTCOME_STEP_DONE
-    if (stepper%step_time >= step%period) return
-    stepper%increment = stepper%increment + 1
+    if (stepping%step_time >= step%period) return
+    stepping%increment = stepping%increment + 1
     outcome = OUTCOME_CONTINUE
   end subroutine accept_increment
 
@@ -85,50 +86,50 @@ contains
   !> Adapts the length of the next increment. It grows after two consecutive fast increments and shrinks after a slow one. It does
   !! not grow after active-set cycles. In a step with a failed attempt it does not grow either where statuses changed after the
   !! first iteration and convergence took more than max_quick_iterations iterations.
-  pure subroutine adapt_increment(stepper, step, effort)
-    type(stepper_type), intent(inout) :: stepper
+  pure subroutine adapt_increment(stepping, step, effort)
+    type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
     type(attempt_effort_type), intent(in) :: effort
     logical :: is_fast, is_contact_predicted
     is_contact_predicted = effort%n_status_changes == 0 .or. &
       effort%n_iterations <= step%controls%increments%max_quick_iterations
     is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles_treated == 0 .and. (is_contact_predicted &
-      .or. .not. stepper%has_failed)
-    stepper%n_fast_increments = merge(stepper%n_fast_increments + 1, 0, is_fast)
+      .or. .not. stepping%has_failed)
+    stepping%n_fast_increments = merge(stepping%n_fast_increments + 1, 0, is_fast)
     if (effort%n_iterations > step%controls%i_l) then
-      stepper%dt = max(step%dt_min, step%controls%d_b * stepper%dt)
-    else if (stepper%n_fast_increments >= step%controls%increments%min_fast_increments) then
-      stepper%dt = min(step%dt_max, step%controls%d_d * stepper%dt)
+      stepping%dt = max(step%dt_min, step%controls%d_b * stepping%dt)
+    else if (stepping%n_fast_increments >= step%controls%increments%min_fast_increments) then
+      stepping%dt = min(step%dt_max, step%controls%d_d * stepping%dt)
     end if
   end subroutine adapt_increment
 
 
   !> Whether an attempt that fails can be repeated with a smaller increment, more than once.
-  pure logical function can_cut_back(stepper, step, dt)
-    type(stepper_type), intent(in) :: stepper
+  pure logical function can_cut_back(stepping, step, dt)
+    type(increment_control_type), intent(in) :: stepping
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the attempt [time]
-    can_cut_back = .not. step%is_direct .and. stepper%attempt < step%controls%i_a .and. step%controls%d_f * dt > step%dt_min
+    can_cut_back = .not. step%is_direct .and. stepping%attempt < step%controls%i_a .and. step%controls%d_f * dt > step%dt_min
   end function can_cut_back
 
 
   !> Rejects a failed attempt: cut back, or give up with DIRECT, after i_a cut-backs, or at the minimum increment.
-  pure subroutine reject_increment(stepper, step, dt, verdict, outcome)
-    type(stepper_type), intent(inout) :: stepper
+  pure subroutine reject_increment(stepping, step, dt, verdict, outcome)
+    type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the attempt [time]
     integer, intent(in) :: verdict                 !< VERDICT_...
     integer, intent(out) :: outcome                !< OUTCOME_CUT_BACK or OUTCOME_GIVE_UP
     outcome = OUTCOME_GIVE_UP
-    if (step%is_direct .or. stepper%attempt > step%controls%i_a) return
-    stepper%has_failed = .true.
-    stepper%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
-    if (stepper%dt < step%dt_min) then
+    if (step%is_direct .or. stepping%attempt > step%controls%i_a) return
+    stepping%has_failed = .true.
+    stepping%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
+    if (stepping%dt < step%dt_min) then
       if (dt <= step%dt_min * (1.0_DP + TOL_STOP_TIME)) return
-      stepper%dt = step%dt_min
+      stepping%dt = step%dt_min
     end if
-    stepper%n_fast_increments = 0
-    stepper%attempt = stepper%attempt + 1
+    stepping%n_fast_increments = 0
+    stepping%attempt = stepping%attempt + 1
     outcome = OUTCOME_CUT_BACK
   end subroutine reject_increment
 

@@ -279,7 +279,7 @@ contains
 
   !> Notes a proximal step that carries a body towards a support: it closes more slave nodes than any iterate before, or moves by a
   !! good part of an edge. The limits of the iterations do not count it, as long as the path of these steps is within that of a body
-  !! that finds a support: the search for supports of many bodies in a row goes on in one attempt.
+  !! that finds a support: the search for supports of many bodies in a row stays in one attempt.
   pure subroutine note_approach(newton, system, model, controls, length, state)
     type(newton_type), intent(inout) :: newton
     type(equilibrium_type), intent(in) :: system

@@ -21,7 +21,7 @@ module amontons_checkpoint
   use amontons_contact_preconditioner, only: skin_memory_type
   use amontons_sparse, only: sparse_type
   use amontons_newton, only: newton_type
-  use amontons_increment_control, only: stepper_type
+  use amontons_increment_control, only: increment_control_type
   implicit none
   private
   public :: snapshot_type, output_lengths_type, take_snapshot, restore_snapshot, write_checkpoint, read_checkpoint, pack_state, &
@@ -34,7 +34,7 @@ module amontons_checkpoint
   !> All data on which the next increment depends.
   type :: snapshot_type
     type(fields_type) :: fields                    !< committed
-    type(stepper_type) :: stepper
+    type(increment_control_type) :: stepping
     logical :: is_step_start = .true.
     real(DP) :: force_scale = 0                    !< newton%force_scale [force]
     real(DP) :: best_entries = 0                   !< system%reduced_system%best_entries
@@ -72,15 +72,15 @@ module amontons_checkpoint
 contains
 
   !> Takes a snapshot of the data on which the next increment depends.
-  subroutine take_snapshot(snapshot, state, system, newton, stepper, is_step_start)
+  subroutine take_snapshot(snapshot, state, system, newton, stepping, is_step_start)
     type(snapshot_type), intent(inout) :: snapshot
     type(state_type), intent(in) :: state          !< its committed fields are copied
     type(equilibrium_type), intent(in) :: system
     type(newton_type), intent(in) :: newton
-    type(stepper_type), intent(in) :: stepper
+    type(increment_control_type), intent(in) :: stepping
     logical, intent(in) :: is_step_start
     snapshot%fields = state%old
-    snapshot%stepper = stepper
+    snapshot%stepping = stepping
     snapshot%is_step_start = is_step_start
     snapshot%force_scale = newton%force_scale
     snapshot%best_entries = system%reduced_system%best_entries
@@ -110,19 +110,19 @@ contains
 
 
   !> Restores a snapshot. Errors: those of begin_step.
-  subroutine restore_snapshot(snapshot, model, step, state, system, newton, stepper, is_step_start, error)
+  subroutine restore_snapshot(snapshot, model, step, state, system, newton, stepping, is_step_start, error)
     type(snapshot_type), intent(in) :: snapshot
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step            !< of the snapshot, with the loads in force
     type(state_type), intent(inout) :: state
     type(equilibrium_type), intent(inout) :: system
     type(newton_type), intent(inout) :: newton
-    type(stepper_type), intent(inout) :: stepper
+    type(increment_control_type), intent(inout) :: stepping
     logical, intent(out) :: is_step_start
     type(error_type), allocatable, intent(out) :: error
     state%old = snapshot%fields
     state%new = snapshot%fields
-    stepper = snapshot%stepper
+    stepping = snapshot%stepping
     is_step_start = snapshot%is_step_start
     newton%force_scale = snapshot%force_scale
     call restore_node_order(snapshot, system)
@@ -304,7 +304,7 @@ contains
     integer(I64) :: deck
     deck = checksum_of_text(model%deck_text)
     call packer%exchange(deck)
-    call exchange_stepper(packer, snapshot%stepper)
+    call exchange_stepping(packer, snapshot%stepping)
     call packer%exchange(snapshot%is_step_start)
     call packer%exchange(snapshot%force_scale)
     call packer%exchange(snapshot%best_entries)
@@ -321,18 +321,18 @@ contains
 
 
   !> The time and the counters of the job.
-  subroutine exchange_stepper(packer, stepper)
+  subroutine exchange_stepping(packer, stepping)
     type(packer_type), intent(inout) :: packer
-    type(stepper_type), intent(inout) :: stepper
-    call packer%exchange(stepper%step)
-    call packer%exchange(stepper%increment)
-    call packer%exchange(stepper%attempt)
-    call packer%exchange(stepper%step_time)
-    call packer%exchange(stepper%total_time)
-    call packer%exchange(stepper%dt)
-    call packer%exchange(stepper%n_fast_increments)
-    call packer%exchange(stepper%has_failed)
-  end subroutine exchange_stepper
+    type(increment_control_type), intent(inout) :: stepping
+    call packer%exchange(stepping%step)
+    call packer%exchange(stepping%increment)
+    call packer%exchange(stepping%attempt)
+    call packer%exchange(stepping%step_time)
+    call packer%exchange(stepping%total_time)
+    call packer%exchange(stepping%dt)
+    call packer%exchange(stepping%n_fast_increments)
+    call packer%exchange(stepping%has_failed)
+  end subroutine exchange_stepping
 
 
   !> An optional integer for each node: the order, or the interface.

@@ -15,6 +15,7 @@ module amontons_dat_contact_output
   implicit none
   private
   public :: print_contact_variable, print_section_sums, block_name, contact_axes
+  public :: NODE_FORMAT, TOTAL_FORMAT
 
   character(*), parameter :: NODE_FORMAT = '(i10,1p,3(1x,e13.6))'
   character(*), parameter :: FACE_FORMAT = '(i10,1x,i10,1p,8(1x,e13.6))'     !< a row of a point of an element's face

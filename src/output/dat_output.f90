@@ -16,14 +16,12 @@ module amontons_dat_output
   use amontons_materials, only: HISTORY_CEEQ
   use amontons_model, only: model_type, is_out, absent_elements, DIALECT_CALCULIX
   use amontons_state, only: history_variable, equivalent_plastic_strain, state_variables, n_state_variables, fields_type
-  use amontons_dat_contact_output, only: print_contact_variable, print_section_sums, block_name
+  use amontons_dat_contact_output, only: print_contact_variable, print_section_sums, block_name, NODE_FORMAT, TOTAL_FORMAT
   implicit none
   private
   public :: print_request, printed_forces, in_transform, in_orientation
 
-  character(*), parameter :: NODE_FORMAT = '(i10,1p,3(1x,e13.6))'
   character(*), parameter :: POINT_FORMAT = '(i10,1x,i3,1p,*(1x,e13.6))'
-  character(*), parameter :: TOTAL_FORMAT = '(6x,1p,3(1x,e13.6))'
 
 contains
 

@@ -38,7 +38,7 @@ module amontons_frd_output
   public :: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
 
   real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< relative difference of equal pressures [-]
-  integer, parameter :: VALUES_PER_LINE = 6              !< values
+  integer, parameter :: FRD_VALUES_PER_LINE = 6              !< values
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
 
   !> An open file; unit 0: not open.
@@ -619,7 +619,7 @@ contains
     integer :: i, status
     do i = 1, size(nodes), ROWS_PER_WRITE
       associate (some => nodes(i:min(i + ROWS_PER_WRITE - 1, size(nodes))))
-        if (size(values, 1) > VALUES_PER_LINE) then
+        if (size(values, 1) > FRD_VALUES_PER_LINE) then
           call put_long_rows(frd, some, labels, values)
           cycle
         end if
@@ -643,8 +643,8 @@ contains
       write (line, '(a,i10)') ' -1', labels(nodes(i))
       text = format_value_rows([1], values(:, nodes(i:i)))
       text = text(14:)
-      do j = 1, len(text), 12 * VALUES_PER_LINE
-        call write_line(frd, line(:13) // text(j:min(j + 12 * VALUES_PER_LINE - 1, len(text))))
+      do j = 1, len(text), 12 * FRD_VALUES_PER_LINE
+        call write_line(frd, line(:13) // text(j:min(j + 12 * FRD_VALUES_PER_LINE - 1, len(text))))
         line = ' -2'
       end do
     end do

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { BYTES = 8, LEVEL = 1, MOST_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
+enum { BYTES = 8, LEVEL = 1, MAX_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
 enum { MODULUS = 65521, SUMMED = 4096, SHUFFLED = 1024, SYMBOLS = 257, LONGEST = 15 };
 static const double REPEATED = 1.0; /* bits per byte: a plane with less entropy is deflated, to use its repetitions */
 static const double NOISE = 6.7; /* bits per byte: a plane with more entropy is stored. Deflate saves a tenth of a plane with
@@ -67,7 +67,7 @@ static size_t store(const unsigned char *plane, size_t n, unsigned char *to)
 {
   unsigned char *start = to;
   for (size_t done = 0; done < n;) {
-    size_t m = n - done < MOST_STORED ? n - done : MOST_STORED;
+    size_t m = n - done < MAX_STORED ? n - done : MAX_STORED;
     *to++ = 0;
     *to++ = (unsigned char)(m & 255);
     *to++ = (unsigned char)(m >> 8);

@@ -105,19 +105,19 @@ contains
       tangent = min(tangent, seconds() - start)
       if (failed /= 0) error stop 'an element failed'
     end do
-    call tell('forces', forces)
-    call tell('stiffness', tangent)
+    call print_time('forces', forces)
+    call print_time('stiffness', tangent)
     write (output_unit, '(a,i0,a)') 'stiffness: ', nint(100 * WORK * real(model%mesh%n_elements, DP) / tangent / product_rate), &
       ' % of what dgemm makes of its arithmetic'
   end subroutine time_elements
 
 
   !> A rate of elements.
-  subroutine tell(what, time)
+  subroutine print_time(what, time)
     character(*), intent(in) :: what
     real(DP), intent(in) :: time                   !< [s]
     write (output_unit, '(a,a,i0,a)') what, ': ', nint(real(model%mesh%n_elements, DP) / time / 1000), ' thousand elements a second'
-  end subroutine tell
+  end subroutine print_time
 
 
   !> Factor and solution, the diagonal being a little larger so that the body stands.

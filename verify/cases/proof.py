@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from verify.independent.results import Floats, Results, read_field, read_history, read_results
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
-MOST_OVER_ALL = 6.0  #: the same over all cases together
+MAX_OVER_ALL = 6.0  #: the same over all cases together
 #: Chapters of the index, in their order, by the file of the tests.
 CHAPTERS = {
     "Patches, rigid motions, heat, joined bodies": ("test_patch_and_rigid_motion",),
@@ -49,7 +49,7 @@ CHAPTERS = {
 }  # fmt: skip
 TRUE = "true"  #: what is expected of something that is so or not
 EFFORT = "Newton iterations per increment"  #: quantity of the checks without a result
-MOST_ITERATIONS = 8.0  #: mean of the Newton iterations per increment, failed attempts included, that a case may take
+MAX_ITERATIONS = 8.0  #: mean of the Newton iterations per increment, failed attempts included, that a case may take
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ class Case:
         self.within(
             f"{EFFORT} ({name})",
             job.n_iterations / increments,
-            (0.0, MOST_ITERATIONS),
+            (0.0, MAX_ITERATIONS),
             why="failed attempts are counted, and the increments are those that the deck requests",
             place="whole model",
             time="whole job",
@@ -278,7 +278,7 @@ class Case:
         parts += ["## What was found", check_table([c for c in self.checks if not (c.quantity.startswith(EFFORT) and c.holds)])]
         parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in self.figures]
         if self.jobs:
-            parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + f". More than {MOST_ITERATIONS:g} iterations "
+            parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + f". More than {MAX_ITERATIONS:g} iterations "
                       "for each increment that the deck requests, failed attempts included, would fail the case."]  # fmt: skip
         parts += ["## What it proves", self.proves]
         if self.test:

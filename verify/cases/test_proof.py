@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from verify.cases.proof import CHAPTERS, MOST_OVER_ALL, Case, Check, write_index
+from verify.cases.proof import CHAPTERS, MAX_OVER_ALL, Case, Check, write_index
 
 
 def test_mean_effort(tmp_path: Path) -> None:
@@ -21,7 +21,7 @@ def test_mean_effort(tmp_path: Path) -> None:
         (tmp_path / f"{name}.json").write_text(json.dumps(facts))
     mean = write_index(tmp_path)
     assert mean == pytest.approx(84 / 12)
-    assert mean > MOST_OVER_ALL
+    assert mean > MAX_OVER_ALL
     assert not list(tmp_path.glob("*.json"))
     assert "| all | 12 | 84 | 2 | 7.0 |" in (tmp_path / "index.md").read_text()
 

@@ -220,11 +220,11 @@ def test_contact_that_never_closes_is_reported(run: Run, root: Path, tmp_path: P
     shutil.copy(root / "input" / "three_cubes.mesh", tmp_path)
     deck = (root / "input" / "three_cubes.inp").read_text()
     lifted, swapped = deck.replace("LID, 3, 3, -0.001", "LID, 3, 3, 0.001"), deck.replace("CUBE_SOLE, TABLE_TOP", "TABLE_TOP, CUBE_SOLE")
-    for text, is_told in ((deck, False), (lifted, True), (swapped, True)):
+    for text, is_reported in ((deck, False), (lifted, True), (swapped, True)):
         (tmp_path / "job.inp").write_text(text)
         done = run(["job"], cwd=tmp_path)
         assert done.returncode == 0, done.stdout
-        assert ("*WARNING: No slave node touched its master" in done.stdout) == is_told
+        assert ("*WARNING: No slave node touched its master" in done.stdout) == is_reported
 
 
 @pytest.mark.parametrize(("wrong", "right", "message"), [

@@ -51,7 +51,7 @@ def test_contact(run: Run, tmp_path: Path) -> None:
 
 
 def test_a_deck_with_errors(run: Run, tmp_path: Path) -> None:
-    """All errors are told, with the exit code of a job."""
+    """All errors are reported, with the exit code of a job."""
     (tmp_path / "job.inp").write_text("*STATIK\n")
     done = run(["--estimate", "job"], cwd=tmp_path)
     assert done.returncode == 3 and "STATIK" in done.stdout + done.stderr

@@ -44,7 +44,7 @@ def sliding_cases() -> Iterator[tuple[str, str]]:
     yield "drag-far-n", deck(two_blocks("C3D8"), LINEAR + RUB, NODES, [push(), push(x=0.3)], "*STATIC, DIRECT\n.1, 1.\n")
 
 
-def course_cases() -> Iterator[tuple[str, str]]:
+def path_cases() -> Iterator[tuple[str, str]]:
     """Laws that change from step to step, output at some increments, sets that are adjusted, pairs that go and come, blocks lifted off."""
     for kind in (NODES, FACES):
         k = kind[0].lower()
@@ -80,7 +80,7 @@ def chain_cases() -> Iterator[tuple[str, str]]:
     yield "both-sides-n", deck(two_blocks("C3D8"), LINEAR, NODES, [push()]).replace(pair("B_Z0", "A_Z1", NODES), both)
 
 
-FAMILIES = [sliding_cases, course_cases, chain_cases]
+FAMILIES = [sliding_cases, path_cases, chain_cases]
 
 
 def cases() -> dict[str, str]:

@@ -30,7 +30,7 @@ Ints = NDArray[np.int64]
 
 HOLE, WIDTH, THICKNESS, LENGTH, PIN_LENGTH = 10.0, 40.0, 12.0, 60.0, 36.0
 GRIP = THICKNESS / 2 + 1.0  #: half length of the pin's surface in the pair
-CLEARANCE, FORCE, TRAVEL = 0.05, 20000.0, 0.0945
+CLEARANCE, FORCE, DISPLACEMENT = 0.05, 20000.0, 0.0945
 MODULUS, MU = 210000.0, 0.15
 #: From the order of nodes of gmsh's ten-node tetrahedron to that of C3D10.
 ORDER = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -129,7 +129,7 @@ def pin_in_lug(size: float = 3.0, dialect: str = "abaqus", by_displacement: bool
     lines += ["*CONTACT PAIR, INTERACTION=DRY, TYPE=" + ("SURFACE TO SURFACE" if dialect == "calculix" else "NODE TO SURFACE"), "LUG_FACE, PIN_FACE"]
     lines += ["*BOUNDARY", "ROOT, 1, 3", f"{reference}, 2, 3", f"{reference + 1}, 1, 3"]
     lines += ["*STEP, NLGEOM, INC=200", "*STATIC", "0.1, 1."]
-    load = ["*BOUNDARY", f"{reference}, 1, 1, {TRAVEL}"] if by_displacement else ["*CLOAD", f"{reference}, 1, {FORCE}"]
+    load = ["*BOUNDARY", f"{reference}, 1, 1, {DISPLACEMENT}"] if by_displacement else ["*CLOAD", f"{reference}, 1, {FORCE}"]
     lines += [*load, "*NODE PRINT, NSET=ROOT, TOTALS=ONLY", "RF"]
     lines += ["*NODE FILE", "U", "*EL FILE", "S", "*CONTACT FILE", "CDIS, CSTR"] if dialect == "calculix" else []
     return "\n".join([*lines, "*END STEP", ""])

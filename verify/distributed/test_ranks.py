@@ -123,18 +123,18 @@ def test_same_bits_twice(tmp_path: Path, solver: str) -> None:
 
 
 def test_serial_program_refuses(tmp_path: Path) -> None:
-    """Without PETSc its solvers are errors of the deck, told with what is allowed; BDDC is one in both programs."""
+    """Without PETSc its solvers are errors of the deck, reported with what is allowed; BDDC is one in both programs."""
     for n, solver, word in ((0, "GAMG", "amontons-mpi has (make MPI=1)"), (0, "BDDC", "is not available"), (2, "BDDC", "is not available")):
         outcome = run(tmp_path / f"{solver}{n}", cube(2, f", SOLVER={solver}"), n)
         assert outcome.code == 3 and word in outcome.text and outcome.text.count("*ERROR: SOLVER") == 1
 
 
 def errors_in(outcome: Outcome) -> int:
-    """How often the end of a job is told."""
+    """How often the end of a job is reported."""
     return re.sub(r"\x1b\[\d*m", "", outcome.text).count("*ERROR")
 
 
-def test_errors_of_all_are_told_once(tmp_path: Path) -> None:
+def test_errors_of_all_are_reported_once(tmp_path: Path) -> None:
     """A wrong deck, a missing folder and a user routine on two ranks."""
     assert errors_in(run(tmp_path, "*HEADING\n*STATIK\n", 2)) == errors_in(run(tmp_path, "*HEADING\n*STATIK\n", 0))
     missing = run(tmp_path, cube(2, ""), 2, "--outdir", "nowhere")
@@ -146,7 +146,7 @@ def test_errors_of_all_are_told_once(tmp_path: Path) -> None:
 
 
 def test_error_of_one_rank_ends_all(tmp_path: Path) -> None:
-    """The second rank may take 500 MB, too little for the 60 000 unknowns: told once, and all end within a minute."""
+    """The second rank may take 500 MB, too little for the 60 000 unknowns: reported once, and all end within a minute."""
     (tmp_path / "job.inp").write_text(cube(26, ""))
     name = program("amontons-mpi")
     command = ["mpiexec", "-n", "1", name, "job", ":", "-n", "1", "bash", "-c", f"ulimit -v 500000; exec {name} job"]
@@ -176,13 +176,13 @@ def interrupt(folder: Path, sign: int, n_increments: int) -> int:
 
 
 def count_lines(folder: Path) -> int:
-    """Increments told so far."""
+    """Increments reported so far."""
     return sum(" % " in line for line in (folder / "output.txt").read_text().splitlines())
 
 
 @pytest.mark.parametrize(("sign", "n"), [(signal.SIGKILL, 2), (signal.SIGKILL, 0), (signal.SIGTERM, 4)])
 def test_a_rank_that_ends_and_resumption(tmp_path: Path, sign: int, n: int) -> None:
-    """A rank is killed, or asked to stop: the others end, the converged increments are on disk, and the job goes on with another number
+    """A rank is killed, or gets a signal to stop: the others end, the converged increments are on disk, and the job continues with another number
     of ranks (0: the serial program) to the same end as without interruption."""
     deck = deck_of(Model(5))
     whole = run(tmp_path / "whole", deck, 0)

@@ -1,6 +1,6 @@
 """doc/manual/limits.md against the program: what the page says is not there is refused before the first step, by name.
 
-Each row of the tables stands in TRIALS with cards that ask for it; all cards of the list of refused cards are tried as well.
+Each row of the tables stands in TRIALS with cards that request it; all cards of the list of refused cards are tried as well.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -68,7 +68,7 @@ TRIALS = [
     ("cast iron", "material", "*CAST IRON PLASTICITY\n0.1\n", r"\*CAST IRON PLASTICITY is not supported"),
     ("rate-dependent yield", "material", "*PLASTIC\n200., 0.\n*RATE DEPENDENT\n40., 5.\n", r"\*RATE DEPENDENT is not supported"),
 ]
-#: rows that no card asks for, each with what holds it
+#: rows that no card requests, each with what holds it
 NO_CARD = {
     "S6 that curve": "verify/cases/elastic/test_shells.py",
     "wear": "no card of Abaqus or CalculiX",
@@ -83,8 +83,8 @@ def rows() -> list[str]:
     return found
 
 
-@pytest.mark.parametrize(("row", "place", "cards", "told"), TRIALS, ids=[trial[0] for trial in TRIALS])
-def test_what_is_not_there_is_refused(run: Run, tmp_path: Path, row: str, place: str, cards: str, told: str) -> None:
+@pytest.mark.parametrize(("row", "place", "cards", "reported"), TRIALS, ids=[trial[0] for trial in TRIALS])
+def test_what_is_not_there_is_refused(run: Run, tmp_path: Path, row: str, place: str, cards: str, reported: str) -> None:
     """With an error that names it; the same deck without it has none."""
     if not any(row.lower() in line.lower() for line in rows()):
         pytest.skip(f"the page does not say any longer that there is no {row}")
@@ -96,12 +96,12 @@ def test_what_is_not_there_is_refused(run: Run, tmp_path: Path, row: str, place:
     done = run(["job"], cwd=tmp_path)
     assert done.returncode == DECK_ERROR, done.stdout + done.stderr
     errors = [line for line in (done.stdout + done.stderr).splitlines() if "*ERROR" in line]
-    assert any(re.search(told, line) for line in errors), errors
+    assert any(re.search(reported, line) for line in errors), errors
     assert not (tmp_path / "job.vtkhdf").exists()
 
 
 def test_each_row_is_tried() -> None:
-    """A row without a trial is a sentence that nobody proved."""
+    """A row without a trial is a sentence without proof."""
     known = [trial[0] for trial in TRIALS] + list(NO_CARD)
     assert [row for row in rows() if not any(word.lower() in row.lower() for word in known)] == []
 
@@ -113,6 +113,6 @@ def test_all_refused_cards_are_refused(run: Run, tmp_path: Path) -> None:
     assert len(names) > 50
     (tmp_path / "job.inp").write_text("".join(f"*{name}\n" for name in names))
     done = run(["--check", "job"], cwd=tmp_path)
-    told = done.stdout + done.stderr
+    reported = done.stdout + done.stderr
     assert done.returncode == DECK_ERROR
-    assert [name for name in names if f"The card *{name} is not supported." not in told] == []
+    assert [name for name in names if f"The card *{name} is not supported." not in reported] == []

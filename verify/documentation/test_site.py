@@ -25,7 +25,7 @@ from verify.tools.module_table import page as modules_page
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
 FORD = Path(os.environ.get("AMONTONS_FORD", ROOT / ".venv-api" / "bin" / "ford"))
 LINK = re.compile(r'(?:href|src)="([^"]*)"')
-MOST_BYTES = 30 * 2**20  #: of the whole site on a disk with blocks of 4 kB, as `du -m` counts
+MAX_BYTES = 30 * 2**20  #: of the whole site on a disk with blocks of 4 kB, as `du -m` counts
 WRITTEN_LATER = "/api/index.html"  #: by FORD, which `make doc` runs after mkdocs
 
 
@@ -102,7 +102,7 @@ def test_pages_of_the_source(site: Path) -> None:
     site_weight.lighten(site)
     assert broken_links(site, "") == []
     assert re.findall(r"<pre\b.*?</pre>", (site / "manual" / "first_job.html").read_text(), re.DOTALL) == code != []
-    assert sum(4096 * -(-path.stat().st_size // 4096) for path in site.rglob("*") if path.is_file()) < MOST_BYTES
+    assert sum(4096 * -(-path.stat().st_size // 4096) for path in site.rglob("*") if path.is_file()) < MAX_BYTES
     first = re.match(r"!> ([\w :]+)", (ROOT / "src" / "contact_laws" / "friction_slip_scenarios.f90").read_text())
     assert first and f"<p>{first[1]}" in (site / "api" / "module" / "amontons_friction_slip_scenarios.html").read_text()
     assert 'src/friction_slip_scenarios.f90' in (site / "api" / "module" / "amontons_friction_slip_scenarios.html").read_text()

@@ -33,9 +33,9 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 LARGEST = 60_000  # [bytes] of a deck
-PATIENCE = 20.0  # [s] of processor time of one job
+TIME_LIMIT = 20.0  # [s] of processor time of one job
 MEMORY = 3 << 30  # [bytes] of one job
-MOST_FILE = 200 << 20  # [bytes] of one result file
+MAX_FILE = 200 << 20  # [bytes] of one result file
 ENDS = {0, 2, 3, 4, 5, 6, 7}  # exit codes that are not a finding
 #: Fields whose sums of forces need not vanish: constraints and springs to the ground take some; r has no sum around an axis.
 UNBALANCED = re.compile(r"^\*(EQUATION|MPC|SPRING|COUPLING|RIGIDBODY|TIE|PRE-TENSION|KINEMATIC|DISTRIBUTING|MODELCHANGE)|TYPE=CAX", re.M)
@@ -206,17 +206,17 @@ class Tally:
 
 def limit() -> None:
     """What one job may take."""
-    resource.setrlimit(resource.RLIMIT_CPU, (int(PATIENCE), int(PATIENCE) + 2))
+    resource.setrlimit(resource.RLIMIT_CPU, (int(TIME_LIMIT), int(TIME_LIMIT) + 2))
     if "ASAN_OPTIONS" not in os.environ:  # a program with sanitizers maps terabytes
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (MOST_FILE, MOST_FILE))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MAX_FILE, MAX_FILE))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def execute(program: Path, folder: Path, *words: str) -> subprocess.CompletedProcess[bytes]:
     """Runs the program in a folder under its limits."""
     return subprocess.run([str(program), *words], cwd=folder, capture_output=True, preexec_fn=limit, check=False,
-                          timeout=30 * PATIENCE, env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})  # fmt: skip
+                          timeout=30 * TIME_LIMIT, env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})  # fmt: skip
 
 
 def lie_of(folder: Path, deck: str) -> str:

@@ -60,7 +60,7 @@ PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEA
 #: What a routine of the user or another job says has unknown units.
 REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT="}
 #: Cards that belong to the card before them.
-FOLLOWERS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
+DATA_CARDS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
 #: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
 NODE_FIRST, NODES_ONLY = {"NODE", "BOUNDARY", "CLOAD", "TEMPERATURE", "INITIAL CONDITIONS"}, {"NSET"}
 MODEL_END = "*STEP"
@@ -222,7 +222,7 @@ def shuffled(deck: str, seed: int) -> str:
     model, steps = deck[: deck.index(MODEL_END)], deck[deck.index(MODEL_END) :]
     groups: list[list[str]] = []
     for card in cards(model):
-        if keyword(card) in FOLLOWERS and groups:
+        if keyword(card) in DATA_CARDS and groups:
             groups[-1] += card
         else:
             groups.append(list(card))

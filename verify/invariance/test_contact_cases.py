@@ -146,12 +146,12 @@ CASES: dict[str, Callable[[], str]] = {
     "cylinder dragged at once": lambda: deck_of_case("contact.test_sliding", "test_dragged_at_once", what="cylinder", make=contact_table.cylinder, mu=1.0, steps=3),
     "cubes under a law": lambda: deck_of_case("contact.test_sliding", "test_cubes_under_a_law", slope=1e8, stick=1e7),
     "Prandtl's punch": lambda: deck_of_case("inelastic.test_plasticity_and_creep", "test_prandtl_punch"),
-    "led by supports": lambda: deck_of_case("contact.test_sliding", "test_led_by_supports"),
+    "prescribed motion": lambda: deck_of_case("contact.test_sliding", "test_prescribed_motion_of_slaves"),
     "Mindlin in space": lambda: deck_of_case("contact.test_partial_slip", "test_cattaneo_mindlin"),
     **{f"defaults, {name}": partial(default_deck, name) for name in ("pin_in_bush", "cold_fit", "gaskets", "in_a_corner", "wedge")},
 }
 #: Without contact, the examples of the manual, and the larger decks of input/: in other units only.
-EXAMPLES = ("assembly", "bar", "bolt", "bonds", "changes", "grid", "inelastic", "layers", "parts", "rubber", "sector", "springs")
+EXAMPLES = ("assembly", "bar", "bolt", "constraints", "changes", "grid", "inelastic", "layers", "parts", "rubber", "sector", "springs")
 OTHERS: dict[str, Callable[[], str]] = {
     **{f"example {name}": partial(deck_of_file, f"doc/manual/examples/{name}.inp") for name in EXAMPLES},
     "shear block": lambda: deck_of_file("input/shear_block.inp"),

@@ -26,7 +26,7 @@ static uint64_t mixed(const void *values, int64_t n)
   return sum;
 }
 
-static void *room_for(int64_t n)
+static void *allocate_block(int64_t n)
 {
   void *memory = calloc(n > 0 ? (size_t)n : 1, 8);
   if (!memory) exit(9);
@@ -40,36 +40,36 @@ static void judge(int status, amontons_job *job)
   exit(1);
 }
 
-static void tell(amontons_job *job, const char *quantity, const char *set)
+static void print_values(amontons_job *job, const char *quantity, const char *set)
 {
   int64_t rows, columns;
   judge(amontons_get(job, quantity, set, NULL, 0, &rows, &columns), job);
-  double *values = room_for(rows * columns);
+  double *values = allocate_block(rows * columns);
   judge(amontons_get(job, quantity, set, values, rows * columns, &rows, &columns), job);
   printf("%s of '%s': %lld x %lld %016llX\n", quantity, set, (long long)rows, (long long)columns,
          (unsigned long long)mixed(values, rows * columns));
   free(values);
 }
 
-static void tell_all(amontons_job *job)
+static void print_all(amontons_job *job)
 {
   static const char *const nodal[] = {"NODES", "X", "U", "RF", "S", "E", "NT", "CPRESS", "CSHEAR", "COPEN", "CSLIP", "CNORMF", "CSHEARF",
                                       "CSTATUS", "CSCENARIO", "CONTACT FORCE", "INTERNAL FORCE", "APPLIED FORCE", "RESIDUAL"};
   static const char *const numbers[] = {"TIME", "STEP TIME", "TIME LEFT", "STEP", "INCREMENTS", "ITERATIONS", "FRICTION", "FRICTION WORK",
                                         "EXTERNAL WORK", "STRAIN ENERGY"};
-  for (size_t i = 0; i < sizeof nodal / sizeof *nodal; i++) tell(job, nodal[i], "");
-  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) tell(job, numbers[i], "");
-  tell(job, "P", "LOWER_TOP");
-  tell(job, "FACE CENTRES", "LOWER_TOP");
-  tell(job, "CF", "LOWER_TOP");
-  tell(job, "U", "UPPER_TOP");
-  tell(job, "POINT S", "UPPER");
-  tell(job, "ELEMENT S", "UPPER");
-  tell(job, "ELEMENT LABEL", "UPPER");
+  for (size_t i = 0; i < sizeof nodal / sizeof *nodal; i++) print_values(job, nodal[i], "");
+  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) print_values(job, numbers[i], "");
+  print_values(job, "P", "LOWER_TOP");
+  print_values(job, "FACE CENTRES", "LOWER_TOP");
+  print_values(job, "CF", "LOWER_TOP");
+  print_values(job, "U", "UPPER_TOP");
+  print_values(job, "POINT S", "UPPER");
+  print_values(job, "ELEMENT S", "UPPER");
+  print_values(job, "ELEMENT LABEL", "UPPER");
 }
 
 /* Nodes in scenarios I to IV, and one that opens. */
-static void tell_scenarios(void)
+static void print_scenarios(void)
 {
   const double tangential[2][5][3] = {{{5}, {5}, {1}, {1}, {1}}, {{2}, {4}, {4}, {2}, {1}}};
   const double normal_force[2][5] = {{10, 10, 10, 10, -1}, {10, 10, 10, 10, 10}};
@@ -85,13 +85,13 @@ static void tell_scenarios(void)
   printf("no nodes: %d\n", amontons_classify(1, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL));
 }
 
-static void tell_matrix(amontons_job *job, const char *name)
+static void print_matrix(amontons_job *job, const char *name)
 {
   int64_t rows, columns, entries, all, free_ones;
   judge(amontons_matrix(job, "MAP", &all, &free_ones, NULL), job);
   judge(amontons_matrix(job, name, &rows, &columns, &entries), job);
-  int64_t *first = room_for(rows + 1), *column = room_for(entries);
-  double *value = room_for(entries), *residual = room_for(free_ones);
+  int64_t *first = allocate_block(rows + 1), *column = allocate_block(entries);
+  double *value = allocate_block(entries), *residual = allocate_block(free_ones);
   judge(amontons_matrix_copy(job, first, column, value), job);
   judge(amontons_residual_copy(job, residual), job);
   printf("%s: %lld x %lld, %lld entries %016llX %016llX %016llX, residual %016llX\n", name, (long long)rows, (long long)columns,
@@ -100,11 +100,11 @@ static void tell_matrix(amontons_job *job, const char *name)
   free(first), free(column), free(value), free(residual);
 }
 
-static void tell_names(amontons_job *job, const char *kind)
+static void print_names(amontons_job *job, const char *kind)
 {
   int64_t needed;
   judge(amontons_names(job, kind, NULL, 0, &needed), job);
-  char *text = room_for(needed);
+  char *text = allocate_block(needed);
   judge(amontons_names(job, kind, text, needed, NULL), job);
   for (char *c = text; *c; c++)
     if (*c == '\n') *c = ' ';
@@ -122,7 +122,7 @@ static void *work(void *deck)
   judge(amontons_open(&options, &job), job);
   judge(amontons_advance_to(job, 0.4), job);
   judge(amontons_get(job, "U", "", NULL, 0, &rows, &columns), job);
-  double *values = room_for(rows * columns);
+  double *values = allocate_block(rows * columns);
   judge(amontons_get(job, "U", "", values, rows * columns, NULL, NULL), job);
   amontons_close(job);
   return values;
@@ -131,7 +131,7 @@ static void *work(void *deck)
 static char *text_of(const char *path)
 {
   FILE *file = fopen(path, "r");
-  char *text = room_for(1 << 16);
+  char *text = allocate_block(1 << 16);
   if (!file) exit(9);
   if (fread(text, 1, 8 * (1 << 16) - 1, file) == 0) exit(9);
   fclose(file);
@@ -151,26 +151,26 @@ int main(int n, char **words)
   options.abi = AMONTONS_ABI + 1;
   printf("another interface: %d\n", amontons_open(&options, &job));
   amontons_close(job);
-  tell_scenarios();
+  print_scenarios();
   options.abi = AMONTONS_ABI;
   options.text = text;
   options.log = hear;
   options.context = &n_heard;
   judge(amontons_open(&options, &job), job);
-  tell_names(job, "NODE SETS");
-  tell_names(job, "QUANTITIES");
+  print_names(job, "NODE SETS");
+  print_names(job, "QUANTITIES");
   judge(amontons_advance(job), job);
   judge(amontons_advance_to(job, 0.35), job);
-  tell_all(job);
+  print_all(job);
   judge(amontons_set(job, "U3", "UPPER_TOP", &u, 1), job);
   judge(amontons_set(job, "CF", "LOWER_TOP", force, 3), job);
   judge(amontons_set(job, "P", "LOWER_TOP", &pressure, 1), job);
   judge(amontons_set(job, "NT", "UPPER_TOP", &warm, 1), job);
   judge(amontons_set(job, "FRICTION", "RUBBING", &mu, 1), job);
   judge(amontons_try(job, 0.2), job);
-  tell_all(job);
+  print_all(job);
   judge(amontons_rollback(job), job);
-  tell_all(job);
+  print_all(job);
   judge(amontons_begin(job, 0.1), job);
   do {
     judge(amontons_iterate(job, &verdict), job);
@@ -178,17 +178,17 @@ int main(int n, char **words)
   } while (verdict == AMONTONS_GO_ON);
   printf("verdict %d after %d\n", verdict, n_iterations);
   judge(amontons_commit(job), job);
-  tell_all(job);
-  tell_matrix(job, "TANGENT");
-  tell_matrix(job, "MAP");
-  tell_matrix(job, "STIFFNESS");
+  print_all(job);
+  print_matrix(job, "TANGENT");
+  print_matrix(job, "MAP");
+  print_matrix(job, "STIFFNESS");
   int status = amontons_get(job, "NONSENSE", "", NULL, 0, NULL, NULL);
   printf("an unknown name: %d, %s\n", status, amontons_message(job));
   judge(amontons_advance_to(job, 1.2), job);
   printf("done: %d\n", amontons_is_done(job));
   while (!amontons_is_done(job)) judge(amontons_advance(job), job);
   judge(amontons_finish(job), job);
-  tell_all(job);
+  print_all(job);
   status = amontons_advance(job);
   printf("after the end: %d, %s\n", status, amontons_message(job));
   amontons_close(job);

@@ -55,16 +55,16 @@ program api_calls
   options%n_threads = 1
   allocate (counter%n_lines, source=0)
   allocate (job)
-  call tell_scenarios()
+  call print_scenarios()
   call open_job(job, options, error, counter)
   call judge()
-  call tell_names('NODE SETS')
-  call tell_names('QUANTITIES')
+  call print_names('NODE SETS')
+  call print_names('QUANTITIES')
   call advance_job(job, error)
   call judge()
   call advance_job_to(job, 0.35_real64, error)
   call judge()
-  call tell_all()
+  call print_all()
   call set_values(job, 'U3', 'UPPER_TOP', [-0.0011_real64], error)
   call judge()
   call set_values(job, 'CF', 'LOWER_TOP', [0.0_real64, 0.02_real64, 0.0_real64], error)
@@ -77,10 +77,10 @@ program api_calls
   call judge()
   call try_job(job, 0.2_real64, error)
   call judge()
-  call tell_all()
+  call print_all()
   call rollback_job(job, error)
   call judge()
-  call tell_all()
+  call print_all()
   call begin_job(job, 0.1_real64, error)
   call judge()
   n_iterations = 0
@@ -93,10 +93,10 @@ program api_calls
   write (*, '(a,i0,a,i0)') 'verdict ', verdict, ' after ', n_iterations
   call commit_job(job, error)
   call judge()
-  call tell_all()
-  call tell_matrix('TANGENT')
-  call tell_matrix('MAP')
-  call tell_matrix('STIFFNESS')
+  call print_all()
+  call print_matrix('TANGENT')
+  call print_matrix('MAP')
+  call print_matrix('STIFFNESS')
   call get_values(job, 'NONSENSE', '', values, error)
   write (*, '(a,i0,2a)') 'an unknown name: ', error%code, ', ', error%message
   call advance_job_to(job, 1.2_real64, error)
@@ -108,7 +108,7 @@ program api_calls
   end do
   call finish_job(job, error)
   call judge()
-  call tell_all()
+  call print_all()
   call advance_job(job, error)
   write (*, '(a,i0,2a)') 'after the end: ', error%code, ', ', error%message
   call close_job(job, error)
@@ -165,16 +165,16 @@ contains
   end function mixed
 
 
-  subroutine tell(quantity, set)
+  subroutine print_values(quantity, set)
     character(*), intent(in) :: quantity, set
     call get_values(job, quantity, set, values, error)
     call judge()
     write (*, '(4a,i0,a,i0,1x,z16.16)') quantity, ' of ''', set, ''': ', size(values, 2), ' x ', size(values, 1), &
       mixed(transfer(values, [0_int64]))
-  end subroutine tell
+  end subroutine print_values
 
 
-  subroutine tell_all()
+  subroutine print_all()
     character(14), parameter :: NODAL(*) = [character(14) :: 'NODES', 'X', 'U', 'RF', 'S', 'E', 'NT', 'CPRESS', 'CSHEAR', &
       'COPEN', 'CSLIP', 'CNORMF', 'CSHEARF', 'CSTATUS', 'CSCENARIO', 'CONTACT FORCE', 'INTERNAL FORCE', 'APPLIED FORCE', &
       'RESIDUAL']
@@ -182,23 +182,23 @@ contains
       'ITERATIONS', 'FRICTION', 'FRICTION WORK', 'EXTERNAL WORK', 'STRAIN ENERGY']
     integer :: k
     do k = 1, size(NODAL)
-      call tell(trim(NODAL(k)), '')
+      call print_values(trim(NODAL(k)), '')
     end do
     do k = 1, size(NUMBERS)
-      call tell(trim(NUMBERS(k)), '')
+      call print_values(trim(NUMBERS(k)), '')
     end do
-    call tell('P', 'LOWER_TOP')
-    call tell('FACE CENTRES', 'LOWER_TOP')
-    call tell('CF', 'LOWER_TOP')
-    call tell('U', 'UPPER_TOP')
-    call tell('POINT S', 'UPPER')
-    call tell('ELEMENT S', 'UPPER')
-    call tell('ELEMENT LABEL', 'UPPER')
-  end subroutine tell_all
+    call print_values('P', 'LOWER_TOP')
+    call print_values('FACE CENTRES', 'LOWER_TOP')
+    call print_values('CF', 'LOWER_TOP')
+    call print_values('U', 'UPPER_TOP')
+    call print_values('POINT S', 'UPPER')
+    call print_values('ELEMENT S', 'UPPER')
+    call print_values('ELEMENT LABEL', 'UPPER')
+  end subroutine print_all
 
 
   !> Nodes in scenarios I to IV, and one that opens. The compiler sees to it that there are arrays: the second line is C's.
-  subroutine tell_scenarios()
+  subroutine print_scenarios()
     real(real64) :: Rt(3, 5, 2), N(5, 2), slip(3, 5, 2), d(3, 5), alpha(5)
     type(slip_state_type) :: at(5, 2)
     type(slip_result_type) :: found(5)
@@ -220,11 +220,11 @@ contains
     write (*, '(a,10(1x,i0),1x,z16.16)') 'scenarios: 0', found%scenario, &
       merge(STATUS_STICK, found%status, found%becomes_stick), mixed(transfer(alpha, [0_int64]))
     write (*, '(a)') 'no nodes: 2'
-  end subroutine tell_scenarios
+  end subroutine print_scenarios
 
 
   !> The indices of the module count from 1, those of C and Python from 0.
-  subroutine tell_matrix(name)
+  subroutine print_matrix(name)
     character(*), intent(in) :: name
     type(sparse_type) :: matrix
     real(real64), allocatable :: residual(:)
@@ -233,10 +233,10 @@ contains
     write (*, '(2a,2(i0,a),i0,a,3(1x,z16.16),a,z16.16)') name, ': ', matrix%n_rows, ' x ', matrix%n_columns, ', ', &
       size(matrix%value), ' entries', mixed(int(matrix%first, int64) - 1), mixed(int(matrix%column, int64) - 1), &
       mixed(transfer(matrix%value, [0_int64])), ', residual ', mixed(transfer(residual, [0_int64]))
-  end subroutine tell_matrix
+  end subroutine print_matrix
 
 
-  subroutine tell_names(kind)
+  subroutine print_names(kind)
     character(*), intent(in) :: kind
     character(:), allocatable :: names(:), line
     integer :: k
@@ -248,7 +248,7 @@ contains
       if (k < size(names)) line = line // ' '
     end do
     write (*, '(a)') line
-  end subroutine tell_names
+  end subroutine print_names
 
 
   function text_of(file) result(text)

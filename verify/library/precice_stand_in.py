@@ -18,7 +18,7 @@ import numpy as np
 
 
 @dataclass
-class Meeting:
+class Exchange:
     """What two participants share. The name of a configuration file identifies the coupling."""
 
     windows: int
@@ -27,7 +27,7 @@ class Meeting:
     relaxation: float = 1.0  #: of what is exchanged
     most: int = 200
     is_implicit: bool = True  #: windows are repeated; else each is solved once
-    wants_initial: bool = False  #: data must be written before initialize
+    needs_initial: bool = False  #: data must be written before initialize
     data: dict[str, np.ndarray] = field(default_factory=dict)  #: as read at the end of the window
     start: dict[str, np.ndarray] = field(default_factory=dict)  #: at its start
     written: dict[str, np.ndarray] = field(default_factory=dict)
@@ -58,7 +58,7 @@ class Meeting:
             self.start = dict(self.data)
 
 
-MEETINGS: dict[str, Meeting] = {}
+EXCHANGES: dict[str, Exchange] = {}
 
 
 class Participant:
@@ -67,11 +67,11 @@ class Participant:
     def __init__(self, name: str, configuration: str, rank: int, size: int) -> None:
         """Joins the coupling that the configuration names."""
         assert (rank, size) == (0, 1), name
-        self.meeting = MEETINGS[configuration]
+        self.exchange = EXCHANGES[configuration]
         self.sizes: dict[str, int] = {}
         self.done = 0.0  #: of the window
         self.is_complete = False
-        self.must_write = self.meeting.is_implicit
+        self.must_write = self.exchange.is_implicit
         self.must_read = False
         self.state = "new"
         self.has_written = False
@@ -92,18 +92,18 @@ class Participant:
     def requires_initial_data(self) -> bool:
         """All begin with zero, unless the configuration requests initial data."""
         assert self.state == "new"
-        return self.meeting.wants_initial
+        return self.exchange.needs_initial
 
     def initialize(self) -> None:
         """What was written is there from the start."""
         assert self.state == "new"
-        assert self.has_written or not self.meeting.wants_initial
+        assert self.has_written or not self.exchange.needs_initial
         self.state = "going"
 
     def is_coupling_ongoing(self) -> bool:
         """Windows are left."""
         assert self.state == "going"
-        return self.meeting.window < self.meeting.windows
+        return self.exchange.window < self.exchange.windows
 
     def is_time_window_complete(self) -> bool:
         """The last advance ended a window."""
@@ -111,7 +111,7 @@ class Participant:
 
     def get_max_time_step_size(self) -> float:
         """What is left of the window."""
-        return self.meeting.length - self.done
+        return self.exchange.length - self.done
 
     def requires_writing_checkpoint(self) -> bool:
         """At the start of each window, once."""
@@ -127,17 +127,17 @@ class Participant:
         """What the other has written, relaxed."""
         assert -1e-12 <= time <= self.get_max_time_step_size() + 1e-12
         shape = (self.sizes[mesh], 3) if not name.startswith(("Pressure", "Temperature")) else (self.sizes[mesh],)
-        start, end = (data.get(name, np.zeros(shape))[ids] for data in (self.meeting.start, self.meeting.data))
-        return start + (self.done + time) / self.meeting.length * (end - start)
+        start, end = (data.get(name, np.zeros(shape))[ids] for data in (self.exchange.start, self.exchange.data))
+        return start + (self.done + time) / self.exchange.length * (end - start)
 
     def write_data(self, mesh: str, name: str, ids: np.ndarray, values: np.ndarray) -> None:
         """What this one has found."""
         assert self.state != "done"
         assert len(values) == self.sizes[mesh] == len(ids)
         self.has_written = True
-        self.meeting.written[name] = np.array(values, float)
+        self.exchange.written[name] = np.array(values, float)
         if self.state == "new":
-            self.meeting.data[name] = self.meeting.start[name] = self.meeting.written[name]
+            self.exchange.data[name] = self.exchange.start[name] = self.exchange.written[name]
 
     def advance(self, dt: float) -> None:
         """Meets the other at the end of the window."""
@@ -147,13 +147,13 @@ class Participant:
         self.pieces.append(dt)
         self.done += dt
         self.is_complete = False
-        if self.meeting.length - self.done > 1e-14:
+        if self.exchange.length - self.done > 1e-14:
             return
         self.done = 0.0
-        self.meeting.barrier.wait()
-        self.is_complete = not self.meeting.is_repeated
-        self.must_write = self.is_complete and self.meeting.is_implicit and self.is_coupling_ongoing()
-        self.must_read = self.meeting.is_repeated
+        self.exchange.barrier.wait()
+        self.is_complete = not self.exchange.is_repeated
+        self.must_write = self.is_complete and self.exchange.is_implicit and self.is_coupling_ongoing()
+        self.must_read = self.exchange.is_repeated
 
     def finalize(self) -> None:
         """Done."""

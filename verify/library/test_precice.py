@@ -59,9 +59,9 @@ LOWER = BAR.format(z0=0, z1=1, E=1000, held="LOW, 3, 3")
 UPPER = BAR.format(z0=1, z1=2, E=250, held="HIGH, 3, 3, 0.02\nLOW, 3, 3, 0.")
 
 
-def couple(meeting: precice_stand_in.Meeting, decks: dict[str, str], interfaces: dict[str, list[dict]]) -> dict[str, amontons.Job]:
+def couple(exchange: precice_stand_in.Exchange, decks: dict[str, str], interfaces: dict[str, list[dict]]) -> dict[str, amontons.Job]:
     """Runs both participants, each in its thread; the jobs, at their end."""
-    precice_stand_in.MEETINGS["here"] = meeting
+    precice_stand_in.EXCHANGES["here"] = exchange
     configuration = {"precice-config-file": "here", "participants": {n: {"interfaces": w} for n, w in interfaces.items()}}
     jobs = {name: amontons.Job(text=deck) for name, deck in decks.items()}
     errors: list[BaseException] = []
@@ -73,7 +73,7 @@ def couple(meeting: precice_stand_in.Meeting, decks: dict[str, str], interfaces:
             adapter.run()
         except BaseException as error:  # noqa: BLE001
             errors.append(error)
-            meeting.barrier.abort()
+            exchange.barrier.abort()
 
     threads = [threading.Thread(target=run, args=(name,)) for name in jobs]
     for thread in threads:
@@ -88,13 +88,13 @@ def couple(meeting: precice_stand_in.Meeting, decks: dict[str, str], interfaces:
 def test_two_bars_in_a_row() -> None:
     """The lower bar (E = 1000) takes forces, the upper one (E = 250) displacements; its end is drawn by 0.02: where they
     meet 0.02 * 250/1250. In each of four windows the loads repeat until they stand; the histories are straight lines."""
-    meeting = precice_stand_in.Meeting(4, 0.25, relaxation=0.5)
-    jobs = couple(meeting, {"Lower": LOWER, "Upper": UPPER}, {
+    exchange = precice_stand_in.Exchange(4, 0.25, relaxation=0.5)
+    jobs = couple(exchange, {"Lower": LOWER, "Upper": UPPER}, {
         "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
         "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
-    assert len(meeting.iterations) == 4
-    assert max(meeting.iterations) < 100
-    assert min(meeting.iterations) > 2
+    assert len(exchange.iterations) == 4
+    assert max(exchange.iterations) < 100
+    assert min(exchange.iterations) > 2
     for job, patch in ((jobs["Lower"], "HIGH"), (jobs["Upper"], "LOW")):
         assert job.is_done
         assert job.get("U", patch)[:, 2] == pytest.approx(0.02 * 250 / 1250, rel=1e-8)
@@ -109,31 +109,31 @@ def test_a_step_ends_within_a_window() -> None:
     at each end of a window the same straight line as above."""
     two = LOWER[: LOWER.index("*STEP")] + TWO_STEPS.format(held="ALL, 1, 2\nLOW, 3, 3", more="LOW, 3, 3")
     lid = UPPER[: UPPER.index("*STEP")] + TWO_STEPS.format(held="ALL, 1, 2\nHIGH, 3, 3, 0.01\nLOW, 3, 3, 0.", more="HIGH, 3, 3, 0.02")
-    meeting = precice_stand_in.Meeting(5, 0.2, relaxation=0.5)
-    jobs = couple(meeting, {"Lower": two, "Upper": lid}, {
+    exchange = precice_stand_in.Exchange(5, 0.2, relaxation=0.5)
+    jobs = couple(exchange, {"Lower": two, "Upper": lid}, {
         "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement", "Position"]}],
         "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
-    assert len(meeting.iterations) == 5
+    assert len(exchange.iterations) == 5
     for name in ("Lower", "Upper"):
         pieces = PARTICIPANTS[name].pieces
-        assert sum(abs(piece - 0.1) < 1e-9 for piece in pieces) == 2 * meeting.iterations[2]
-        assert sum(abs(piece - 0.2) < 1e-9 for piece in pieces) == sum(meeting.iterations) - meeting.iterations[2]
+        assert sum(abs(piece - 0.1) < 1e-9 for piece in pieces) == 2 * exchange.iterations[2]
+        assert sum(abs(piece - 0.2) < 1e-9 for piece in pieces) == sum(exchange.iterations) - exchange.iterations[2]
         assert jobs[name].is_done
     assert jobs["Lower"].get("U", "HIGH")[:, 2] == pytest.approx(0.02 * 250 / 1250, rel=1e-8)
-    assert meeting.data["Position"][:, 2] == pytest.approx(1 + 0.02 * 250 / 1250, rel=1e-8)
+    assert exchange.data["Position"][:, 2] == pytest.approx(1 + 0.02 * 250 / 1250, rel=1e-8)
     assert jobs["Upper"].get("RF", "HIGH")[:, 2].sum() == pytest.approx(250 * 0.016, rel=1e-8)
 
 
 def test_explicit_coupling_and_initial_data() -> None:
     """Each window once, no checkpoints: what is read is one window behind, u_k = -F_(k-1)/1000 with F_k = 250 (0.005 k - u_(k-1))."""
-    meeting = precice_stand_in.Meeting(4, 0.25, is_implicit=False, wants_initial=True)
-    jobs = couple(meeting, {"Lower": LOWER, "Upper": UPPER}, {
+    exchange = precice_stand_in.Exchange(4, 0.25, is_implicit=False, needs_initial=True)
+    jobs = couple(exchange, {"Lower": LOWER, "Upper": UPPER}, {
         "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
         "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
     u, force = 0.0, 0.0
     for k in range(4):
         u, force = force / 1000, 250 * (0.005 * (k + 1) - u)
-    assert meeting.iterations == [1, 1, 1, 1]
+    assert exchange.iterations == [1, 1, 1, 1]
     assert jobs["Lower"].get("U", "HIGH")[:, 2] == pytest.approx(u, rel=1e-9)
     assert jobs["Upper"].get("RF", "HIGH")[:, 2].sum() == pytest.approx(force, rel=1e-9)
 
@@ -141,7 +141,7 @@ def test_explicit_coupling_and_initial_data() -> None:
 def test_the_deck_ends_before_the_coupling() -> None:
     """The message names the remedy."""
     with pytest.raises(amontons.UsageError, match="end at time 1; the coupling continues"):
-        couple(precice_stand_in.Meeting(3, 0.5), {"Lower": LOWER, "Upper": UPPER}, {
+        couple(precice_stand_in.Exchange(3, 0.5), {"Lower": LOWER, "Upper": UPPER}, {
             "Lower": [{"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Force"], "write-data": ["Displacement"]}],
             "Upper": [{"nodes-mesh": "B", "patch": "LOW", "read-data": ["Displacement"], "write-data": ["Force"]}]})  # fmt: skip
 
@@ -171,16 +171,16 @@ def test_pressure_temperature_and_deltas() -> None:
             ids = np.arange(4)
             while participant.is_coupling_ongoing():
                 participant.requires_writing_checkpoint()
-                window = participant.meeting.window + 1
+                window = participant.exchange.window + 1
                 participant.write_data("A", "Temperature", ids, np.full(4, 2.0 * window))
                 participant.write_data("F", "Pressure", np.arange(1), np.full(1, 10.0 * window))
                 participant.advance(0.5)
                 participant.requires_reading_checkpoint()
                 if participant.is_time_window_complete():
-                    self.heard.append(float(participant.meeting.data["DisplacementDelta"][:, 2].mean()))
+                    self.heard.append(float(participant.exchange.data["DisplacementDelta"][:, 2].mean()))
 
-    meeting = precice_stand_in.Meeting(2, 0.5)
-    precice_stand_in.MEETINGS["here"] = meeting
+    exchange = precice_stand_in.Exchange(2, 0.5)
+    precice_stand_in.EXCHANGES["here"] = exchange
     wall = Wall()
     other = threading.Thread(target=wall.run)
     other.start()
@@ -239,8 +239,8 @@ def test_called_as_the_calculix_adapter_is(tmp_path: Path, monkeypatch: pytest.M
     assert main(["-i", "flap", "-precice-participant", "Solid"]) == 2
     assert "no participant Solid; there are Fluid" in capsys.readouterr().out
     monkeypatch.setitem(sys.modules, "precice", precice_stand_in)
-    precice_stand_in.MEETINGS["x.xml"] = precice_stand_in.Meeting(1, 1.0, is_implicit=False)
-    precice_stand_in.MEETINGS["x.xml"].barrier = threading.Barrier(1, action=precice_stand_in.MEETINGS["x.xml"].judge)
+    precice_stand_in.EXCHANGES["x.xml"] = precice_stand_in.Exchange(1, 1.0, is_implicit=False)
+    precice_stand_in.EXCHANGES["x.xml"].barrier = threading.Barrier(1, action=precice_stand_in.EXCHANGES["x.xml"].judge)
     (tmp_path / "config.yml").write_text(json.dumps({"precice-config-file": "x.xml", "participants": {"Solid": {"interfaces": [
         {"nodes-mesh": "A", "patch": "HIGH", "read-data": ["Forces"], "write-data": ["DisplacementDeltas"]}]}}}))  # fmt: skip
     assert main(["-i", "flap", "-precice-participant", "Solid"]) == 0

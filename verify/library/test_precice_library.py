@@ -1,6 +1,6 @@
 """The preCICE adapter with preCICE itself: two participants, each a process, coupled over sockets.
 
-Tried with preCICE 3.4.1 and pyprecice 3.4.0; skipped where the Python bindings cannot be imported. doc/manual/library.md tells how
+Tried with preCICE 3.4.1 and pyprecice 3.4.0; skipped where the Python bindings cannot be imported. doc/manual/library.md explains how
 preCICE is built. References: bars in a row in closed form; a flap in a stream against one job that has the stream as springs.
 
 SPDX-License-Identifier: GPL-3.0-or-later

@@ -823,7 +823,7 @@ end subroutine disp
 
 @pytest.mark.slow
 def test_a_long_iteration_writes_a_line_in_a_pipe(run: Run, tmp_path: Path) -> None:
-    """A job that says nothing for half a minute tells where it is; one that goes on does not. A routine of the user that sleeps stands for the
+    """A job that says nothing for half a minute reports its progress; one that writes lines does not. A routine of the user that sleeps stands for the
     long iteration: the job waits without work for the processor."""
     deck = solid_deck("C3D8", "*ELASTIC\n70000., 0.25\n").replace("TOP, 3, 3, -0.006", "TOP, 3, 3, U", 1)
     deck = re.sub(r"\*BOUNDARY\n(TOP, 1, 1, 0.01)\nTOP, 3, 3, U\n", r"*BOUNDARY\n\1\n*BOUNDARY, USER\nTOP, 3, 3\n", deck)

@@ -1,8 +1,8 @@
-/* Tells ThreadSanitizer what libgomp orders: regions, barriers, critical sections and tasks, which it cannot see because
+/* Reports to ThreadSanitizer what libgomp orders: regions, barriers, critical sections and tasks, which it cannot see because
  * libgomp waits by futexes and is not instrumented. Preloaded before libgomp; `make races` does.
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
- * Only the order that OpenMP promises is told, with one exception that makes the detector milder: a task is taken to come
+ * Only the order that OpenMP promises is reported, with one exception that makes the detector milder: a task is taken to come
  * after every task that has ended before it began. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -74,7 +74,7 @@ LOOP(GOMP_parallel_loop_guided)
 LOOP(GOMP_parallel_loop_nonmonotonic_guided)
 
 /* What every thread of a team waits for. */
-#define MEETING(name)                \
+#define BARRIER(name)                \
   void name(void);                   \
   void name(void)                    \
   {                                  \
@@ -83,9 +83,9 @@ LOOP(GOMP_parallel_loop_nonmonotonic_guided)
     next();                          \
     __tsan_acquire(&barrier_token);  \
   }
-MEETING(GOMP_barrier)
-MEETING(GOMP_loop_end)
-MEETING(GOMP_sections_end)
+BARRIER(GOMP_barrier)
+BARRIER(GOMP_loop_end)
+BARRIER(GOMP_sections_end)
 
 /* One thread at a time. */
 #define LOCK(name)                   \

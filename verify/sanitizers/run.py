@@ -105,7 +105,7 @@ def run(program: Path, words: list[str], folder: Path, preload: Path | None) -> 
 
 #: Tests that limit memory or stack cannot run: a program with sanitizers maps terabytes. One counts megabytes, one takes the environment
 #: away in which leaks are passed over, those in a browser run out of time. The others look at how others build.
-NOT_SANITIZED = ("not memory and not no_room and not strange_surroundings and not table_of_phases and not after_install "
+NOT_SANITIZED = ("not memory and not no_space and not strange_surroundings and not table_of_phases and not after_install "
                  "and not in_a_browser and not determinism and not lint and not site and not api and not fuzz and not kept_outside")  # fmt: skip
 
 

@@ -6,7 +6,7 @@ Without decks: those of input/ and doc/manual/examples/, CalculiX's where they a
 those of verify.decks.soft_decks. Each deck runs with the criteria of the calculix dialect and with 1e-9, all else as it says.
 Displacements are compared at the times that both runs have. A correction within C_n = 1 % of the increment in each increment promises an
 error within 1 % of the path: the sum of the largest displacements of the increments so far. Where statuses of contact or yielding
-depend on the history, the increments of both runs must be the same for that; the table tells where they are not.
+depend on the history, the increments of both runs must be the same for that; the table marks where they are not.
 
 The exit code is 1 if a deck differs by more than it may.
 
@@ -58,7 +58,7 @@ class Difference:
 
     ratio: float
     time: float
-    is_same_course: bool  #: all increments are the same
+    has_same_increments: bool  #: all increments are the same
     loose: Run
     tight: Run
 
@@ -167,7 +167,7 @@ def main(arguments: list[str] | None = None) -> int:
         n_compared += 1
         is_bad = found.ratio > PROMISED or found.loose.is_done != found.tight.is_done
         n_bad += is_bad
-        note = "" if found.is_same_course else "  other increments"
+        note = "" if found.has_same_increments else "  other increments"
         for run, word in ((found.loose, "loose"), (found.tight, "tight")):
             note += "" if run.is_done else f"  {word} does not finish"
         if is_bad or options.all:

@@ -6,7 +6,7 @@
     python -m verify.study.random_contact --laws             the surfaces give by a law; a table by law as well
     python -m verify.study.random_contact --laws --peer ccx  CalculiX runs those in its dialect
 
-Shapes, meshes, element kinds, stiffness, friction, formulation, load and increments are drawn from the seed. The head of the body is led
+Shapes, meshes, element kinds, stiffness, friction, formulation, load and increments are drawn from the seed. The head of the body is moved
 along, so that each of these jobs has an equilibrium: one that fails is a fault of the program.
 
 SPDX-License-Identifier: GPL-3.0-or-later
@@ -34,7 +34,7 @@ from verify.decks.make_decks import Floats, block, contact_cards, material_cards
 from verify.decks.planes import grid_rows, has_shape, number_mid_sides
 from verify.decks.solids import as_kind
 from verify.readers.sta_cvg_files import read_sta
-from verify.study.random_laws import MOST_TIED, Law, draw_law
+from verify.study.random_laws import MAX_TIED, Law, draw_law
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -143,7 +143,7 @@ def random_deck(seed: int, has_law: bool = False) -> str:
     law = draw_law(Random(f"law {seed}"), min(young, YOUNG), 1.0 / cells[0], mu, form) if has_law else None
     if law:
         kind, shape, place = eased(law, kind, shape, place)
-        drag, is_lifted = (min(drag, MOST_TIED), False) if law.behavior == "TIED" else (drag, is_lifted)
+        drag, is_lifted = (min(drag, MAX_TIED), False) if law.behavior == "TIED" else (drag, is_lifted)
     body = part(kind, cells, place)
     table = part(table_kind, table_cells, lambda s, t, w: (3.0 * s, t - 1.0, 0.6 * w if is_space else 0.0))
     head_cards, loaded = force_cards(body.ends[1], has_law) if is_force else ("", "")

@@ -13,7 +13,7 @@ LINEAR_STIFFNESS = [1.0, 5.0, 30.0, 200.0, 1e3, 1e4, 1e5]  #: Young's moduli of 
 TABLE_STIFFNESS = [10.0, 100.0, 1000.0]  #: the same, of the first piece of a table
 TIED_STIFFNESS = [10.0, 100.0, 1e3, 1e4]  #: the same
 STICK_SHARE = [0.01, 0.03, 0.1]  #: stick slope over the slope of the law of pressure
-MOST_TIED = 0.05  #: bodies that are tied are dragged no farther [length]
+MAX_TIED = 0.05  #: bodies that are tied are dragged no farther [length]
 
 
 @dataclass

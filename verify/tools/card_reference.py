@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 MANUAL = Path(__file__).resolve().parents[2] / "doc" / "manual"
-MOST_LINES = 7  #: of an example
+MAX_LINES = 7  #: of an example
 
 HEAD = """# Cards
 
@@ -148,7 +148,7 @@ def example_of(card: Card, examples: dict[str, tuple[Path, list[str]]]) -> list[
         return []
     path, lines = examples[card.name]
     shown = [line for line in lines if line] if card.name != "*SPRING" else lines
-    shown = shown if len(shown) <= MOST_LINES else [*shown[: MOST_LINES - 1], "..."]
+    shown = shown if len(shown) <= MAX_LINES else [*shown[: MAX_LINES - 1], "..."]
     return [f"From [{path.name}]({path.relative_to(MANUAL)}):", "", "```", *shown, "```", ""]
 
 

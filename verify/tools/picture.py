@@ -407,7 +407,7 @@ def shape(path: Path) -> tuple[plt.Figure, str]:
 
 
 def section_of(text: str, job: Job) -> Section:
-    """x, y or z, with =VALUE; default: the middle of the bodies. ValueError: it is none of these."""
+    """x, y or z, with =VALUE; default: the middle of the bodies. ValueError: another text."""
     name, _, value = text.partition("=")
     if name not in ("x", "y", "z"):
         raise ValueError(f"a section is x, y or z with =VALUE, not {text}")

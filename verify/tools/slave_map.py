@@ -48,7 +48,7 @@ class Map:
 
 
 def cylinder_of(x: Floats, areas: Floats) -> tuple[Floats, Floats, float] | None:
-    """Axis, a point on it and the radius of the cylinder on which nodes lie; None if it is none. areas: those of the faces, as vectors."""
+    """Axis, a point on it and the radius of the cylinder on which nodes lie; None for other faces. areas: those of the faces, as vectors."""
     size = np.linalg.norm(areas, axis=1)
     unit = areas / np.maximum(size, 1e-300)[:, None]
     values, vectors = np.linalg.eigh((unit * size[:, None]).T @ unit)

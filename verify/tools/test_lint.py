@@ -166,7 +166,7 @@ def test_modules_of_the_documents(tmp_path: Path) -> None:
     """A heading of the theory names modules that exist."""
     theory = tmp_path / "doc" / "theory"
     theory.mkdir(parents=True)
-    (theory / "contact.md").write_text("## Slip [slip: classify_slip, gap]\n\ntext [stepper]\n### Lost [crossing]\n")
+    (theory / "contact.md").write_text("## Slip [slip: classify_slip, gap]\n\ntext [stepping]\n### Lost [crossing]\n")
     assert lint.check_documents({"slip", "gap"}, tmp_path) == ["doc/theory/contact.md:4: there is no module crossing"]
 
 
@@ -242,11 +242,11 @@ def test_prose_is_wrapped_and_nothing_else() -> None:
     assert pages.filled("a " * 65 + "# b - c", "", "")[-1][0] not in "#-"
 
 
-def test_long_lines_are_told(tmp_path: Path) -> None:
+def test_long_lines_are_reported(tmp_path: Path) -> None:
     """With page, line and remedy; pages that `make verify` writes are free."""
     (tmp_path / "doc").mkdir()
     (tmp_path / "doc" / "page.md").write_text(PAGE)
     (tmp_path / "doc" / "written.md").write_text(f"{PAGE}\n`make verify` writes this page.\n")
-    told = pages.check_widths(tmp_path)
-    assert [line.split(": ")[0] for line in told] == ["doc/page.md:3", "doc/page.md:5", "doc/page.md:7"]
-    assert "python3 -m verify.tools.wrap doc/page.md" in told[0]
+    reported = pages.check_widths(tmp_path)
+    assert [line.split(": ")[0] for line in reported] == ["doc/page.md:3", "doc/page.md:5", "doc/page.md:7"]
+    assert "python3 -m verify.tools.wrap doc/page.md" in reported[0]

@@ -4,7 +4,7 @@
     python3 -m verify.tools.wrap PAGE ...     wraps these
 
 A paragraph is filled anew from its first line that is too long; words stay in their order, formulas and code are not broken. Tables,
-headings, pictures, code and the pages that `make verify` writes may be longer: they cannot be broken, or nobody edits them.
+headings, pictures, code and the pages that `make verify` writes may be longer: they cannot be broken, or are generated.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """

@@ -1,15 +1,19 @@
-!> Samples that several unit tests share: lines of a deck, dense matrices, chains of elements with a contact row.
+!> Samples that several unit tests share: lines of a deck, dense matrices, chains of elements with a contact row, smooth normals.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module samples
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_text, only: NEWLINE
   use amontons_mesh, only: mesh_type
+  use amontons_facets, only: facets_type, facet_nodes
+  use amontons_shape_functions, only: facet_shapes
+  use amontons_surface_projection, only: evaluate_vertex_normal
+  use amontons_topology, only: MAX_FACE_NODES
   use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, eliminate_constraints
   implicit none
   private
-  public :: deck_lines, dense_of, add_oblique_row, make_chain_mesh
+  public :: deck_lines, dense_of, add_oblique_row, make_chain_mesh, evaluate_smooth_normal
 
 contains
 
@@ -79,5 +83,25 @@ contains
     mesh%first = [(2 * i - 1, i=1, n)]
     mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (n - 1))]
   end subroutine make_chain_mesh
+
+
+  !> Smooth normal n(xi) of a facet: interpolated unit vertex normals (doc/theory/contact.md).
+  pure subroutine evaluate_smooth_normal(facets, x, f, xi, n)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    integer, intent(in) :: f                       !< facet
+    real(DP), intent(in) :: xi(2)                  !< natural coordinates [-]
+    real(DP), intent(out) :: n(3)                  !< [-]
+    real(DP) :: shape(MAX_FACE_NODES), slope(2, MAX_FACE_NODES), curvature(3, MAX_FACE_NODES), m(3)
+    integer :: nodes(MAX_FACE_NODES), n_nodes, i
+    call facet_nodes(facets, f, n_nodes, nodes)
+    call facet_shapes(facets%kind(f), xi, shape, slope, curvature)
+    n = 0.0_DP
+    do i = 1, n_nodes
+      m = evaluate_vertex_normal(facets, x, facets%vertex(facets%first(f) + i - 1))
+      n = n + shape(i) * m / norm2(m)
+    end do
+    n = n / norm2(n)
+  end subroutine evaluate_smooth_normal
 
 end module samples

@@ -29,7 +29,7 @@ __all__ = ["main", "make_report"]
 HERE = Path(__file__).resolve().parent
 #: The browser itself lets the page load nothing.
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
-MOST_BYTES = 24_000_000  #: of fields in the page; of longer jobs every n-th frame is shown
+MAX_BYTES = 24_000_000  #: of fields in the page; of longer jobs every n-th frame is shown
 #: Fields of the view: name, field of the file, and how a number is made of it.
 VIEWS = [
     ("Mises stress", "S_mises", "value"), ("displacement", "U", "length"), ("contact pressure", "CPRESS", "value"),
@@ -45,7 +45,7 @@ def packed(values: np.ndarray, kind: str) -> str:
 
 def chosen_frames(n_frames: int, bytes_each: int) -> list[int]:
     """The frames that are shown: all, or evenly some with the last."""
-    most = max(2, MOST_BYTES // max(bytes_each, 1))
+    most = max(2, MAX_BYTES // max(bytes_each, 1))
     if n_frames <= most:
         return list(range(n_frames))
     return sorted({round(v) for v in np.linspace(0, n_frames - 1, most)})

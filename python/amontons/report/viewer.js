@@ -77,7 +77,7 @@
     state.range = [low, high];
     find("low").textContent = low.toPrecision(4); find("high").textContent = high.toPrecision(4);
     find("time").textContent = "time " + job.times[k].toPrecision(6) + "  (frame " + job.frames[k] + ")";
-    find("unit").textContent = f.unit; tell();
+    find("unit").textContent = f.unit; show();
   }
   function draw() {
     const w = canvas.clientWidth, h = canvas.clientHeight, ratio = window.devicePixelRatio || 1;
@@ -110,8 +110,8 @@
     for (let i = 0; i < n; i++) { const s = onScreen(i), d = (s[0] - x) ** 2 + (s[1] - y) ** 2;
       if (d < least - 9 || (d < least + 9 && s[2] > front)) { best = i; least = Math.min(d, least); front = s[2]; } }
     choose(best); }
-  function choose(i) { state.chosen = i; tell(); draw(); }
-  function tell() { const out = find("chosen"), i = state.chosen;
+  function choose(i) { state.chosen = i; show(); draw(); }
+  function show() { const out = find("chosen"), i = state.chosen;
     if (i < 0) { out.textContent = "A click chooses a node."; return; }
     const k = 3 * (state.frame * n + i), f = job.fields[state.field];
     out.textContent = "node " + job.labels[i] + " at (" + [0, 1, 2].map(d => points[3 * i + d].toPrecision(4)).join(", ") + "), U (" +

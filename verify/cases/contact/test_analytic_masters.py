@@ -433,7 +433,7 @@ def test_clamped_by_a_force(proof: Proof) -> None:
         f"An analytic holder (x >= 26.5) is pressed on it by a force of {force:g} in 5 increments, NLGEOM, mu = {mu:g}.",
         formula="The die bears what holder and punch press; under the holder the sheet gets thinner by p t (1 - nu^2)/E, p = F/33.5, where its ends are far.",
         source="Equilibrium; Hooke's law in plane strain",
-        proves="A rigid tool without any stiffness of its own is part of the interface, so the contact subproblem is solved first: otherwise the nodes between punch and die chatter and no increment converges.",
+        proves="A rigid tool without any stiffness of its own is part of the interface, so the contact subproblem is solved first: otherwise the nodes between punch and die alternate between open and closed and no increment converges.",
     )
     sheet_between = flatten(sheet("SHEET", between(0, 60, 90), between(0, 1, 3)))
     die = rigid("SEGMENTS", "START, 26.5, -60.\nLINE, 26.5, 0.\nLINE, 100., 0.\n", "26., 0.", "DIE", ", FILLET RADIUS=5.")

@@ -167,10 +167,10 @@ def test_tabular(bench: Bench) -> None:
 
 def test_table_that_begins_before_touch(bench: Bench) -> None:
     """Under the calculix dialect its pressure jumps where bodies touch: the deck's reader says so, and says nothing of a table that begins at 0."""
-    for first, is_told in (("0., -0.01\n4., 0.", True), ("0., 0.", False)):
+    for first, is_reported in (("0., -0.01\n4., 0.", True), ("0., 0.", False)):
         bench.solve(f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n{first}\n12., 0.02", step(pressed(10.0)), gap=-0.001)
         done = bench.run(["--check", "job.inp"], cwd=bench.folder)
-        assert ("The table begins before bodies touch" in done.stdout + done.stderr) == is_told, done.stdout + done.stderr
+        assert ("The table begins before bodies touch" in done.stdout + done.stderr) == is_reported, done.stdout + done.stderr
 
 
 def test_tied_pulls(bench: Bench) -> None:

@@ -18,7 +18,7 @@ BY_FACES = ", TYPE=SURFACE TO SURFACE"
 FORMULATIONS = {"nodes": "", "faces": BY_FACES}
 
 
-def check_forces(case: Case, pile: Pile, most_iterations: int) -> None:
+def check_forces(case: Case, pile: Pile, max_iterations: int) -> None:
     """The table carries weight and push; no failed attempt; iterations within the bound."""
     job = case.run(pile.deck, requested=len(pile.blocks))  # what is counted against the limit of a case: a fall for each block
     n_blocks_nodes = sum(len(block.nodes) for block in pile.blocks)
@@ -27,8 +27,8 @@ def check_forces(case: Case, pile: Pile, most_iterations: int) -> None:
               place="foot of the table", time="1")  # fmt: skip
     normal, shear = np.linalg.norm(job.last("CNORMF"), axis=1), np.linalg.norm(job.last("CSHEARF"), axis=1)
     case.within("friction over its limit", float((shear - pile.mu * normal).max() / pile.weight), (-1.0, 1e-6), why="Coulomb", place="all slave nodes", time="1")
-    case.true("failed attempts", job.n_failed == 0, why="the search goes on in one attempt", place="whole model", time="1")
-    case.true(f"iterations: {job.n_iterations} of at most {most_iterations}", job.n_iterations <= most_iterations, why="at most linear in the number of blocks", time="1",
+    case.true("failed attempts", job.n_failed == 0, why="the search stays in one attempt", place="whole model", time="1")
+    case.true(f"iterations: {job.n_iterations} of at most {max_iterations}", job.n_iterations <= max_iterations, why="at most linear in the number of blocks", time="1",
               place="whole model")  # fmt: skip
     case.done()
 
@@ -44,7 +44,7 @@ def test_stack(proof: Proof, n_blocks: int, formulation: str) -> None:
         "of 0.3 over their number times the weight on each block, in one increment; mu = 0.2, NLGEOM. No block has a support.",
         formula="The table carries all weights and pushes; at no node does friction exceed mu times the pressure.",
         source="statics",
-        proves="The search for supports goes on as long as bodies come nearer to one: no failed attempt, and at most 3 + 0.7 n iterations for n blocks.",
+        proves="The search for supports continues as long as bodies come nearer to one: no failed attempt, and at most 3 + 0.7 n iterations for n blocks.",
     )
     check_forces(case, stack(n_blocks, 0.1, options=FORMULATIONS[formulation]), 3 + (7 * n_blocks) // 10)
 

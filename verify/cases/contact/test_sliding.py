@@ -418,10 +418,10 @@ def test_shrink_fit_quarter(proof: Proof) -> None:
 # ------------------------------------------------------------------------------- slave nodes that supports move along
 
 
-def test_led_by_supports(proof: Proof) -> None:
+def test_prescribed_motion_of_slaves(proof: Proof) -> None:
     """A block pressed sideways on a wall; supports draw the nodes that touch along it."""
     case = proof(
-        "led-by-supports",
+        "prescribed-motion-of-slaves",
         title="Slave nodes that supports draw along their master",
         model="A block 1 x 1 (E = 2000, nu = 0, plane strain, 4 x 4 C3D8) is pressed sideways by 0.01 on a fixed wall, flat and in facets of "
         "0.3 (1 increment), then all its nodes are drawn up by 1 (4 increments), the touching ones too; mu = 0.3, NLGEOM.",

@@ -332,7 +332,7 @@ def test_springs_and_mass(run_deck: Run, tmp_path: Path) -> None:
     near(found["RF"][0, 2], 20, 1e-12, "weight")
 
 
-def test_contact_wants_one_kind(run_deck: Run) -> None:
+def test_contact_needs_one_kind(run_deck: Run) -> None:
     """A face cannot touch an edge: refused, with what is wrong."""
     deck = """*NODE
 1, 0., 0., 0.

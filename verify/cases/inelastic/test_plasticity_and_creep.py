@@ -133,7 +133,7 @@ PL1 = {
 @pytest.mark.slow
 @pytest.mark.parametrize("variant", ["a", "b"])
 def test_nafems_pl1(proof: Proof, variant: str) -> None:
-    """A square in plane strain, led around a rectangle of strains."""
+    """A square in plane strain, driven around a rectangle of strains."""
     case = proof(
         f"nafems-pl1{variant}",
         title=f"NAFEMS PL-1{variant}: plastic path in plane strain, {'no hardening' if variant == 'a' else 'isotropic hardening'}",

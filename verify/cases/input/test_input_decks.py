@@ -22,7 +22,7 @@ INPUT = ROOT / "input"
 
 
 def test_input_is_what_the_generator_writes() -> None:
-    """Nobody edits a mesh by hand: `python -m verify.decks.make_decks` writes input/ again."""
+    """Meshes are not edited by hand: `python -m verify.decks.make_decks` writes input/ again."""
     for name, text in make_decks.input_decks().items():
         assert (INPUT / name).read_text() == text, f"input/{name} differs from the generator's"
 

@@ -138,7 +138,7 @@ def pressed_arch() -> str:
 
 
 def held_by_supports() -> str:
-    """A block whose top is led by supports, dragged at once with mu = 1: its front digs in, and no direction leads on; nothing is free to fly off."""
+    """A block whose top is moved by supports, dragged at once with mu = 1: its front digs in, and no direction reduces the residual; nothing is free to fly off."""
     body, table = sheet("BODY", between(0, 1, 6), between(0, 1, 6)), sheet("TABLE", between(-1, 4, 20), between(-1, 0, 4))
     press = fix("TABLE_BOTTOM, 1, 2", "BODY_TOP, 1", "BODY_TOP, 2, 2, -0.05")
     steps = "".join(f"*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n{load}*END STEP\n" for load in (press, fix("BODY_TOP, 1, 1, 2.")))

@@ -15,15 +15,15 @@ from verify.conftest import Run
 from verify.independent.results import read_field, read_history
 from verify.study.contact_table import ball, cylinder
 
-FAST, SLOW, FEW = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not predicted counts
+FAST, SLOW, N_SURE = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not predicted counts
 SHORTER, LONGER, CUTS = 0.75, 1.5, (0.25, 0.5)  #: D_B, D_D, (D_F, D_C)
-MOST = 0.2  #: the longest increment that the deck allows
+MAX_LENGTH = 0.2  #: the longest increment that the deck allows
 
 
 def pressed_into_metal() -> str:
     """A stiff cylinder pressed into a slab that yields, drawn to and fro: contact changes much, and some attempts fail."""
     deck = cylinder(0.3, "AUTO", 5)
-    deck = re.sub(r"(\*STATIC\n)[^\n]*\n", rf"\g<1>{MOST}, 1., 1e-6, {MOST}\n", deck)
+    deck = re.sub(r"(\*STATIC\n)[^\n]*\n", rf"\g<1>{MAX_LENGTH}, 1., 1e-6, {MAX_LENGTH}\n", deck)
     yielding = "*MATERIAL, NAME=SLAB\n*ELASTIC\n2000, 0.3\n"
     assert yielding in deck
     return deck.replace(yielding, yielding + "*PLASTIC\n20., 0.\n40., 1.\n")
@@ -31,21 +31,21 @@ def pressed_into_metal() -> str:
 
 def wanted(history: dict[str, np.ndarray]) -> tuple[list[tuple[float, ...]], int]:
     """The lengths that the rule allows for each attempt, and how often what happened held back one that the iterations alone would have let grow."""
-    allowed, held, dt, fast, fast_alone, has_failed = [], 0, MOST, 0, 0, False
+    allowed, held, dt, fast, fast_alone, has_failed = [], 0, MAX_LENGTH, 0, 0, False
     for i, step in enumerate(history["step"]):
         if i == 0 or step != history["step"][i - 1]:
-            dt, fast, fast_alone, has_failed = MOST, 0, 0, False
+            dt, fast, fast_alone, has_failed = MAX_LENGTH, 0, 0, False
             allowed.append((dt,))
         elif not history["is_converged"][i - 1]:
             allowed.append(tuple(cut * history["dt"][i - 1] for cut in CUTS))
             dt, fast, fast_alone, has_failed = float(history["dt"][i]), 0, 0, True
         else:
             n, cycles = int(history["n_iterations"][i - 1]), int(history["n_cycles"][i - 1])
-            is_predicted = history["n_unpredicted"][i - 1] == 0 or n <= FEW
+            is_predicted = history["n_unpredicted"][i - 1] == 0 or n <= N_SURE
             fast_alone = fast_alone + 1 if n <= FAST else 0
             fast = fast + 1 if n <= FAST and cycles == 0 and (is_predicted or not has_failed) else 0
             held += fast_alone >= 2 and fast < 2
-            dt = SHORTER * dt if n > SLOW else min(MOST, LONGER * dt) if fast >= 2 else dt
+            dt = SHORTER * dt if n > SLOW else min(MAX_LENGTH, LONGER * dt) if fast >= 2 else dt
             allowed.append((dt,))
     return allowed, held
 
@@ -62,7 +62,7 @@ def test_increments_follow_what_happened(run: Run, tmp_path: Path) -> None:
     for i, lengths in enumerate(allowed):
         left = 1.0 - (history["step_time"][i] - history["dt"][i])
         took = history["dt"][i]
-        assert any(abs(took - min(length, left)) <= 1e-6 * MOST for length in lengths), f"attempt {i}: {took}, allowed {lengths}, left {left}"
+        assert any(abs(took - min(length, left)) <= 1e-6 * MAX_LENGTH for length in lengths), f"attempt {i}: {took}, allowed {lengths}, left {left}"
     assert not history["is_converged"].all(), "some attempts fail"
     assert held >= 1, "what happened never held an increment back"
 

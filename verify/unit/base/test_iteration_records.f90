@@ -14,7 +14,7 @@ program test_iteration_records
 
 contains
 
-  !> A record that nobody filled counts nothing, took whole steps and has not failed or converged.
+  !> An empty record counts nothing, took whole steps and has not failed or converged.
   subroutine check_defaults()
     type(iteration_record_type) :: iteration
     type(increment_record_type) :: increment

@@ -61,7 +61,7 @@ contains
     end do
     call suite%that('none where others write', beats() == 0)
     call stop_heartbeat(beat)
-    call set_heartbeat(beat, 'nobody')            ! without a thread: nothing happens
+    call set_heartbeat(beat, 'no one')            ! without a thread: nothing happens
   end subroutine check_heartbeat
 
 

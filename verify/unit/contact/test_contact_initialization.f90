@@ -137,7 +137,7 @@ contains
     model%mesh%coordinates(3, 19) = 0.1_DP           ! farther away
     model%mesh%coordinates(3, 24) = -0.02_DP         ! inside
     call find_adjustment(model, adjustment, error)
-    call suite%near('not asked for', maxval(abs(adjustment)), 0.0_DP, 0.0_DP)
+    call suite%near('not requested', maxval(abs(adjustment)), 0.0_DP, 0.0_DP)
     model%pairs(1)%has_adjust = .true.
     model%pairs(1)%adjust = 0.05_DP
     call find_adjustment(model, adjustment, error)

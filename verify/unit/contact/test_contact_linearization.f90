@@ -34,7 +34,7 @@ program test_contact_linearization
   call check_mortar()
   call check_planes()
   call check_shared()
-  call check_foresight()
+  call check_prediction()
   call check_symmetric('symmetric direction')
   call check_symmetric('symmetric direction, compliant', interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, &
     tension_limit=2.0_DP, cutoff_clearance=10.0_DP, stick_slope=120.0_DP))
@@ -213,13 +213,13 @@ contains
 
   !> With small displacements the bulk is linear: the linearized evaluation at u + du equals the full one there, with nodes that
   !! open and close.
-  subroutine check_foresight()
+  subroutine check_prediction()
     type(model_type) :: model
     type(equilibrium_type) :: system
     type(state_type) :: state, start
     type(configuration_type) :: place
     type(error_type), allocatable :: error
-    real(DP), allocatable :: du(:, :), foreseen(:, :)
+    real(DP), allocatable :: du(:, :), predicted(:, :)
     integer, allocatable :: status(:)
     integer :: trouble, i, n_changes
     call two_blocks(model, 0.1_DP, 0.3_DP, .false., .true.)
@@ -238,17 +238,17 @@ contains
       call fill(du, i, 0.05_DP)
       state = start
       call evaluate_linearized(system, model, place, du, state)
-      foreseen = system%residual
+      predicted = system%residual
       status = state%new%slaves%status
       n_changes = n_changes + count(status /= start%new%slaves%status)
       state = start
       state%new%u = start%new%u + du
       call evaluate_equilibrium(system, model, model%steps(1), state, trouble, is_frozen=.false.)
-      call suite%that('foresight: the same statuses', all(status == state%new%slaves%status))
-      call suite%near('foresight: the same residual', norm2(foreseen - system%residual) / norm2(foreseen), 0.0_DP, 1.0e-11_DP)
+      call suite%that('prediction: the same statuses', all(status == state%new%slaves%status))
+      call suite%near('prediction: the same residual', norm2(predicted - system%residual) / norm2(predicted), 0.0_DP, 1.0e-11_DP)
     end do
-    call suite%that('foresight: statuses do change on the way', n_changes > 0)
-  end subroutine check_foresight
+    call suite%that('prediction: statuses do change on the way', n_changes > 0)
+  end subroutine check_prediction
 
 
   !> The products of the springs, B A + M X, equal the matrix of their change.

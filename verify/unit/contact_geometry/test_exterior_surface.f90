@@ -10,10 +10,10 @@ program test_exterior_surface
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
-  integer, parameter :: NO_TWINS(2, 0) = reshape([integer ::], [2, 0])
+  integer, parameter :: NO_DUPLICATES(2, 0) = reshape([integer ::], [2, 0])
   call check_row_of_cubes(suite)
   call check_absent_element(suite)
-  call check_twins(suite)
+  call check_duplicates(suite)
   call check_bend(suite)
   call check_plane(suite)
   call suite%finish()
@@ -43,7 +43,7 @@ contains
   end subroutine make_cubes
 
 
-  !> Two joined cubes have ten free faces, the lone one six; sides of joined cubes in a plane are one patch.
+  !> Two joined cubes have ten free faces, the single one six; sides of joined cubes in a plane are one patch.
   subroutine check_row_of_cubes(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -52,7 +52,7 @@ contains
     type(error_type), allocatable :: error
     integer :: f
     call make_cubes(0.25_DP, mesh)
-    call build_exterior(mesh, spread(.false., 1, 3), NO_TWINS, exterior)
+    call build_exterior(mesh, spread(.false., 1, 3), NO_DUPLICATES, exterior)
     call suite%that('free faces', exterior%n == 16)
     call suite%that('bodies', exterior%n_bodies == 2)
     call suite%that('body of the joined cubes', all(exterior%body == merge(1, 2, exterior%element < 3)))
@@ -80,14 +80,14 @@ contains
     type(mesh_type) :: mesh
     type(exterior_type) :: exterior
     call make_cubes(0.25_DP, mesh)
-    call build_exterior(mesh, [.false., .true., .false.], NO_TWINS, exterior)
+    call build_exterior(mesh, [.false., .true., .false.], NO_DUPLICATES, exterior)
     call suite%that('free faces without an element', exterior%n == 12 .and. all(exterior%element /= 2))
     call suite%that('no body', exterior%body_of_element(2) == 0)
   end subroutine check_absent_element
 
 
   !> Nodes on both sides of a cut count as one: the faces of the cut are no free faces, and the halves are one body.
-  subroutine check_twins(suite)
+  subroutine check_duplicates(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
     type(exterior_type) :: exterior
@@ -96,7 +96,7 @@ contains
     call suite%that('free faces of the cut row', exterior%n == 14)
     call suite%that('one body', exterior%n_bodies == 1)
     call suite%that('six patches', exterior%n_patches == 6)
-  end subroutine check_twins
+  end subroutine check_duplicates
 
 
   !> A row bent by 30 degrees keeps its patches, one bent by 50 degrees has a crease at the bend.
@@ -112,7 +112,7 @@ contains
       call make_cubes(3.0_DP, mesh)
       mesh%coordinates(1, 9:12) = 1 + cos(angle) - mesh%coordinates(3, 9:12) * sin(angle)
       mesh%coordinates(3, 9:12) = sin(angle) + mesh%coordinates(3, 9:12) * cos(angle)
-      call build_exterior(mesh, spread(.false., 1, 3), NO_TWINS, exterior)
+      call build_exterior(mesh, spread(.false., 1, 3), NO_DUPLICATES, exterior)
       call suite%that('patches of the bent row', maxval(exterior%patch, mask=exterior%body == 1) == merge(6, 8, i == 0))
     end do
   end subroutine check_bend
@@ -132,7 +132,7 @@ contains
     mesh%element_label = [1]
     mesh%node_label = [1, 2, 3, 4]
     call finalize_mesh(mesh)
-    call build_exterior(mesh, [.false.], NO_TWINS, exterior)
+    call build_exterior(mesh, [.false.], NO_DUPLICATES, exterior)
     call suite%that('edges', exterior%n == 4 .and. exterior%n_patches == 4)
     call suite%near('lengths', maxval(abs(exterior%area - real([2, 1, 2, 1], DP))), 0.0_DP, 1.0e-14_DP)
     call suite%near('normal of the right edge', norm2(exterior%normal(:, 2) - real([1, 0, 0], DP)), 0.0_DP, 1.0e-14_DP)

@@ -9,8 +9,9 @@ program test_line_facets
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, gap_derivatives_type, track_projection, find_projection, &
     evaluate_gap_derivatives, &
-    evaluate_facet_point, evaluate_smooth_normal, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
+    evaluate_facet_point, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
   use check, only: suite_type
+  use samples, only: evaluate_smooth_normal
   implicit none
   integer, parameter :: KINDS(2) = [KIND_CPE4, KIND_CPE8]
   type(suite_type) :: suite
@@ -132,7 +133,7 @@ contains
     type(facet_search_type) :: search
     type(projection_type) :: found
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.2_DP, -0.15_DP]
-    real(DP) :: xi(2), want(2), g, n(3), xm(3), error
+    real(DP) :: xi(2), expected(2), g, n(3), xm(3), error
     integer :: goal, i, f, status, n_wrong
     call wavy(kind, 0.2_DP, mesh, facets)
     call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
@@ -140,15 +141,15 @@ contains
     n_wrong = 0
     do goal = 1, facets%n
       do i = 1, 9
-        want = [-1.0_DP + 0.2_DP * real(i, DP), 0.0_DP]
-        call evaluate_facet_point(facets, mesh%coordinates, goal, want, xm)
-        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
+        expected = [-1.0_DP + 0.2_DP * real(i, DP), 0.0_DP]
+        call evaluate_facet_point(facets, mesh%coordinates, goal, expected, xm)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, expected, n)
         xm = xm + GAPS(1 + modulo(i, 3)) * n
         f = merge(1, facets%n, goal > 3)
         call track_projection(facets, mesh%coordinates, xm, f, xi, g, n, status)
         call find_projection(facets, search, mesh%coordinates, xm, 0.5_DP, found)
         if (f /= goal .or. status /= PROJECTION_INSIDE .or. found%facet /= goal) n_wrong = n_wrong + 1
-        error = max(error, norm2(xi - want), abs(g - GAPS(1 + modulo(i, 3))), norm2(found%xi - want))
+        error = max(error, norm2(xi - expected), abs(g - GAPS(1 + modulo(i, 3))), norm2(found%xi - expected))
       end do
     end do
     call suite%that('rays: every one is found', n_wrong == 0)

@@ -10,8 +10,9 @@ program test_surface_projection
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, gap_derivatives_type, track_projection, find_projection, &
     evaluate_gap_derivatives, &
-    evaluate_facet_point, evaluate_vertex_normal, evaluate_smooth_normal, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
+    evaluate_facet_point, evaluate_vertex_normal, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
   use check, only: suite_type
+  use samples, only: evaluate_smooth_normal
   implicit none
   type(suite_type) :: suite
   integer :: kind
@@ -130,7 +131,7 @@ contains
     type(facets_type) :: facets
     type(facet_search_type) :: search
     type(projection_type) :: found
-    real(DP) :: xi(2), want(2), g, n(3), xm(3), error, gap
+    real(DP) :: xi(2), expected(2), g, n(3), xm(3), error, gap
     integer :: f, i, status, goal, n_wrong
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.2_DP, -0.15_DP]
     call make_surface(kind, 0.2_DP, 0.03_DP, 0.3_DP, mesh, facets)
@@ -139,18 +140,18 @@ contains
     n_wrong = 0
     do goal = 1, facets%n
       do i = 1, 12
-        want = place_inside(kind, i + goal)
+        expected = place_inside(kind, i + goal)
         gap = GAPS(1 + modulo(i, 3))
-        call evaluate_facet_point(facets, mesh%coordinates, goal, want, xm)
-        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
+        call evaluate_facet_point(facets, mesh%coordinates, goal, expected, xm)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, expected, n)
         f = merge(1, facets%n, modulo(i, 2) == 0)
         call track_projection(facets, mesh%coordinates, xm + gap * n, f, xi, g, n, status)
         if (f /= goal .or. status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
-        if (f == goal) error = max(error, norm2(xi - want), abs(g - gap))
-        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
+        if (f == goal) error = max(error, norm2(xi - expected), abs(g - gap))
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, expected, n)
         call find_projection(facets, search, mesh%coordinates, xm + gap * n, 0.5_DP, found)
         if (found%facet /= goal .or. found%status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
-        if (found%facet == goal) error = max(error, norm2(found%xi - want), abs(found%gap - gap))
+        if (found%facet == goal) error = max(error, norm2(found%xi - expected), abs(found%gap - gap))
       end do
     end do
     call suite%that('rays: every one is found', n_wrong == 0)
@@ -169,7 +170,7 @@ contains
     type(error_type), allocatable :: error
     integer, allocatable :: element(:), face(:)
     real(DP), parameter :: GAPS(3) = [0.4_DP, 0.0_DP, -0.4_DP]
-    real(DP) :: angle, want(2), xi(2), g, n(3), xm(3), worst, turned
+    real(DP) :: angle, expected(2), xi(2), g, n(3), xm(3), worst, turned
     integer :: i, f, goal, status, n_wrong, cell, cells
     call flat_grid(kind, 12, 2, mesh, element, face)
     do i = 1, mesh%n_nodes - 1
@@ -182,14 +183,14 @@ contains
     n_wrong = 0
     do goal = 1, facets%n
       do i = 1, 6
-        want = place_inside(kind, i + goal)
-        call evaluate_facet_point(facets, mesh%coordinates, goal, want, xm)
-        call evaluate_smooth_normal(facets, mesh%coordinates, goal, want, n)
+        expected = place_inside(kind, i + goal)
+        call evaluate_facet_point(facets, mesh%coordinates, goal, expected, xm)
+        call evaluate_smooth_normal(facets, mesh%coordinates, goal, expected, n)
         cell = (goal - 1) / cells
         f = 1 + cells * (12 * (cell / 12) + min(max(modulo(cell, 12) + merge(3, -3, modulo(i, 2) == 0), 0), 11))
         call track_projection(facets, mesh%coordinates, xm + GAPS(1 + modulo(i, 3)) * n, f, xi, g, n, status)
         if (f /= goal .or. status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
-        if (f == goal) worst = max(worst, norm2(xi - want), abs(g - GAPS(1 + modulo(i, 3))))
+        if (f == goal) worst = max(worst, norm2(xi - expected), abs(g - GAPS(1 + modulo(i, 3))))
       end do
     end do
     call suite%that('cylinder: every one is found', n_wrong == 0)

@@ -1,4 +1,5 @@
-!> Unit test of distributed_solver: without PETSc there is none, and what asks for one gets an error. (verify/distributed runs it.)
+!> Unit test of distributed_solver: without PETSc the solver does not exist, and a request for it is an error.
+!! verify/distributed runs the solver.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_distributed_solver
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, has_distributed_solvers, DISTRIBUTED_GAMG, &

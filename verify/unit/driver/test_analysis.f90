@@ -51,7 +51,7 @@ contains
     character(*), intent(in) :: name
     type(analysis_type), intent(in) :: analysis
     real(DP), intent(in) :: time
-    call suite%near(name // ': time', analysis%stepper%total_time, time, TOL)
+    call suite%near(name // ': time', analysis%stepping%total_time, time, TOL)
     call suite%near(name // ': time of the state', analysis%state%old%total_time, time, TOL)
     call suite%near(name // ': displacement', analysis%state%old%u(3, 7), 0.01_DP * time, TOL)
   end subroutine expect_place
@@ -70,7 +70,7 @@ contains
       call suite%that('the end is reported', is_done .eqv. i == 6)
       call expect_place('increment', analysis, merge(0.25_DP * real(i, DP), real(i - 3, DP), i <= 4))
       call suite%that('the end of a step is reported', analysis%is_step_start .eqv. (i == 4 .or. i == 6))
-      call suite%near('work', analysis%state%old%external_work, 500 * (0.01_DP * analysis%stepper%total_time)**2, TOL)
+      call suite%near('work', analysis%state%old%external_work, 500 * (0.01_DP * analysis%stepping%total_time)**2, TOL)
     end do
     call suite%that('records', analysis%n_records == 6 .and. analysis%n_committed == 6)
     call suite%that('all converged', all(analysis%records(:6)%is_converged))
@@ -114,9 +114,9 @@ contains
       call advance_analysis(analysis, logger, is_done, error)
     end do
     call solve_increment(analysis, logger, huge(1.0_DP), error)
-    call suite%that('into step 2', analysis%stepper%step == 2)
+    call suite%that('into step 2', analysis%stepping%step == 2)
     call rollback_analysis(analysis, error)
-    call suite%that('back to the end of step 1', analysis%stepper%step == 1 .and. analysis%is_step_start)
+    call suite%that('back to the end of step 1', analysis%stepping%step == 1 .and. analysis%is_step_start)
     call expect_place('back', analysis, 1.0_DP)
   end subroutine check_rollback
 
@@ -129,7 +129,7 @@ contains
     call start(analysis, error)
     call begin_trial(analysis, 0.3_DP, error)
     call suite%that('one record', analysis%n_records == 1)
-    call suite%near('nothing is accepted', analysis%stepper%total_time, 0.0_DP, TOL)
+    call suite%near('nothing is accepted', analysis%stepping%total_time, 0.0_DP, TOL)
     n = 0
     verdict = VERDICT_CONTINUE
     do while (verdict == VERDICT_CONTINUE .and. n < 10)

@@ -102,7 +102,7 @@ contains
     call suite%that('the second step is the present one', drive%step%number == 2)
     call suite%near('in the next step it stays', force(drive, item, 1.0_DP), 10.0_DP, 1.0e-13_DP)
     associate (values => current_loads(drive, model, 1, DRIVEN_FORCE, [item, along_z(18)], [0.75_DP, 0.75_DP]))
-      call suite%near('what is asked for of a step', values(1), 10.0_DP, 1.0e-13_DP)
+      call suite%near('what is requested of a step', values(1), 10.0_DP, 1.0e-13_DP)
       call suite%near('and of the deck''s', values(2), -4.5_DP, 1.0e-14_DP)
     end associate
     call suite%that('the model has no more amplitudes', size(model%amplitudes) == 0)

@@ -66,7 +66,7 @@ contains
   end subroutine check_factor
 
 
-  !> SOLVER=ITERATIVE is taken, and the reason is told.
+  !> SOLVER=ITERATIVE is taken, and the reason is reported.
   subroutine check_iteration()
     type(job_estimate_type) :: estimate
     type(error_type), allocatable :: error

@@ -99,7 +99,7 @@ contains
       call suite%that('it exists: ' // ENDINGS(i), has_file(trim(ENDINGS(i))))
     end do
     call suite%that('a checkpoint before the first increment', has_file('restart'))
-    call suite%that('no .frd was asked for', .not. has_file('frd'))
+    call suite%that('no .frd was requested', .not. has_file('frd'))
     text = describe_result_files(analysis)
     call suite%that('the description', index(text, JOB // '.vtkhdf') > 0 .and. index(text, JOB // '.res') > 0 .and. &
       index(text, '.frd') == 0 .and. index(text, '.dat') == 0)
@@ -140,7 +140,7 @@ contains
     call start(resumed, error, .true., .false.)
     call suite%that('resumed', .not. allocated(error))
     if (allocated(error)) return
-    call suite%near('after the third commit', resumed%stepper%total_time, 0.75_DP, TOL)
+    call suite%near('after the third commit', resumed%stepping%total_time, 0.75_DP, TOL)
     call suite%near('its displacement', resumed%state%old%u(3, 7), 0.0075_DP, TOL)
     call suite%that('its files are those of that commit', n_rows() == 3)
     do i = 1, 3

@@ -85,7 +85,7 @@ contains
     call query_values(analysis, quantity, set, values, error)
     call suite%that(quantity // ' of ' // set // ' is refused', allocated(error))
     if (.not. allocated(error)) return
-    call suite%that(error%message // ' tells: ' // piece, error%code == EXIT_USAGE .and. index(error%message, piece) > 0)
+    call suite%that(error%message // ' says: ' // piece, error%code == EXIT_USAGE .and. index(error%message, piece) > 0)
   end subroutine expect_refusal
 
 

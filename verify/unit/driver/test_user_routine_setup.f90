@@ -76,7 +76,7 @@ contains
   end subroutine check_needs
 
 
-  !> LIBRARY of a material, beside the deck first; the same for two materials; an initial tangent that is none.
+  !> LIBRARY of a material, beside the deck first; the same for two materials; an invalid initial tangent.
   subroutine check_library()
     type(model_type) :: model
     integer :: unit

@@ -160,7 +160,7 @@ contains
     call two_blocks(model, 0.2_DP, 1.0_DP, [0.0_DP, 0.0_DP, 0.0_DP])   ! the edge of a master facet is 1.2
     call start_blocks(model, system, state)
     call suite%that('interface: far nodes are not on it', .not. any(interface_unknowns(system, model, state%new, .false.)))
-    call suite%that('interface: unless they are asked for', count(interface_unknowns(system, model, state%new, .true.)) == 75)
+    call suite%that('interface: unless they are requested', count(interface_unknowns(system, model, state%new, .true.)) == 75)
     system%schur_interface%is_ready = .true.
     system%bulk_factor_u = state%new%u
     call discard_bulk_factor(system)

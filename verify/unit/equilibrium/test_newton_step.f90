@@ -96,7 +96,7 @@ contains
     allocate (du, mold=state%new%u)
     call solve_newton_step(system, model, model%steps(1), state, du, outcome, error)
     call suite%that('direction: found', outcome == OUTCOME_OK .and. .not. allocated(error))
-    call suite%that('direction: the way asked for', system%has_interface_solver .eqv. has_interface)
+    call suite%that('direction: by the requested interface', system%has_interface_solver .eqv. has_interface)
     call suite%near('direction: the supports arrive', maxval(abs(state%new%u(3, 35:) + du(3, 35:) + 0.04_DP)), 0.0_DP, 1.0e-14_DP)
     call suite%that('direction: factorisations are counted', system%n_factorisations >= 1)
     associate (C => system%constraints%transformation, n => system%constraints%n_free)

@@ -40,7 +40,7 @@ contains
       cards, messages)
     call suite%that('three cards', cards%n_cards == 3)
     call suite%that('keyword squeezed', cards%cards(1)%key == 'NODE' .and. cards%cards(2)%key == 'ENDSTEP')
-    call suite%that('lone star', cards%cards(3)%key == '')
+    call suite%that('star alone', cards%cards(3)%key == '')
     call suite%that('card lines', cards%cards(1)%line == 2 .and. cards%cards(1)%data_first == 3 .and. &
       cards%cards(1)%data_last == 6)
     call suite%that('line as written', line_text(cards, 2) == '  * N O D E , nset=A' .and. line_text(cards, 0) == '')

@@ -421,7 +421,7 @@ contains
     call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A;' // STEP_PART, 'no faces')
     call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A, TYPE=NODE;' // STEP_PART, 'no nodes')
     call expect_error(suite, MODEL_PART // SURFACES // '*SURFACE, NAME=LOW;1,S1;' // STEP_PART, 'defined twice')
-    call test_twins(suite)
+    call test_duplicates(suite)
     call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A, TYPE=CUTTING SURFACE;1,S1;' // STEP_PART, 'not supported')
   end subroutine test_surfaces
 
@@ -478,26 +478,26 @@ contains
 
 
   !> CalculiX allows a surface of faces and one of nodes with one name: the slave is that of nodes, the master that of faces.
-  subroutine test_twins(suite)
+  subroutine test_duplicates(suite)
     type(suite_type), intent(inout) :: suite
-    character(*), parameter :: TWINS(2) = [character(80) :: '*SURFACE,NAME=a,TYPE=NODE;TOP;*SURFACE,NAME=a;1,S2;', &
+    character(*), parameter :: DUPLICATES(2) = [character(80) :: '*SURFACE,NAME=a,TYPE=NODE;TOP;*SURFACE,NAME=a;1,S2;', &
       '*SURFACE,NAME=A;1,S2;*SURFACE,NAME=a,TYPE=NODE;TOP;']
     character(*), parameter :: REST = '*SURFACE, NAME=high;2,S1;*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, INTERACTION=I, ' // &
       'TYPE=NODE TO SURFACE;'
     type(model_type) :: model
     integer :: i
     do i = 1, 2
-      call read_good(suite, 'slave', MODEL_PART // trim(TWINS(i)) // REST // 'A, high;' // STEP_PART, model, &
+      call read_good(suite, 'slave', MODEL_PART // trim(DUPLICATES(i)) // REST // 'A, high;' // STEP_PART, model, &
         dialect=DIALECT_CALCULIX)
       call suite%that('the slave is of nodes', model%surfaces(model%pairs(1)%slave)%is_node_based)
-      call read_good(suite, 'master', MODEL_PART // trim(TWINS(i)) // REST // 'high, a;' // STEP_PART, model, &
+      call read_good(suite, 'master', MODEL_PART // trim(DUPLICATES(i)) // REST // 'high, a;' // STEP_PART, model, &
         dialect=DIALECT_CALCULIX)
       call suite%that('the master is of faces', .not. model%surfaces(model%pairs(1)%master)%is_node_based)
-      call expect_error(suite, MODEL_PART // trim(TWINS(i)) // STEP_PART, 'defined twice', dialect=DIALECT_ABAQUS)
+      call expect_error(suite, MODEL_PART // trim(DUPLICATES(i)) // STEP_PART, 'defined twice', dialect=DIALECT_ABAQUS)
     end do
-    call expect_error(suite, MODEL_PART // trim(TWINS(1)) // '*SURFACE,NAME=A;1,S1;' // STEP_PART, 'defined twice', &
+    call expect_error(suite, MODEL_PART // trim(DUPLICATES(1)) // '*SURFACE,NAME=A;1,S1;' // STEP_PART, 'defined twice', &
       dialect=DIALECT_CALCULIX)
-  end subroutine test_twins
+  end subroutine test_duplicates
 
 
   !> CONTACT PAIR.
@@ -623,7 +623,7 @@ contains
     call suite%that('step 1 amplitude', model%steps(1)%prescribed(find_prescribed(model%steps(1), 7, 1))%amplitude == 1)
     call suite%that('step 2 no amplitude', model%steps(2)%prescribed(find_prescribed(model%steps(2), 7, 1))%amplitude &
       == 0)
-    call suite%that('total time goes on', model%steps(2)%prescribed(find_prescribed(model%steps(2), 8, 1))%amplitude &
+    call suite%that('total time continues', model%steps(2)%prescribed(find_prescribed(model%steps(2), 8, 1))%amplitude &
       == 2)
     call suite%that('fixed', model%steps(2)%prescribed(find_prescribed(model%steps(2), 11, 2))%is_held)
     call expect_prescribed(suite, 'step 3 at once', model%steps(3), 5, 1, 0.7_DP, 0.7_DP)

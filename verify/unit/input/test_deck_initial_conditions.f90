@@ -124,7 +124,7 @@ contains
     call expect_read(SECTION, model, step=STEP // '*TEMPERATURE, AMPLITUDE=A;1,40.;*TEMPERATURE, AMPLITUDE=T;2,30.;' // DONE // &
       STEP // '*TEMPERATURE;1,0.;' // DONE)
     call expect_temperature('half of it was reached', 2, 1, 20.0_DP, 0.0_DP)
-    call suite%that('total time goes on', any(model%steps(2)%temperatures%node == 2 .and. &
+    call suite%that('total time continues', any(model%steps(2)%temperatures%node == 2 .and. &
       model%steps(2)%temperatures%amplitude == 2))
   end subroutine check_temperatures
 

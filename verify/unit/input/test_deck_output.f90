@@ -78,7 +78,7 @@ contains
   end subroutine check_frequencies
 
 
-  !> The fields of the .frd file that a step wants.
+  !> The fields of the .frd file that a step requests.
   subroutine expect_fields(cards, fields, dialect)
     character(*), intent(in) :: cards
     integer, intent(in) :: fields(:)
@@ -90,7 +90,7 @@ contains
   end subroutine expect_fields
 
 
-  !> Stress brings its error unless NOE; strains, contact; HISTORY asks for nothing; a second card of a kind adds.
+  !> Stress brings its error unless NOE; strains, contact; HISTORY requests nothing; a second card of a kind adds.
   subroutine check_fields()
     call expect_fields('*NODE FILE;U,RF;*EL FILE;S;', [FRD_DISP, FRD_FORC, FRD_STRESS, FRD_ERROR])
     call expect_fields('*EL FILE;S,NOE;', [FRD_STRESS])

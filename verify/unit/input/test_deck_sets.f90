@@ -65,7 +65,7 @@ contains
   end subroutine check_repeats
 
 
-  !> Unknown members, circles, and ranges that are none.
+  !> Unknown members, circles, and invalid ranges.
   subroutine check_errors()
     call expect_message('*NSET, NSET=A;10,99;', 'There is no node 99.')
     call expect_message('*NSET, NSET=A;10,Q;', 'There is no node set ''Q''.')

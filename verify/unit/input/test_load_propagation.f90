@@ -176,7 +176,7 @@ contains
   end subroutine expect_force
 
 
-  !> In step time the value at the end stays; in total time the amplitude goes on. Two amplitudes are two loads.
+  !> In step time the value at the end stays; in total time the amplitude continues. Two amplitudes are two loads.
   subroutine check_amplitudes()
     call init_active_loads(model, active)
     call next_step()

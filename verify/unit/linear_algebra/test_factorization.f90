@@ -39,9 +39,9 @@ contains
     logical, intent(in) :: is_grounded         !< else each row sums to 0
     type(sparse_type), intent(out) :: matrix
     type(error_type), allocatable :: error
-    integer, parameter :: MOST = 4
-    integer :: row(MOST * n**3), column(MOST * n**3), i, d, k, other, step(3)
-    real(DP) :: value(MOST * n**3), diagonal(n**3), dice
+    integer, parameter :: MAX_PER_ROW = 4
+    integer :: row(MAX_PER_ROW * n**3), column(MAX_PER_ROW * n**3), i, d, k, other, step(3)
+    real(DP) :: value(MAX_PER_ROW * n**3), diagonal(n**3), dice
     step = [1, n, n**2]
     diagonal = merge(0.01_DP, 0.0_DP, is_grounded)
     k = 0

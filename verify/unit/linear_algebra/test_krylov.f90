@@ -135,7 +135,7 @@ contains
     call suite%that('gmres: converged', report%status == KRYLOV_CONVERGED .and. .not. allocated(error))
     call suite%that('gmres: in at most n steps', report%n_iterations <= n)
     call suite%near('gmres: true residual', residual(a%a, x, b), 0.0_DP, 1.0e-10_DP)
-    call suite%near('gmres: tells the true residual', report%residual, residual(a%a, x, b), 1.0e-12_DP)
+    call suite%near('gmres: reports the true residual', report%residual, residual(a%a, x, b), 1.0e-12_DP)
     again = 0
     call gmres(a, identity, b, again, options, report, error)
     call suite%that('gmres: bitwise the same again', all(abs(x - again) <= 0))
@@ -163,7 +163,7 @@ contains
     call suite%that('conjugate gradients: converged', report%status == KRYLOV_CONVERGED)
     call suite%that('conjugate gradients: in about n steps', report%n_iterations <= n + n / 4)
     call suite%near('conjugate gradients: true residual', residual(a%a, x, b), 0.0_DP, 1.0e-10_DP)
-    call suite%near('conjugate gradients: tell it', report%residual, residual(a%a, x, b), 1.0e-12_DP)
+    call suite%near('conjugate gradients: report it', report%residual, residual(a%a, x, b), 1.0e-12_DP)
   end subroutine test_gradients
 
 

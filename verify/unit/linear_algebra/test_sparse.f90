@@ -189,7 +189,7 @@ contains
       call suite%that('reduction: values without error', .not. allocated(error))
       expected = matmul(transpose(dense_c), matmul(dense_k, dense_c))
       largest = maxval([1.0_DP, abs(expected)])
-      if (m > 0) call suite%near('reduction: C''KC of the dense twins', &
+      if (m > 0) call suite%near('reduction: C''KC of the dense matrices', &
         maxval(abs(upper_part(expected) - dense_of(a))), 0.0_DP, 1.0e-16_DP * real(n, DP) * largest)
       call random_number(k%value)            ! new values in the same patterns
       call random_number(c%value)

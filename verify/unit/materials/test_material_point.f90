@@ -41,7 +41,7 @@ program test_material_point
   call check_axes()
   call check_tension()
   call check_cycle()
-  call check_standing_still()
+  call check_zero_increments()
   call check_shared_finite_strain()
   call check_creep_closed_forms()
   call check_initial_stress()
@@ -691,7 +691,7 @@ contains
 
 
   !> A state on the yield surface is unchanged: rounding must not make the return fail.
-  subroutine check_standing_still()
+  subroutine check_zero_increments()
     type(material_type) :: material
     type(material_point_type) :: point, again
     integer :: i, k, status
@@ -708,9 +708,9 @@ contains
         if (status /= STRESS_OK) exit
         if (maxval(abs(again%history - point%history)) > 1e-9_DP * maxval(abs(point%history))) exit
       end do
-      call suite%that('standing still on the yield surface', i > 200)
+      call suite%that('zero increments on the yield surface', i > 200)
     end do
-  end subroutine check_standing_still
+  end subroutine check_zero_increments
 
 
   !> Finite strain without rotation of the axes: the multiplicative and the additive formulation agree, isotropic or kinematic in

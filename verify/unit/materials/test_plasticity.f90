@@ -128,7 +128,7 @@ contains
   end subroutine check_creep
 
 
-  !> Time hardening integrates t^m over the increment, or takes its end; strain hardening goes on from the committed strain.
+  !> Time hardening integrates t^m over the increment, or takes its end; strain hardening starts from the committed strain.
   subroutine check_creep_hardening()
     type(material_type) :: material
     type(return_mapping_type) :: s

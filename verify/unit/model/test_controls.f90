@@ -75,8 +75,8 @@ contains
   subroutine check_linear_solver()
     associate (skin => own%skin, krylov => own%krylov, linear => own%linear_solver)
       call suite%that('skin: tighter with fewer corrections to come', skin%tolerance_length > skin%tolerance_changing .and. &
-        skin%tolerance_changing > skin%tolerance_halved .and. skin%tolerance_halved > skin%tolerance_settled .and. &
-        skin%tolerance_settled > skin%tolerance_origin .and. skin%tolerance_origin > skin%tolerance_single)
+        skin%tolerance_changing > skin%tolerance_halved .and. skin%tolerance_halved > skin%tolerance_unchanged .and. &
+        skin%tolerance_unchanged > skin%tolerance_origin .and. skin%tolerance_origin > skin%tolerance_single)
       call suite%that('skin: one direction alone satisfies Newton', skin%tolerance_single < own%r_n)
       call suite%that('skin: a free motion is weakly restrained', skin%free_motion_ratio < skin%max_motion_energy)
       call suite%that('krylov: below the least forcing term', krylov%newton_tolerance_share * own%r_n < &

@@ -32,7 +32,7 @@ contains
   end subroutine check_directions
 
 
-  !> Twins, and pretension_node_pairs of pretension_node_pairs, each once.
+  !> Duplicates, and pretension_node_pairs of pretension_node_pairs, each once.
   subroutine check_copies()
     type(model_type) :: model
     integer, allocatable :: nodes(:)
@@ -40,7 +40,7 @@ contains
     call suite%that('none', all(with_pretension_copies(model, [3, 1]) == [3, 1]))
     model%pretension_node_pairs = reshape([1, 6, 2, 7, 6, 8], [2, 3])
     nodes = with_pretension_copies(model, [3, 1])
-    call suite%that('a twin and its twin', size(nodes) == 4)
+    call suite%that('a node and its duplicate', size(nodes) == 4)
     call suite%that('in order', all(nodes == [3, 1, 6, 8]))
     call suite%that('not twice', size(with_pretension_copies(model, [1, 6, 8])) == 3)
   end subroutine check_copies

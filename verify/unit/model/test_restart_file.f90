@@ -16,7 +16,7 @@ program test_restart_file
 
 contains
 
-  !> Keeps the state of an increment; its words tell which it is.
+  !> Keeps the state of an increment; its words identify it.
   subroutine keep(restart_file, step, increment, is_overlay)
     type(restart_file_type), intent(inout) :: restart_file
     integer, intent(in) :: step, increment

@@ -22,7 +22,7 @@ contains
       .eqv. [.false., .false., .true., .false., .false., .true.]))
     call suite%that('the last', is_output_due(step, 3, 7, 2.0_DP))
     call suite%that('none at all', .not. is_output_due(step, 0, 7, 2.0_DP))
-    call suite%that('a time asked for', is_output_due(step, 0, 1, 0.5_DP + 1.0e-9_DP, [0.5_DP, 1.0_DP]))
+    call suite%that('a requested time', is_output_due(step, 0, 1, 0.5_DP + 1.0e-9_DP, [0.5_DP, 1.0_DP]))
     call suite%that('no other', .not. is_output_due(step, 1, 1, 0.6_DP, [0.5_DP, 1.0_DP]))
     call suite%that('the last, with times', is_output_due(step, 0, 1, 2.0_DP, [0.5_DP]))
   end subroutine check_output

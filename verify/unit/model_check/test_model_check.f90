@@ -486,13 +486,13 @@ contains
     call hold(model, 1, [1, 2, 3], [1, 2, 3])
     call expect(suite, 'a node that nothing uses', model, 0, 0, '')
     call hold(model, 1, [9], [1, 2])
-    call expect(suite, 'a lone support', model, 0, 1, 'A displacement (*BOUNDARY) is given for 1 node without ' // &
+    call expect(suite, 'a support alone', model, 0, 1, 'A displacement (*BOUNDARY) is given for 1 node without ' // &
       'elements (1009)')
     load%node = 9
     load%dof = 1
     load%end = 1.0_DP
     model%steps(1)%concentrated = [load]
-    call expect(suite, 'a lone force', model, 0, 2, 'A force (*CLOAD) acts on 1 node without elements (1009)')
+    call expect(suite, 'a force alone', model, 0, 2, 'A force (*CLOAD) acts on 1 node without elements (1009)')
   end subroutine check_unattached_nodes
 
 

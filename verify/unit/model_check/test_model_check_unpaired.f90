@@ -29,7 +29,7 @@ contains
     call run(blocks(-0.1_DP) // STEP)
     call suite%that('overlapping', report%n_warnings == 1)
     call run(blocks(0.03_DP) // STEP)
-    call suite%that('nearly meeting', report%n_warnings == 1)
+    call suite%that('nearly touching', report%n_warnings == 1)
     call run(blocks(0.5_DP) // STEP)
     call suite%that('apart', report%n_items == 0)
     call run(block('LOW', 1, [0.0_DP, 0.0_DP, 0.0_DP]) // block('UP', 2, [2.0_DP, 2.0_DP, 0.0_DP]) // STEP)

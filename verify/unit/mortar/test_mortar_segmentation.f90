@@ -107,14 +107,14 @@ contains
   end subroutine check_cover
 
 
-  !> Squares that are no parallelograms and quadratic facets want a finer rule; a line is a ring or has a thickness.
+  !> Squares that are no parallelograms and quadratic facets need a finer rule; a line is a ring or has a thickness.
   subroutine check_order_and_depth()
     type(projection_plane_type) :: plane
     real(DP) :: corners(2, 4)
     corners = reshape([real(DP) :: 0, 0, 2, 0, 3, 1, 1, 1], [2, 4])
     associate (plain => choose_quadrature_order(FACET_QUAD4, corners))
       corners(:, 3) = [2.5_DP, 1.4_DP]
-      call suite%that('a distorted square wants more', choose_quadrature_order(FACET_QUAD4, corners) > plain)
+      call suite%that('a distorted square needs more points', choose_quadrature_order(FACET_QUAD4, corners) > plain)
       call suite%that('a triangle does not', choose_quadrature_order(FACET_TRI3, corners) <= plain)
     end associate
     plane%depth = 0.3_DP

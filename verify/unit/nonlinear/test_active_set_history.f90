@@ -10,7 +10,7 @@ program test_active_set_history
   implicit none
   type(suite_type) :: suite
   call check_cycle()
-  call check_settled()
+  call check_converged_set()
   call check_nodes()
   call suite%finish()
 
@@ -48,7 +48,7 @@ contains
 
 
   !> Neither a constant active set nor one that never recurs is a cycle; the facet of an open node does not count.
-  subroutine check_settled()
+  subroutine check_converged_set()
     type(active_set_history_type) :: history
     type(slave_state_type) :: slaves(2)
     integer :: i
@@ -57,7 +57,7 @@ contains
       slaves%facet = i
       call record_active_set(history, slaves, 1.0_DP)
     end do
-    call suite%that('settled: open nodes wander', find_cycle(history) == 0)
+    call suite%that('converged set: open nodes wander', find_cycle(history) == 0)
     history = active_set_history_type()
     slaves%status = STATUS_SLIP
     do i = 1, 5
@@ -65,7 +65,7 @@ contains
       call record_active_set(history, slaves, 1.0_DP)
     end do
     call suite%that('never back', find_cycle(history) == 0)
-  end subroutine check_settled
+  end subroutine check_converged_set
 
 
   !> Nodes that leave their master and nodes with a penetration jump.

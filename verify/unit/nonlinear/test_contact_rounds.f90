@@ -26,7 +26,7 @@ program test_contact_rounds
 
 contains
 
-  !> Iterations or rounds until the verdict is not to go on.
+  !> Iterations or rounds until the verdict is not to continue.
   subroutine run(model, newton, system, state, verdict)
     type(model_type), intent(in) :: model
     type(newton_type), intent(out) :: newton

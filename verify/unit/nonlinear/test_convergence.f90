@@ -195,7 +195,7 @@ contains
   end subroutine check_early_end
 
 
-  !> The verdict that was to go on, after the look at an early end.
+  !> The verdict that was to continue, after the look at an early end.
   pure integer function early(iteration, residual) result(verdict)
     integer, intent(in) :: iteration
     real(DP), intent(in) :: residual(0:2)          !< over the largest force [-]

@@ -92,7 +92,7 @@ contains
   end subroutine press_by_forces
 
 
-  !> After a step that no length made any good, the next direction goes on to the next equilibrium, without Newton's before; with
+  !> After a step without an accepted length, the next direction approaches the next equilibrium, without Newton's before; with
   !! the delay, the count has to pass it first: a rejected step counts as the third.
   subroutine check_rejected_step(suite)
     type(suite_type), intent(inout) :: suite

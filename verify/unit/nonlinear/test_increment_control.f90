@@ -6,9 +6,8 @@ program test_increment_control
   use amontons_steps, only: step_type
   use amontons_convergence, only: convergence_measures_type, assess_convergence, VERDICT_CONTINUE, VERDICT_CONVERGED, &
     VERDICT_DIVERGES, VERDICT_TOO_SLOW
-  use amontons_increment_control, only: stepper_type, attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
-    reject_increment, &
-    OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
+  use amontons_increment_control, only: increment_control_type, attempt_effort_type, begin_stepping, propose_increment, &
+    accept_increment, reject_increment, OUTCOME_CONTINUE, OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -22,89 +21,89 @@ contains
 
   !> Ten increments of 0.1 end exactly at 1, without an eleventh sliver.
   subroutine check_ten_tenths()
-    type(stepper_type) :: stepper
+    type(increment_control_type) :: stepping
     type(step_type) :: step
     integer :: i, outcome
     real(DP) :: dt
     step%dt_initial = 0.1_DP
     step%dt_max = 0.1_DP
-    call begin_stepping(stepper, step)
+    call begin_stepping(stepping, step)
     do i = 1, 10
-      dt = propose_increment(stepper, step)
-      call accept_increment(stepper, step, dt, attempt_effort_type(4), outcome)
-      call suite%that('goes on until the tenth', outcome == merge(OUTCOME_STEP_DONE, OUTCOME_CONTINUE, i == 10))
+      dt = propose_increment(stepping, step)
+      call accept_increment(stepping, step, dt, attempt_effort_type(4), outcome)
+      call suite%that('continues until the tenth', outcome == merge(OUTCOME_STEP_DONE, OUTCOME_CONTINUE, i == 10))
     end do
-    call suite%near('the step ends at its end', stepper%step_time, 1.0_DP, 0.0_DP)
-    call begin_stepping(stepper, step)
-    call suite%that('second step', stepper%step == 2)
+    call suite%near('the step ends at its end', stepping%step_time, 1.0_DP, 0.0_DP)
+    call begin_stepping(stepping, step)
+    call suite%that('second step', stepping%step == 2)
   end subroutine check_ten_tenths
 
 
   subroutine check_growth_and_cuts()
-    type(stepper_type) :: stepper
+    type(increment_control_type) :: stepping
     type(step_type) :: step
     integer :: i, outcome
     step%dt_initial = 0.1_DP
     step%dt_min = 0.01_DP
     step%dt_max = 0.2_DP
-    call begin_stepping(stepper, step)
-    call accept_increment(stepper, step, 0.1_DP, attempt_effort_type(3), outcome)
-    call suite%near('one fast increment is not enough', stepper%dt, 0.1_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.1_DP, attempt_effort_type(3), outcome)
-    call suite%near('two fast ones: grow by d_d', stepper%dt, 0.15_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.15_DP, attempt_effort_type(3), outcome)
-    call suite%near('not above the largest allowed', stepper%dt, 0.2_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.2_DP, attempt_effort_type(step%controls%i_l + 1), outcome)
-    call suite%near('slow: shrink by d_b', stepper%dt, 0.15_DP, 1.0e-15_DP)
-    call reject_increment(stepper, step, 0.15_DP, VERDICT_DIVERGES, outcome)
-    call suite%that('cut back', outcome == OUTCOME_CUT_BACK .and. stepper%attempt == 2)
-    call suite%near('by d_f', stepper%dt, 0.0375_DP, 1.0e-15_DP)
-    call reject_increment(stepper, step, 0.0375_DP, VERDICT_TOO_SLOW, outcome)
-    call suite%near('by d_c', stepper%dt, 0.01875_DP, 1.0e-15_DP)
-    call reject_increment(stepper, step, 0.01875_DP, VERDICT_DIVERGES, outcome)
-    call suite%near('once to the least allowed', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call reject_increment(stepper, step, 0.01_DP, VERDICT_DIVERGES, outcome)
+    call begin_stepping(stepping, step)
+    call accept_increment(stepping, step, 0.1_DP, attempt_effort_type(3), outcome)
+    call suite%near('one fast increment is not enough', stepping%dt, 0.1_DP, 1.0e-15_DP)
+    call accept_increment(stepping, step, 0.1_DP, attempt_effort_type(3), outcome)
+    call suite%near('two fast ones: grow by d_d', stepping%dt, 0.15_DP, 1.0e-15_DP)
+    call accept_increment(stepping, step, 0.15_DP, attempt_effort_type(3), outcome)
+    call suite%near('not above the largest allowed', stepping%dt, 0.2_DP, 1.0e-15_DP)
+    call accept_increment(stepping, step, 0.2_DP, attempt_effort_type(step%controls%i_l + 1), outcome)
+    call suite%near('slow: shrink by d_b', stepping%dt, 0.15_DP, 1.0e-15_DP)
+    call reject_increment(stepping, step, 0.15_DP, VERDICT_DIVERGES, outcome)
+    call suite%that('cut back', outcome == OUTCOME_CUT_BACK .and. stepping%attempt == 2)
+    call suite%near('by d_f', stepping%dt, 0.0375_DP, 1.0e-15_DP)
+    call reject_increment(stepping, step, 0.0375_DP, VERDICT_TOO_SLOW, outcome)
+    call suite%near('by d_c', stepping%dt, 0.01875_DP, 1.0e-15_DP)
+    call reject_increment(stepping, step, 0.01875_DP, VERDICT_DIVERGES, outcome)
+    call suite%near('once to the least allowed', stepping%dt, 0.01_DP, 1.0e-15_DP)
+    call reject_increment(stepping, step, 0.01_DP, VERDICT_DIVERGES, outcome)
     call suite%that('then give up', outcome == OUTCOME_GIVE_UP)
     step%dt_min = 0.0_DP
-    call begin_stepping(stepper, step)
+    call begin_stepping(stepping, step)
     do i = 1, step%controls%i_a
-      call reject_increment(stepper, step, 0.1_DP, VERDICT_DIVERGES, outcome)
+      call reject_increment(stepping, step, 0.1_DP, VERDICT_DIVERGES, outcome)
       call suite%that('i_a cut-backs are allowed', outcome == OUTCOME_CUT_BACK)
     end do
-    call reject_increment(stepper, step, 0.1_DP, VERDICT_DIVERGES, outcome)
+    call reject_increment(stepping, step, 0.1_DP, VERDICT_DIVERGES, outcome)
     call suite%that('not one more', outcome == OUTCOME_GIVE_UP)
     step%is_direct = .true.
-    call begin_stepping(stepper, step)
-    call reject_increment(stepper, step, 0.1_DP, VERDICT_DIVERGES, outcome)
+    call begin_stepping(stepping, step)
+    call reject_increment(stepping, step, 0.1_DP, VERDICT_DIVERGES, outcome)
     call suite%that('DIRECT never cuts', outcome == OUTCOME_GIVE_UP)
   end subroutine check_growth_and_cuts
 
 
   !> Besides the iterations, active-set cycles count, and after a failed attempt also mispredicted contact.
   subroutine check_step()
-    type(stepper_type) :: stepper
+    type(increment_control_type) :: stepping
     type(step_type) :: step
     integer :: outcome
     step%dt_initial = 0.01_DP
-    call begin_stepping(stepper, step)
-    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(3), outcome)
-    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(3, n_cycles_treated=1), outcome)
-    call suite%near('not after cycles', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(3), outcome)
-    call suite%near('two without cycles are asked for', stepper%dt, 0.01_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
-    call suite%near('statuses may change where nothing failed', stepper%dt, 0.015_DP, 1.0e-15_DP)
-    call reject_increment(stepper, step, 0.015_DP, VERDICT_TOO_SLOW, outcome)
-    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(5, n_status_changes=2), outcome)
-    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(5, n_status_changes=2), outcome)
-    call suite%near('not where an attempt failed', stepper%dt, 0.0075_DP, 1.0e-15_DP)
-    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(4, n_status_changes=2), outcome)
-    call accept_increment(stepper, step, 0.0075_DP, attempt_effort_type(5), outcome)
-    call suite%near('but when contact is as foreseen, or soon is', stepper%dt, 0.01125_DP, 1.0e-15_DP)
-    call begin_stepping(stepper, step)
-    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
-    call accept_increment(stepper, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
-    call suite%near('a new step knows of no failure', stepper%dt, 0.015_DP, 1.0e-15_DP)
+    call begin_stepping(stepping, step)
+    call accept_increment(stepping, step, 0.01_DP, attempt_effort_type(3), outcome)
+    call accept_increment(stepping, step, 0.01_DP, attempt_effort_type(3, n_cycles_treated=1), outcome)
+    call suite%near('not after cycles', stepping%dt, 0.01_DP, 1.0e-15_DP)
+    call accept_increment(stepping, step, 0.01_DP, attempt_effort_type(3), outcome)
+    call suite%near('two without cycles are required', stepping%dt, 0.01_DP, 1.0e-15_DP)
+    call accept_increment(stepping, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call suite%near('statuses may change where nothing failed', stepping%dt, 0.015_DP, 1.0e-15_DP)
+    call reject_increment(stepping, step, 0.015_DP, VERDICT_TOO_SLOW, outcome)
+    call accept_increment(stepping, step, 0.0075_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call accept_increment(stepping, step, 0.0075_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call suite%near('not where an attempt failed', stepping%dt, 0.0075_DP, 1.0e-15_DP)
+    call accept_increment(stepping, step, 0.0075_DP, attempt_effort_type(4, n_status_changes=2), outcome)
+    call accept_increment(stepping, step, 0.0075_DP, attempt_effort_type(5), outcome)
+    call suite%near('but when contact is as predicted, or soon is', stepping%dt, 0.01125_DP, 1.0e-15_DP)
+    call begin_stepping(stepping, step)
+    call accept_increment(stepping, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call accept_increment(stepping, step, 0.01_DP, attempt_effort_type(5, n_status_changes=2), outcome)
+    call suite%near('a new step knows of no failure', stepping%dt, 0.015_DP, 1.0e-15_DP)
   end subroutine check_step
 
 

@@ -23,7 +23,7 @@ program test_newton
 
 contains
 
-  !> Iterations until the verdict is not to go on.
+  !> Iterations until the verdict is not to continue.
   subroutine run(model, newton, system, state, verdict)
     type(model_type), intent(in) :: model
     type(newton_type), intent(out) :: newton

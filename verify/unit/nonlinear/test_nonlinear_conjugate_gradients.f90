@@ -1,4 +1,5 @@
-!> Tests of conjugate gradients with contact held: a linear system is solved by each preconditioner; a body nobody holds stops.
+!> Tests of conjugate gradients with contact held: each preconditioner solves a linear system; a body
+!! without support ends the attempt.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_nonlinear_conjugate_gradients
   use amontons_kinds, only: DP

@@ -5,7 +5,7 @@ program test_checkpoint
     read_checkpoint, pack_state, unpack_state
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_increment_control, only: stepper_type
+  use amontons_increment_control, only: increment_control_type
   use amontons_kinds, only: DP, I64
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
@@ -53,7 +53,7 @@ contains
     snapshot%fields%increment = 7 + nint(shift)
     snapshot%fields%slaves%gap = [(shift + 0.01_DP * real(i, DP), i=1, size(snapshot%fields%slaves))]
     snapshot%fields%slaves%status = [(mod(i, 3), i=1, size(snapshot%fields%slaves))]
-    snapshot%stepper = stepper_type(step=2 + nint(shift), increment=3 + nint(shift), attempt=4 + nint(shift), &
+    snapshot%stepping = increment_control_type(step=2 + nint(shift), increment=3 + nint(shift), attempt=4 + nint(shift), &
       step_time=0.5_DP + shift, total_time=1.5_DP + shift, dt=0.25_DP + shift, n_fast_increments=5 + nint(shift), &
       has_failed=shift < 0.5_DP)
     snapshot%is_step_start = shift > 0.5_DP
@@ -89,9 +89,9 @@ contains
       a%fields%total_time == b%fields%total_time .and. a%fields%increment == b%fields%increment)
     call suite%that(name // ': slave nodes', all(a%fields%slaves%gap == b%fields%slaves%gap) .and. &
       all(a%fields%slaves%status == b%fields%slaves%status))
-    call suite%that(name // ': time', a%stepper%step == b%stepper%step .and. a%stepper%attempt == b%stepper%attempt .and. &
-      a%stepper%step_time == b%stepper%step_time .and. a%stepper%dt == b%stepper%dt .and. &
-      a%stepper%n_fast_increments == b%stepper%n_fast_increments .and. (a%stepper%has_failed .eqv. b%stepper%has_failed))
+    call suite%that(name // ': time', a%stepping%step == b%stepping%step .and. a%stepping%attempt == b%stepping%attempt .and. &
+      a%stepping%step_time == b%stepping%step_time .and. a%stepping%dt == b%stepping%dt .and. &
+      a%stepping%n_fast_increments == b%stepping%n_fast_increments .and. (a%stepping%has_failed .eqv. b%stepping%has_failed))
     call suite%that(name // ': scales', a%force_scale == b%force_scale .and. a%best_entries == b%best_entries .and. &
       (a%is_step_start .eqv. b%is_step_start))
     call suite%that(name // ': order and interface', all(a%node_order == b%node_order) .and. all(a%interface == b%interface))
@@ -163,7 +163,7 @@ contains
   subroutine check_restore()
     type(snapshot_type) :: snapshot
     type(newton_type) :: newton
-    type(stepper_type) :: stepper
+    type(increment_control_type) :: stepping
     type(error_type), allocatable :: error
     logical :: is_step_start
     integer :: i
@@ -173,29 +173,29 @@ contains
     u(1, 20) = 0.5_DP
     state%old%u = u
     newton%force_scale = 42.0_DP
-    stepper%step = 1
-    stepper%increment = 3
+    stepping%step = 1
+    stepping%increment = 3
     system%is_interface_unknown = [(mod(i - 1, 3) == 0 .and. i > 60, i=1, 150)]
     system%is_interface_unknown(61:63) = .true.      ! node 21
     system%is_held = [(i == 62, i=1, 150)]
     system%is_bulk_nlgeom = .true.
     system%bulk_factor_u = u
-    call take_snapshot(snapshot, state, system, newton, stepper, .false.)
+    call take_snapshot(snapshot, state, system, newton, stepping, .false.)
     call suite%that('bits of a node on the interface, held in direction 2, NLGEOM', snapshot%interface(21) == 1 + 4 + 16)
     call suite%that('of another node', snapshot%interface(1) == 16)
     state%old%u = -1
     state%new%u = -1
     newton%force_scale = 0
-    stepper%increment = 9
+    stepping%increment = 9
     system%bulk_factor_u = 0 * u
     system%is_held = .true.
     system%is_interface_unknown = .false.
     system%is_bulk_nlgeom = .false.
     system%u_start = 7
-    call restore_snapshot(snapshot, model, model%steps(1), state, system, newton, stepper, is_step_start, error)
+    call restore_snapshot(snapshot, model, model%steps(1), state, system, newton, stepping, is_step_start, error)
     call suite%that('restored', .not. allocated(error) .and. .not. is_step_start)
     call suite%that('committed and trial fields', all(state%old%u == u) .and. all(state%new%u == u))
-    call suite%that('time and scale', stepper%increment == 3 .and. newton%force_scale == 42.0_DP)
+    call suite%that('time and scale', stepping%increment == 3 .and. newton%force_scale == 42.0_DP)
     call suite%that('held', count(system%is_held) == 1 .and. system%is_held(62))
     call suite%that('on the interface', all(system%is_interface_unknown(61:63)) .and. .not. any(system%is_interface_unknown(:60)))
     call suite%that('factor', all(system%bulk_factor_u == u) .and. system%is_bulk_nlgeom .and. &
