@@ -60,7 +60,7 @@ OPT_sanitize := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined
 OPT_races    := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 CHECK_debug    := -fcheck=all -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan
 CHECK_sanitize := -fcheck=all,no-array-temps -fbacktrace -finit-real=snan
-UNIT_release := -O1#  the programs of the unit tests are compiled often and run once
+UNIT_release := -O0#  the programs of the unit tests are compiled often and run once: a quarter of the time of -O1
 COMMON := $(OPT_$(BUILD)) -fPIC -fopenmp $(if $(WERROR),-Werror)
 
 # HDF5 by pkg-config where it is known there; then the usual places: Debian, Fedora, conda, Homebrew.

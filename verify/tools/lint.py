@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from verify.tools.names import check_constants, check_public_names, check_words
+from verify.tools.names import check_constants, check_glossary, check_public_names, check_words
 from verify.tools.wrap import check_widths
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -338,7 +338,7 @@ def main() -> int:
     troubles = check_layers(listed, layers) + check_documents(set(modules), ROOT) + check_search_paths(ROOT)
     troubles += check_unit_programs(listed, ROOT) + check_widths(ROOT) + check_words(ROOT)
     sources = {module.path: module.lines for module in listed}
-    troubles += check_constants(sources) + check_public_names(sources)
+    troubles += check_constants(sources) + check_public_names(sources) + check_glossary(sources, ROOT)
     if path.read_text() != text:
         troubles.append("src/depends.mk: stale; `make depends` generates it")
     troubles += [trouble for module in listed for trouble in module.troubles]

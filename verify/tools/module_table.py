@@ -7,7 +7,9 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 import sys
+from collections.abc import Iterator
 
 from verify.tools.lint import Module, in_order, read_layers, read_modules
 
@@ -17,8 +19,19 @@ def first_sentence(module: Module) -> str:
     return module.lines[0].removeprefix("!> ").replace("*", "\\*").replace("|", "\\|")
 
 
+def public_types(module: Module) -> Iterator[tuple[str, str]]:
+    """The public types of a module, each with the first line of its docstring."""
+    public = set(re.findall(r"\w+_type\b", " ".join(re.findall(r"^  public ::(?:[^\n]*&\n)*[^\n]*", "\n".join(module.lines), re.M))))
+    for number, line in enumerate(module.lines):
+        if (found := re.match(r"  type(?:\s*,[^:]*)?\s*::\s*(\w+)$", line)) and found[1] in public:
+            above = number
+            while module.lines[above - 1].lstrip().startswith("!"):
+                above -= 1
+            yield found[1], module.lines[above].strip().removeprefix("!>").strip().replace("|", "\\|")
+
+
 def page() -> str:
-    """A table for each folder, bottom-up."""
+    """A table for each folder, bottom-up, and one of all public types."""
     modules = {module.name: module for module in read_modules()}
     layers = read_layers()
     order = in_order(modules, list(layers))[0]
@@ -27,6 +40,9 @@ def page() -> str:
         lines += ["", f"## {folder}", "", sentence, "", "| module | what it holds | uses |", "|---|---|---|"]
         lines += [f"| `{name}` | {first_sentence(modules[name])} | {', '.join(modules[name].uses)} |"
                   for name in order if modules[name].folder == folder]
+    lines += ["", "## Public types", "", "| type | module | what it is |", "|---|---|---|"]
+    types = sorted((name, module, sentence) for module in order for name, sentence in public_types(modules[module]))
+    lines += [f"| `{name}` | `{module}` | {sentence} |" for name, module, sentence in types]
     return "\n".join(lines) + "\n"
 
 

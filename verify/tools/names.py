@@ -152,3 +152,21 @@ def check_public_names(sources: dict[str, list[str]]) -> list[str]:
             if not uses:
                 troubles.append(f"{path}: nothing in src uses the public name {name}; tests alone do not count")
     return troubles
+
+
+def check_glossary(sources: dict[str, list[str]], root: Path) -> list[str]:
+    """The glossary's rows name modules and procedures of src that exist there."""
+    page = "doc/developer/glossary.md"
+    code = {Path(path).stem: "\n".join(lines) for path, lines in sources.items()}
+    troubles = []
+    for number, line in enumerate((root / page).read_text().splitlines(), 1):
+        cells = line.split("|")
+        if not line.startswith("| ") or len(cells) < 6:
+            continue
+        for module, procedures in re.findall(r"`(\w+)`: ((?:`\w+`(?:, )?)+)", cells[-3]):
+            if module not in code:
+                troubles.append(f"{page}:{number}: there is no module {module}")
+                continue
+            troubles += [f"{page}:{number}: {module} has no procedure {name}" for name in re.findall(r"\w+", procedures)
+                         if not re.search(rf"^\s*(?:[\w() ]+\s)?(?:subroutine|function) {name}\b", code[module], re.M)]
+    return troubles

@@ -58,3 +58,15 @@ def test_public_names() -> None:
     other = "use tested, only: used_there\ncall used_there('alone')\n"
     troubles = names.check_public_names({"tested.f90": tested.splitlines(), "other.f90": other.splitlines()})
     assert [trouble.split(" name ")[1].split(";")[0] for trouble in troubles] == ["alone", "never"]
+
+
+def test_glossary(tmp_path: Path) -> None:
+    """A module or a procedure that the glossary names and src does not have is found."""
+    (tmp_path / "doc" / "developer").mkdir(parents=True)
+    rows = ["| term | L | `laws`: `find_limit`, `find_force` | |", "| other | | `laws`: `find_limit`; `lost`: `find_gap` | P. W. |"]
+    (tmp_path / "doc" / "developer" / "glossary.md").write_text("\n".join(rows))
+    source = {"src/contact/laws.f90": ["  pure real(DP) function find_limit(mu) result(limit)", "  call find_force()"]}
+    assert [trouble.split(": ", 1)[1] for trouble in names.check_glossary(source, tmp_path)] == [
+        "laws has no procedure find_force",
+        "there is no module lost",
+    ]
