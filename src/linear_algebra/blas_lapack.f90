@@ -9,7 +9,7 @@ module amontons_blas_lapack
   private
   public :: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dpotrf, dpotri, dgemv
   public :: sgetrf, slaswp, strsm, sgemm, sgetrs, spotrf, spotri, sgemv
-  public :: dgesv, dsymv, dgecon, dsyev, dgelsd
+  public :: dgesv, dgecon, dsyev, dgelsd
 
   interface
     subroutine dgetrf(m, n, a, lda, ipiv, info)
@@ -142,14 +142,6 @@ module amontons_blas_lapack
       real(DP), intent(inout) :: a(lda, *), b(ldb, *)
       integer, intent(out) :: ipiv(*), info
     end subroutine dgesv
-
-    subroutine dsymv(uplo, n, alpha, a, lda, x, incx, beta, y, incy)
-      import :: DP
-      character(1), intent(in) :: uplo
-      integer, intent(in) :: n, lda, incx, incy
-      real(DP), intent(in) :: alpha, beta, a(lda, *), x(*)
-      real(DP), intent(inout) :: y(*)
-    end subroutine dsymv
 
     subroutine dgecon(norm, n, a, lda, anorm, rcond, work, iwork, info)
       import :: DP

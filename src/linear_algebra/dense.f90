@@ -8,12 +8,12 @@ module amontons_dense
     ieee_set_status, ieee_status_type
   use amontons_kinds, only: DP, WP => DP
   use amontons_blas_lapack, only: getrf => dgetrf, laswp => dlaswp, trsm => dtrsm, gemm => dgemm, getrs => dgetrs, &
-    potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dsymv, dgecon, dsyev, dgelsd
+    potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dgecon, dsyev, dgelsd
   implicit none
   private
   public :: solve_small, solve_symmetric_eigen, least_squares
   public :: factorise_dense, solve_dense, find_matrix_scales, is_rank_deficient, multiply_triangular, triangular_product, invert_spd
-  public :: multiply_dense_symmetric, multiply_dense_transpose
+  public :: multiply_dense_transpose
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, MIN_THREADED_SIZE, BLOCK_COLUMNS
 
   integer, parameter :: DENSE_OK = 0
@@ -220,22 +220,6 @@ contains
       call gemv('N', last - k + 1, last, 1.0_DP, l(k, 1), n, x, 1, 0.0_DP, y(k), 1)
     end if
   end subroutine multiply_triangular_block
-
-
-  !> x = S x for a symmetric matrix.
-  subroutine multiply_dense_symmetric(s, x)
-    real(DP), contiguous, intent(in) :: s(:, :)   !< (n, n)
-    real(DP), intent(inout) :: x(:)            !< (n)
-    real(DP) :: y(size(x))
-    if (size(x) == 0) return
-    y = 0
-    if (is_threaded(size(x))) then
-      call multiply_dense_transpose(s, x, y)
-    else
-      call dsymv('L', size(x), 1.0_DP, s, size(x), x, 1, 0.0_DP, y, 1)
-    end if
-    x = y
-  end subroutine multiply_dense_symmetric
 
 
   !> Whether threads share the work on a matrix.

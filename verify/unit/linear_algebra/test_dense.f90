@@ -4,7 +4,7 @@ program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
   use amontons_dense, only: solve_small, solve_symmetric_eigen, least_squares, invert_spd, &
-    multiply_dense_symmetric, multiply_dense_transpose, multiply_triangular, factorise_dense, solve_dense, find_matrix_scales, &
+    multiply_dense_transpose, multiply_triangular, factorise_dense, solve_dense, find_matrix_scales, &
     is_rank_deficient, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
   use check, only: suite_type
@@ -184,9 +184,9 @@ contains
 
 
   !> The inverse of a positive definite matrix is its inverse, symmetric to the last bit; singular and nearly singular ones are
-  !! detected. Products with symmetric and transposed matrices equal those of matmul.
+  !! detected. Products with transposed matrices equal those of matmul.
   subroutine test_positive()
-    real(DP) :: left(9, 9), a(9, 9), inverse(9, 9), x(9), y(9), z(5), wide(9, 5)
+    real(DP) :: left(9, 9), a(9, 9), inverse(9, 9), x(9), z(5), wide(9, 5)
     integer :: status
     call random_number(left)
     call random_number(x)
@@ -197,9 +197,6 @@ contains
     call suite%that('positive: status', status == DENSE_OK)
     call suite%near('positive: inverse', norm_1(matmul(a, inverse) - unit(9)), 0.0_DP, 1.0e-12_DP)
     call suite%that('positive: symmetric', all(abs(inverse - transpose(inverse)) <= 0))
-    y = x
-    call multiply_dense_symmetric(inverse, y)
-    call suite%near('positive: product', maxval(abs(y - matmul(inverse, x))), 0.0_DP, 1.0e-14_DP)
     call multiply_dense_transpose(wide, x, z)
     call suite%near('transposed product', maxval(abs(z - matmul(x, wide))), 0.0_DP, 1.0e-14_DP)
     a = a - unit(9)
@@ -247,9 +244,6 @@ contains
       y = x
       call multiply_triangular(l, .true., y)
       call suite%near('threads: triangle turned', maxval(abs(y - matmul(x, l))), 0.0_DP, N * epsilon(1.0_DP) * N)
-      y = x
-      call multiply_dense_symmetric(a + transpose(a), y)
-      call suite%near('threads: symmetric', maxval(abs(y - matmul(a + transpose(a), x))), 0.0_DP, N * epsilon(1.0_DP) * N)
       call multiply_dense_transpose(a, x, z)
       call suite%near('threads: turned', maxval(abs(z - matmul(x, a))), 0.0_DP, N * epsilon(1.0_DP) * N)
       lu = a

@@ -74,7 +74,7 @@ contains
   end subroutine test_parts
 
 
-  !> Aggregates: connected, of about the size asked for, none over two bodies, and the same again.
+  !> Aggregates: connected, of about the requested size, none over two bodies, and the same again.
   subroutine test_aggregates()
     integer, parameter :: PART_SIZE = 30
     integer, allocatable :: part(:), again(:)
