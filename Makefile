@@ -231,7 +231,7 @@ programs: all
 
 # Each test with one thread and as many tests at once as there are processors; tests of threads set their own.
 PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB=$(LIB) AMONTONS_UNITS=$(B)/unit \
-  $(PY) -m pytest -n $(JOBS) $(PYTEST_OPTIONS)
+  $(PY) -m pytest -n $(JOBS) --dist loadgroup $(PYTEST_OPTIONS)
 
 test: programs $(VENV)/installed $(VENV)-doc/installed $(VENV)-api/installed ## Run all tests, those of the documentation site among them
 	@$(PYTEST) verify

@@ -21,15 +21,29 @@ ROOT = Path(__file__).resolve().parent.parent
 TIME_LIMIT = 900  # [s] of one job
 PAGES = os.environ.get("AMONTONS_PAGES")  # folder of the pages that `make verify` requests
 
+#: Modules whose fixture runs each case once, when its first test needs it.
+RUN_BY_CASE = {"test_contact_cases"}
+
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What runs another program beside ours is slow."""
+    """What runs another program beside ours is slow; tests that share a job stay on one worker, which runs it once (--dist loadgroup)."""
     for item in items:
         if "peers" in item.path.parts:
             item.add_marker(pytest.mark.slow)
+        if isinstance(item, pytest.Function) and (name := shared_work(item)):
+            item.add_marker(pytest.mark.xdist_group(name))
+
+
+def shared_work(item: pytest.Function) -> str:
+    """What a test shares with others: the case of a function that runs each case once, or its module's fixture; '': nothing."""
+    fixtures = getattr(item, "_fixtureinfo").name2fixturedefs  # noqa: B009
+    if not any(definitions[-1].scope == "module" for definitions in fixtures.values()):
+        return ""
+    case = item.callspec.params.get("case", "") if hasattr(item, "callspec") else ""
+    return f"{item.path.stem}-{case}" if item.path.stem in RUN_BY_CASE else item.path.stem
 
 
 @pytest.fixture(scope="session")

@@ -2,7 +2,8 @@
 
 Each block of commands (```sh) of a page runs in one shell, which ends at the first command that fails; a block of a file (```geo,
 ```inp, ```py after "`name`") is saved under its name first, as the reader does. Two things need the network and have a stand-in: the
-address of the repository is that of this working copy, and the Python packages of .venv are those installed here.
+address of the repository is that of this working copy, and the Python packages of .venv are those installed here. The objects of an
+up-to-date build are taken over, because continuous integration has just built a bare checkout; else the clone is built from nothing.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -38,7 +39,17 @@ def with_packages(commands: str) -> str:
     """The commands; after the clone .venv leads to the packages installed here, which pip would get from the network."""
     assert "cd amontons\n" in commands
     links = "".join(f"ln -s {PACKAGES / name} .venv/{name}\n" for name in LINKED if (PACKAGES / name).exists())
-    return commands.replace("cd amontons\n", f"cd amontons\nmkdir .venv\n{links}touch .venv/installed\n", 1)
+    return commands.replace("cd amontons\n", f"cd amontons\nmkdir .venv\n{links}touch .venv/installed\n{built_objects()}", 1)
+
+
+def built_objects() -> str:
+    """Commands that take over the objects of the build here, which has to be newer than all sources; else ''."""
+    products = [ROOT / "bin" / "amontons", ROOT / "lib" / "libamontons.a", ROOT / "lib" / "libamontons.so"]
+    sources = [path.stat().st_mtime for path in (*(ROOT / "src").rglob("*.*"), ROOT / "Makefile")]
+    if not all(path.exists() and path.stat().st_mtime > max(sources) for path in products):
+        return ""
+    return ("git ls-files -z | xargs -0 touch -d 2000-01-01\nmkdir build\n"
+            f"cp -a {ROOT}/build/*.o {ROOT}/build/*.mod build/\ncp -a {ROOT}/bin {ROOT}/lib .\n")  # fmt: skip
 
 
 def run_commands(commands: str, cwd: Path, **environment: str) -> str:
