@@ -180,11 +180,12 @@ class Results:
         if table.empty:
             return table
         table["pair"] = [self._pairs[i] for i in table["pair"]]
+        table.attrs["descriptions"]["pair"] = "Slave / master."
         for name in WITH_MAGNITUDE:
             size = np.sqrt(sum(table[f"{name}{k}"].to_numpy() ** 2 for k in (1, 2, 3)))
             table.insert(table.columns.get_loc(f"{name}3") + 1, f"{name}M", size)
-            for kind in ("units", "descriptions"):
-                table.attrs[kind][f"{name}M"] = table.attrs[kind][f"{name}1"]
+            table.attrs["units"][f"{name}M"] = table.attrs["units"][f"{name}1"]
+            table.attrs["descriptions"][f"{name}M"] = "Magnitude of the vector: " + table.attrs["descriptions"][f"{name}1"]
         return table
 
     def field(self, name: str, time: float | None = None, nset: str | None = None) -> NDArray[Any]:

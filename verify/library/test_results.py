@@ -116,6 +116,8 @@ def test_tables(results: amontons.Results) -> None:
     assert set(pairs["pair"]) == set(results.pair_names)
     assert pairs.attrs["units"]["CFNM"] == "[force]"
     assert "friction" in pairs.attrs["descriptions"]["CFSM"].lower()
+    assert pairs.attrs["descriptions"]["CFNM"].startswith("Magnitude")
+    assert pairs.attrs["descriptions"]["pair"] == "Slave / master."
     assert (pairs["CFSM"] <= mu * pairs["CFNM"] * (1 + 1e-6)).all()
     assert pairs["CFSM"].iloc[-1] > 0.9 * mu * pairs["CFNM"].iloc[-1] > 0
     assert len(results.iterations) == history["n_iterations"].sum()
