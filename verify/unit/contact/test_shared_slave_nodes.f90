@@ -127,6 +127,10 @@ contains
     free = free_projector(shared, slaves, 1, all_free)
     call suite%near('pairs: the other holds its normal', norm2(matmul(free, slaves(2)%normal)), 0.0_DP, 1.0e-15_DP)
     call suite%near('pairs: idempotent', norm2(matmul(free, free) - free), 0.0_DP, 1.0e-15_DP)
+    slaves(2)%normal = [sqrt(0.91_DP), 0.3_DP, 0.0_DP]     ! supports hold most of it: its free part counts all the same
+    free = free_projector(shared, slaves, 1, support_free_projector(axes(:, :, 1), [0.0_DP, 1.0_DP, 1.0_DP]))
+    call suite%near('pairs: beside supports', norm2(free - reshape([real(DP) :: 0, 0, 0, 0, 0, 0, 0, 0, 1], [3, 3])), &
+      0.0_DP, 1.0e-15_DP)
     slaves(2)%status = STATUS_OPEN
     call suite%near('pairs: an open one holds nothing', norm2(free_projector(shared, slaves, 1, all_free) - all_free), 0.0_DP, &
       0.0_DP)

@@ -6,6 +6,7 @@ program test_contact_subproblem
   use amontons_topology, only: KIND_C3D8
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
+  use amontons_loads, only: concentrated_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, LINE_SEARCH_ALL
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
@@ -20,6 +21,8 @@ program test_contact_subproblem
   call check_solution(suite, 'closes', 0.3_DP, 0.01_DP, [0.02_DP, 0.0_DP, -0.03_DP])
   call check_left_alone(suite)
   call check_corrections(suite)
+  call check_statuses(suite)
+  call check_substeps(suite)
   call suite%finish()
 
 contains
@@ -120,6 +123,74 @@ contains
     call suite%that('corrections: fewer from there', system%n_subproblem_iterations - n < n)
     call suite%near('corrections: the same end', norm2(du - corrected), 0.0_DP, 1.0e-3_DP * norm2(du))
   end subroutine check_corrections
+
+
+  !> A merit within its tolerance does not end the corrections while statuses change.
+  subroutine check_statuses(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    type(equilibrium_type), allocatable :: system
+    type(state_type) :: state
+    type(slave_state_type), allocatable :: slaves(:)
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :)
+    integer :: outcome
+    call loaded_blocks(model)
+    model%steps(1)%controls%subproblem%tolerance = 1.0e6_DP
+    call first_direction(model, system, state, du)
+    call solve_contact_subproblem(system, model, model%steps(1), state, du, slaves, error)
+    call suite%that('statuses: corrected although the merit is admissible', system%n_subproblem_iterations > 0)
+    state%new%u = state%new%u + du
+    state%new%slaves = slaves
+    call evaluate_equilibrium(system, model, model%steps(1), state, outcome, is_frozen=.false.)
+    call suite%that('statuses: none changes at the end', system%is_subproblem_solved .and. system%contact%n_changed == 0)
+  end subroutine check_statuses
+
+
+  !> Where the whole direction takes more corrections than allowed, substeps end at the same solution; where they fail too, the
+  !! subproblem is reported as unsolved.
+  subroutine check_substeps(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    type(equilibrium_type), allocatable :: system
+    type(state_type) :: state
+    type(slave_state_type), allocatable :: slaves(:)
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :), whole(:, :)
+    integer :: limit, max_substep(2)
+    call loaded_blocks(model)
+    call first_direction(model, system, state, du)
+    call solve_contact_subproblem(system, model, model%steps(1), state, du, slaves, error)
+    whole = du
+    max_substep = [12, 3]                          ! corrections of a substep; the second starts with the whole and halves it
+    do limit = 1, 2
+      call loaded_blocks(model)
+      model%steps(1)%controls%subproblem%max_iterations = 1
+      model%steps(1)%controls%subproblem%max_iterations_per_substep = max_substep(limit)
+      if (limit == 2) model%steps(1)%controls%subproblem%initial_substep = 1.0_DP
+      call first_direction(model, system, state, du)
+      call solve_contact_subproblem(system, model, model%steps(1), state, du, slaves, error)
+      call suite%that('substeps: solved', system%is_subproblem_solved .and. .not. allocated(error))
+      call suite%near('substeps: the same solution', norm2(du - whole), 0.0_DP, 1.0e-3_DP * norm2(whole))
+      call suite%near('substeps: the supports have arrived', maxval(abs(state%new%u(3, 35:) + du(3, 35:) + 0.02_DP)), 0.0_DP, &
+        1.0e-12_DP)
+    end do
+    call loaded_blocks(model)
+    model%steps(1)%controls%subproblem%max_iterations = 1
+    model%steps(1)%controls%subproblem%max_iterations_all_substeps = 1
+    call first_direction(model, system, state, du)
+    call solve_contact_subproblem(system, model, model%steps(1), state, du, slaves, error)
+    call suite%that('substeps: too few are reported', .not. system%is_subproblem_solved .and. .not. allocated(error))
+  end subroutine check_substeps
+
+
+  !> The sliding blocks with a force on the slave surface from the start: the increment begins with an imbalance.
+  subroutine loaded_blocks(model)
+    type(model_type), intent(out) :: model
+    integer :: i
+    call two_blocks(model, 0.1_DP, 0.0_DP, [0.1_DP, 0.05_DP, -0.02_DP])
+    model%steps(1)%concentrated = [(concentrated_type(start=-0.05_DP, end=-0.05_DP, node=18 + i, dof=1 + 2 * mod(i, 2)), i=1, 16)]
+  end subroutine loaded_blocks
 
 
   include 'sample_blocks.inc'

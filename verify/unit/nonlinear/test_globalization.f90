@@ -135,6 +135,7 @@ contains
     type(error_type), allocatable :: error
     integer :: outcome, i
     logical :: is_drifting
+    real(DP) :: shift
     call two_blocks(model, 0.2_DP, 0.0_DP, [0.02_DP, 0.0_DP, -0.02_DP])
     call start_blocks(model, system, state)
     do i = 1, 4
@@ -147,6 +148,9 @@ contains
       is_drifting = strategy%step_kind == STEP_KIND_SNAP_THROUGH
       call suite%that('drift: only under all conditions', is_drifting .eqv. i == 4)
     end do
+    shift = system%proximal_shift
+    call choose_step(strategy, system, model, model%steps(1), measures, state, trial, outcome, error)
+    call suite%near('drift: the next shift is six times the last', system%proximal_shift / shift, 6.0_DP, 1.0e-2_DP)
   end subroutine check_drift
 
 

@@ -10,8 +10,10 @@ program test_newton
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
-    OUTCOME_OK, OUTCOME_UNSUPPORTED
+    OUTCOME_OK, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   use amontons_newton, only: newton_type, begin_newton, iterate
+  use amontons_active_set_history, only: record_active_set
+  use amontons_slave_node_overrides, only: NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_OFF_MASTER
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -19,6 +21,9 @@ program test_newton
   call check_sliding(suite)
   call check_gap(suite)
   call check_limits(suite)
+  call check_cycle(suite)
+  call check_tunnelling(suite)
+  call check_forcing_term(suite)
   call suite%finish()
 
 contains
@@ -140,6 +145,82 @@ contains
     call suite%that('limit: a motion of many sizes of the model', verdict == VERDICT_DIVERGES .and. &
       newton%outcome == OUTCOME_UNSUPPORTED .and. newton%farthest_node > 0)
   end subroutine check_limits
+
+
+  !> Statuses that return without a smaller merit: the cycle is counted, and the iteration continues with the node frozen.
+  subroutine check_cycle(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    type(newton_type) :: newton
+    type(equilibrium_type), allocatable :: system
+    type(state_type) :: state, other
+    type(error_type), allocatable :: error
+    integer :: verdict, i
+    call two_blocks(model, 5.0_DP, 0.0_DP, [0.0_DP, 0.0_DP, -0.3_DP])
+    model%steps(1)%is_nlgeom = .true.                ! the second iteration does not converge yet
+    call start_blocks(model, system, state)
+    call begin_newton(newton, system, model, model%steps(1), .true., state)
+    call iterate(newton, system, model, model%steps(1), state, verdict, error)
+    other = state
+    other%new%slaves(5)%status = STATUS_SLIP
+    do i = 1, 2
+      call record_active_set(newton%active_set_history, other%new%slaves, 0.0_DP)
+      call record_active_set(newton%active_set_history, state%new%slaves, 0.0_DP)
+    end do
+    call record_active_set(newton%active_set_history, other%new%slaves, 0.0_DP)
+    call suite%that('cycle: none yet', newton%n_cycles_treated == 0)
+    call iterate(newton, system, model, model%steps(1), state, verdict, error)
+    call suite%that('cycle: counted, and iterated again', newton%n_cycles_treated == 1 .and. verdict == VERDICT_CONTINUE)
+    call suite%that('cycle: the node is frozen', state%new%slaves(5)%overrides%status == NODE_OVERRIDE_FROZEN)
+  end subroutine check_cycle
+
+
+  !> Slave nodes that were closed at the start and end deep below their master, without contact: no converged increment.
+  subroutine check_tunnelling(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    type(newton_type) :: newton
+    type(equilibrium_type), allocatable :: system
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    integer :: verdict
+    call two_blocks(model, 0.0_DP, 0.05_DP, [0.0_DP, 0.0_DP, -6.0_DP])
+    model%steps(1)%is_nlgeom = .true.
+    call start_blocks(model, system, state)
+    state%old%slaves = state%new%slaves
+    call begin_newton(newton, system, model, model%steps(1), .true., state)
+    state%new%slaves%overrides%edge = NODE_OVERRIDE_OFF_MASTER
+    state%new%slaves%facet = 0
+    do
+      call iterate(newton, system, model, model%steps(1), state, verdict, error)
+      if (allocated(error) .or. verdict /= VERDICT_CONTINUE) exit
+    end do
+    call suite%that('tunnelling: no convergence', verdict == VERDICT_DIVERGES .and. newton%outcome == OUTCOME_TUNNELLING)
+    call suite%that('tunnelling: a slave node is named', newton%tunnelled_node > 18 .and. newton%tunnelled_node <= 34)
+  end subroutine check_tunnelling
+
+
+  !> Choice 2 of Eisenstat and Walker: the square of the last decrease of the residual, within its limits.
+  subroutine check_forcing_term(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    type(newton_type) :: newton
+    type(equilibrium_type), allocatable :: system
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    real(DP), parameter :: RESIDUALS(4) = [0.5_DP, 0.05_DP, 1.0e-5_DP, 2.0_DP], &
+      EXPECTED(4) = [1.0e-2_DP, 2.5e-3_DP, 1.0e-6_DP, 1.0e-2_DP]
+    integer :: verdict, i
+    call two_blocks(model, 0.5_DP, 0.0_DP, [0.0_DP, 0.0_DP, -0.02_DP])
+    call start_blocks(model, system, state)
+    do i = 1, 4
+      call begin_newton(newton, system, model, model%steps(1), .true., state)
+      newton%measures%residual(0) = RESIDUALS(i)
+      newton%measures%residual(1) = 1.0_DP
+      call iterate(newton, system, model, model%steps(1), state, verdict, error)
+      call suite%near('forcing term', system%forcing_term, EXPECTED(i), 1.0e-12_DP)
+    end do
+  end subroutine check_forcing_term
 
 
   include 'sample_blocks.inc'
