@@ -145,7 +145,7 @@ $(LIB)/libamontons.so: $(OBJECTS)
 	$(Q)ln -sf $(@F) $@.$(ABI)
 
 $(B)/%.o: %.f90
-	@echo "compiling $<  [$$(ls $(B)/*.o 2>/dev/null | wc -l)/$(words $(OBJECTS))]" && mkdir -p $(@D)
+	@echo "compiling $<  [$$(ls $(B)/*.o 2>/dev/null | wc -l)/$(words $(OBJECTS) main)]" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) $(INCLUDES) -J$(B) -c $< -o $@
 
 $(B)/%.o: %.c
