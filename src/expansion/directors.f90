@@ -2,14 +2,14 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A node has one director for all its elements whose normals lie within 20 degrees of that of the first of them, and that have
-!! the same thickness and offset: the mean of these normals. Elements with a *NORMAL come first and are gathered within 0.5 degrees.
-!! A node with several directors is a knot (module knots). In rigid bodies, which need no knots, elements share it over right angles
+!! the same thickness, layers and offset: the mean of these normals. Elements with a *NORMAL come first and are gathered within 0.5
+!! degrees. A node with several directors is a knot (module knots). In rigid bodies, which need no knots, elements share it over right angles
 !! too, so that their faces stay connected. Source: CalculiX CrunchiX manual, Eight-node shell element.
 module amontons_directors
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_structural_data, only: structure_type, director_type
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers
   use amontons_tensor, only: cross_product
   use amontons_topology, only: element_kind_type, element_kind, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FAMILY_BEAM, &
     MAX_FACE_NODES
@@ -26,9 +26,10 @@ module amontons_directors
 contains
 
   !> The directors of all nodes of structural elements.
-  subroutine find_directors(mesh, structure, bad_element)
+  subroutine find_directors(mesh, structure, is_calculix, bad_element)
     type(mesh_type), intent(in) :: mesh          !< not yet expanded
     type(structure_type), intent(inout) :: structure   !< out: with directors, director_of
+    logical, intent(in) :: is_calculix           !< dialect, which knows no symmetry planes
     integer, intent(out) :: bad_element          !< an element without a normal at one of its nodes; 0: none
     type(director_type), allocatable :: own(:), found(:)
     integer, allocatable :: first(:), position(:)
@@ -50,7 +51,30 @@ contains
       call join_directors(structure, position(first(node):first(node + 1) - 1), own, found, n)
     end do
     structure%directors = found(:n)
+    if (.not. is_calculix) call reflect_normals(structure)
   end subroutine find_directors
+
+
+  !> At nodes of a symmetry plane the normal lies in the plane: it is the mean with its mirror image, if they meet smoothly.
+  subroutine reflect_normals(structure)
+    type(structure_type), intent(inout) :: structure
+    logical :: is_held(6)
+    integer :: i, k
+    do i = 1, size(structure%directors)
+      associate (director => structure%directors(i))
+        if (director%n_outer == 4) cycle
+        is_held = structure%held_from(:, director%node) > 0
+        do k = 1, 3
+          if (.not. is_held(k) .or. any(is_held(4:) .eqv. [4, 5, 6] == 3 + k)) cycle   ! its symmetry: u_k and the other rotations
+          associate (normal => director%axes(:, 1))
+            if (2 * abs(normal(k)) > sin(SMOOTH_ANGLE)) cycle
+            normal(k) = 0
+            normal = normal / norm2(normal)
+          end associate
+        end do
+      end associate
+    end do
+  end subroutine reflect_normals
 
 
   !> For each node, its places in the node lists of structural elements.
@@ -107,6 +131,9 @@ contains
       own%section = structure%section(e)
       own%node = nodes
       own%n_outer = merge(4, 2, section%family == FAMILY_BEAM)
+      do a = 1, size(own)
+        allocate (own(a)%height(0:n_section_layers(section)), source=layer_heights(section))
+      end do
       if (section%family /= FAMILY_BEAM) call find_element_normals(mesh%coordinates(:, nodes), normals)
       do a = 1, size(own)
         own(a)%offset = section%offset
@@ -123,6 +150,19 @@ contains
       end do
     end associate
   end subroutine find_own_directors
+
+
+  !> The places of the faces of the layers of a section over its thickness, from -1/2 to 1/2.
+  pure function layer_heights(section) result(height)
+    type(structural_section_type), intent(in) :: section
+    real(DP) :: height(0:n_section_layers(section))
+    integer :: k
+    height(0) = -0.5_DP
+    height(ubound(height, 1)) = 0.5_DP
+    do k = 1, ubound(height, 1) - 1
+      height(k) = sum(section%layers(:k)%thickness) / sum(section%layers%thickness) - 0.5_DP
+    end do
+  end function layer_heights
 
 
   !> Both local directions of a beam at one of its nodes: the first is the part of the given direction normal to the tangent, the
@@ -234,6 +274,8 @@ contains
     if (one%n_outer /= other%n_outer) return
     if (any(abs(one%thickness - other%thickness) > TOL_SAME * maxval(one%thickness))) return
     if (any(abs(one%offset - other%offset) > TOL_SAME)) return
+    if (size(one%height) /= size(other%height)) return
+    if (any(abs(one%height - other%height) > TOL_SAME)) return
     do k = 1, merge(2, 1, one%n_outer == 4)
       turn = atan2(norm2(cross_product(one%axes(:, k), other%axes(:, k))), dot_product(one%axes(:, k), other%axes(:, k)))
       if (turn > angle) return

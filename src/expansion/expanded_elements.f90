@@ -7,8 +7,8 @@
 !! | S6, S8 | C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
 !! | B31, B32 | C3D8I, C3D20 | the first local axis along the beam, the second against direction 2, the third along direction 1 |
 !!
-!! S4R is S4 under the abaqus dialect and gives C3D8R under that of calculix; S8R gives C3D20R. The faces: 1 is
-!! SNEG, 2 is SPOS, 2 + k is edge k of a shell.
+!! A composite shell gives one solid for each layer. S4R is S4 under the abaqus dialect and gives C3D8R under that of calculix; S8R
+!! gives C3D20R. The faces: 1 is SNEG, 2 is SPOS, 2 + k is edge k of a shell.
 module amontons_expanded_elements
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
@@ -43,7 +43,7 @@ contains
             solid = beam_nodes(structure%directors(structure%director_of(from:to)))
           else
             mesh%is_shell(e) = .true.
-            solid = shell_nodes(structure%directors(structure%director_of(from:to)))
+            solid = shell_nodes(structure%directors(structure%director_of(from:to)), mesh%layer(e))
           end if
         end if
       end associate
@@ -107,18 +107,22 @@ contains
         end if
       end associate
     end do
-    allocate (x(3, 8 * size(structure%directors)))
     n = 0
     do i = 1, size(structure%directors)
       associate (director => structure%directors(i))
-        do k = 1, director%n_outer + merge(director%n_outer - merge(1, 0, director%n_outer == 2), 0, is_corner(i))
-          n = n + 1
-          x(:, n) = director_position(director, mesh%coordinates(:, director%node), k)
-          director%nodes(k) = mesh%n_nodes + n
+        director%nodes = mesh%n_nodes + n + [(k, k=1, n_director_nodes(director, is_corner(i)))]
+        n = n + size(director%nodes)
+      end associate
+    end do
+    allocate (x(3, n))
+    do i = 1, size(structure%directors)
+      associate (director => structure%directors(i))
+        do k = 1, size(director%nodes)
+          x(:, director%nodes(k) - mesh%n_nodes) = director_position(director, mesh%coordinates(:, director%node), k)
         end do
       end associate
     end do
-    call append_nodes(mesh, x(:, :n))
+    call append_nodes(mesh, x)
   end subroutine create_nodes
 
 
@@ -138,34 +142,57 @@ contains
   end function quadratic_corners
 
 
-  !> The position of a node of a director. Shells: bottom, top, middle; beams: corners (-1, +2), (-1, -2), (+1, -2), (+1, +2), then
-  !! the sides between them.
+  !> The number of nodes of a director.
+  pure integer function n_director_nodes(director, is_corner) result(n)
+    type(director_type), intent(in) :: director
+    logical, intent(in) :: is_corner             !< of a quadratic element
+    integer :: n_layers
+    n_layers = ubound(director%height, 1)
+    if (director%n_outer == 4) then
+      n = merge(8, 4, is_corner)
+    else
+      n = 1 + n_layers + merge(n_layers, 0, is_corner)
+    end if
+  end function n_director_nodes
+
+
+  !> The position of a node of a director. Shells: bottom, top, interfaces, middles of the layers; beams: corners (-1, +2),
+  !! (-1, -2), (+1, -2), (+1, +2), then the sides between them.
   pure function director_position(director, x, k) result(position)
     type(director_type), intent(in) :: director
     real(DP), intent(in) :: x(3)                 !< of the node of the deck [length]
     integer, intent(in) :: k                     !< index into director%nodes
     real(DP) :: position(3)
-    real(DP), parameter :: FIBRE(3) = [-0.5_DP, 0.5_DP, 0.0_DP]
     real(DP), parameter :: CROSS_SECTION(2, 8) = 0.5_DP * reshape([real(DP) :: -1, 1, -1, -1, 1, -1, 1, 1, &
       -1, 0, 0, -1, 1, 0, 0, 1], [2, 8])
+    integer :: n                                 ! layers
     if (director%n_outer == 2) then
-      position = x + (FIBRE(k) - director%offset(1)) * director%thickness(1) * director%axes(:, 1)
+      n = ubound(director%height, 1)
+      associate (heights => [director%height([0, n]), director%height(1:n - 1), 0.5_DP * (director%height(:n - 1) + &
+        director%height(1:))])
+        position = x + (heights(k) - director%offset(1)) * director%thickness(1) * director%axes(:, 1)
+      end associate
     else
       position = x + matmul(director%axes, (CROSS_SECTION(:, k) - director%offset) * director%thickness)
     end if
   end function director_position
 
 
-  !> The nodes of the solid of a shell with 3, 4, 6 or 8 nodes.
-  pure function shell_nodes(directors) result(nodes)
+  !> The nodes of the solid of a layer of a shell with 3, 4, 6 or 8 nodes.
+  pure function shell_nodes(directors, layer) result(nodes)
     type(director_type), intent(in) :: directors(:)   !< at its nodes
+    integer, intent(in) :: layer                 !< from the bottom
     integer, allocatable :: nodes(:)
-    integer :: n, a
+    integer :: n, n_layers, below, above, middle, a
+    n_layers = ubound(directors(1)%height, 1)
+    below = merge(1, 1 + layer, layer == 1)
+    above = merge(2, 2 + layer, layer == n_layers)
+    middle = 1 + n_layers + layer
     n = size(directors)
     if (n > 4) n = n / 2
-    nodes = [(directors(a)%nodes(1), a=1, n), (directors(a)%nodes(2), a=1, n)]
-    if (size(directors) > 4) nodes = [nodes, (directors(a)%nodes(1), a=n + 1, 2 * n), (directors(a)%nodes(2), a=n + 1, 2 * n), &
-      (directors(a)%nodes(3), a=1, n)]
+    nodes = [(directors(a)%nodes(below), a=1, n), (directors(a)%nodes(above), a=1, n)]
+    if (size(directors) > 4) nodes = [nodes, (directors(a)%nodes(below), a=n + 1, 2 * n), (directors(a)%nodes(above), a=n + 1, 2 &
+      * n), (directors(a)%nodes(middle), a=1, n)]
   end function shell_nodes
 
 

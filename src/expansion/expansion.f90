@@ -17,7 +17,7 @@ contains
   subroutine expand_structure(model, bad_element)
     type(model_type), intent(inout) :: model     !< in: with structure and a mesh of the kinds of the deck
     integer, intent(out) :: bad_element          !< an element without a normal at one of its nodes, and nothing is done; 0: none
-    call find_directors(model%mesh, model%structure, bad_element)
+    call find_directors(model%mesh, model%structure, model%dialect == DIALECT_CALCULIX, bad_element)
     if (bad_element > 0) return
     model%structure%n_deck_nodes = model%mesh%n_nodes
     allocate (model%mesh%is_expanded(model%mesh%n_nodes), source=.false.)

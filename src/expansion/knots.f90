@@ -33,7 +33,8 @@ contains
     type(nonlinear_mpc_type), allocatable :: mpcs(:)
     integer :: i, last, n, n_mpcs, n_new
     associate (structure => model%structure)
-      allocate (equations(15 * size(structure%directors)), mpcs(3 * size(structure%directors)))
+      n = sum([(3 * (1 + size(structure%directors(i)%nodes)), i=1, size(structure%directors))])
+      allocate (equations(n), mpcs(3 * size(structure%directors)))
       call create_rotation_nodes(model, n_new)
       n = 0
       n_mpcs = 0
@@ -124,6 +125,7 @@ contains
     real(DP) :: weight(size(director%nodes))
     logical :: is_used(size(director%nodes))
     integer :: nodes(3), k, i
+    real(DP) :: share
     weight = mean_weights(director, model%dialect == DIALECT_CALCULIX)
     is_used = abs(weight) > 0
     associate (section => model%structure%sections(director%section))
@@ -132,19 +134,35 @@ contains
         equations(n) = new_equation([director%node, pack(director%nodes, is_used)], spread(k, 1, 1 + count(is_used)), &
           [1.0_DP, -pack(weight, is_used)], section%card, section%line)
         if (model%structure%held_from(k, director%node) == 0) cycle
-        do i = director%n_outer + 1, count(director%nodes > 0)
+        do i = director%n_outer + 1, size(director%nodes)
           n = n + 1
           if (director%n_outer == 2) then
             nodes = director%nodes([i, 1, 2])
+            share = inner_place(director, i)
           else
             nodes = [director%nodes(i), director%nodes(BESIDE(:, i))]
+            share = 0.5_DP
           end if
-          equations(n) = new_equation(nodes, [k, k, k], [1.0_DP, -0.5_DP, -0.5_DP], section%card, section%line)
+          equations(n) = new_equation(nodes, [k, k, k], [1.0_DP, share - 1, -share], section%card, section%line)
           equations(n)%first_step = model%structure%held_from(k, director%node)
         end do
       end do
     end associate
   end subroutine add_tie
+
+
+  !> The place of an inner node of a fibre, from 0 at the bottom to 1 on top.
+  pure real(DP) function inner_place(director, i) result(place)
+    type(director_type), intent(in) :: director
+    integer, intent(in) :: i                     !< index into its nodes, at least 3
+    integer :: n
+    n = ubound(director%height, 1)
+    if (i <= n + 1) then
+      place = 0.5_DP + director%height(i - 2)
+    else
+      place = 0.5_DP + 0.5_DP * (director%height(i - n - 2) + director%height(i - n - 1))
+    end if
+  end function inner_place
 
 
   !> The mean rotations of the outer nodes of a director about the global axes are the displacements of its rotation node. A fibre
@@ -193,8 +211,9 @@ contains
         mpc%line = section%line
         mpc%node = [integer ::]
         do i = 1, size(directors)
-          mpc%node = [mpc%node, pack(directors(i)%nodes, directors(i)%nodes > 0 .and. &
-            [(k <= directors(i)%n_outer .or. model%dialect == DIALECT_CALCULIX, k=1, size(directors(i)%nodes))])]
+          k = merge(size(directors(i)%nodes), directors(i)%n_outer, model%dialect == DIALECT_CALCULIX .or. &
+            ubound(directors(i)%height, 1) > 1)
+          mpc%node = [mpc%node, directors(i)%nodes(:k)]
         end do
       end associate
       call hold_drill(model, directors, equations, n)

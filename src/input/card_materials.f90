@@ -44,10 +44,11 @@ contains
       'Kirchhoff stresses (abaqus dialect) or Green''s strains and second Piola-Kirchhoff stresses (calculix).', &
       parent='MATERIAL', data='the constants of TYPE, temperature; a line (or more, of eight values) for each ' // &
       'temperature. ISOTROPIC: Young''s modulus, Poisson''s ratio. ENGINEERING CONSTANTS: E1, E2, E3, nu12, nu13, ' // &
-      'nu23, G12, G13, G23. ORTHO: D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323. ANISO: 21 D')
+      'nu23, G12, G13, G23. LAMINA: E1, E2, nu12, G12, G13, G23. ' // &
+      'ORTHO: D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323. ANISO: 21 D')
     call table%option('TYPE', VALUE_WORD, 'Kind of elasticity.', allowed='ISOTROPIC|ISO|ORTHO|ORTHOTROPIC|' // &
-      'ENGINEERING CONSTANTS|ANISO|ANISOTROPIC', default='ISOTROPIC')
-    call table%reject_words('LAMINA|TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids is.')
+      'ENGINEERING CONSTANTS|LAMINA|ANISO|ANISOTROPIC', default='ISOTROPIC')
+    call table%reject_words('TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids and laminae is.')
     call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
     call reject_field_variables(table)
   end subroutine describe_elastic
@@ -197,16 +198,24 @@ contains
   subroutine describe_structural_sections(table)
     type(card_table_type), intent(inout) :: table
     call table%card('SHELL SECTION', SCOPE_MODEL, 'Gives shells their material and thickness; they are expanded into solids.', &
-      data='thickness; number of section points, which are those of the solids here')
+      data='thickness; number of section points, which are those of the solids here. COMPOSITE: for each layer, from bottom ' // &
+      'to top, thickness; number of section points; material; name of its ORIENTATION, or its angle about the normal in degrees')
     call table%option('ELSET', VALUE_NAME, 'The shells.', default='required')
-    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required without COMPOSITE')
+    call table%option('COMPOSITE', VALUE_NONE, 'Layers, each with its own material: one solid for each of them.')
+    call table%option('ORIENTATION', VALUE_NAME, 'Local axes of the constants, and of stresses and strains in the .dat file.')
     call table%option('OFFSET', VALUE_TEXT, 'Place of the nodes over the thickness from its middle, towards the normal; ' // &
       'SPOS is 0.5, SNEG -0.5.', default='0')
     call table%option('NODAL THICKNESS', VALUE_NONE, 'The thickness is that of *NODAL THICKNESS.')
     call table%option('SECTION INTEGRATION|CONTROLS|TEMPERATURE|POISSON', VALUE_TEXT, 'The thickness is a solid one, which ' // &
       'stretches freely.', status=ENTRY_IGNORED)
-    call table%option('COMPOSITE|LAYUP|STACK DIRECTION|SYMMETRIC|ORIENTATION|SHELL THICKNESS|THICKNESS MODULUS|DENSITY', &
-      VALUE_TEXT, 'Shells have one layer of one material here, in the global axes.', status=ENTRY_REJECTED)
+    call table%option('LAYUP', VALUE_TEXT, 'A name only.', status=ENTRY_IGNORED)
+    call table%option('STACK DIRECTION|SYMMETRIC|SHELL THICKNESS|THICKNESS MODULUS|DENSITY', VALUE_TEXT, &
+      'Write each layer with its thickness, from the bottom to the top.', status=ENTRY_REJECTED)
+    call table%add_dialect_note('ORIENTATION: direction 1 is the projection on the shell of the axis behind the one that its ' // &
+      'second line names (default 1) in the abaqus dialect, of axis 1 in that of calculix. Without it direction 1 is the ' // &
+      'projection of global x in the abaqus dialect; the calculix dialect keeps the global axes. COMPOSITE is for S6 and S8R ' // &
+      'in the calculix dialect, without angles.')
     call table%card('BEAM SECTION', SCOPE_MODEL, 'Gives beams their material and cross-section; they are expanded into solids.', &
       data='RECT: dimensions along direction 1 and 2; second line: direction 1, default 0, 0, -1')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')

@@ -10,8 +10,9 @@ module amontons_deck_initial_conditions
   use amontons_loads, only: temperature_type, load_value
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
-    HISTORY_INELASTIC, HISTORY_BACK
+    HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC
   use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
+  use amontons_structural_data, only: n_section_layers
   use amontons_text, only: to_text, name_key, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
@@ -64,8 +65,11 @@ contains
       distribution = [distribution, k]
       model%orientations = [model%orientations, orientation]
     end do
-    if (size(model%orientations) > 0) allocate (model%element_orientation(model%mesh%n_elements), source=0)
+    allocate (model%element_orientation(model%mesh%n_elements), source=0)
     call read_section_axes(reader, names, distribution, model)
+    if (allocated(model%structure)) call set_shell_axes(reader, names, distribution, model)
+    if (size(model%orientations) == 0) deallocate (model%element_orientation)
+    call check_laminae(reader, model)
   end subroutine read_orientations
 
 
@@ -172,6 +176,97 @@ contains
       end associate
     end do
   end subroutine read_section_axes
+
+
+  !> Axes of shells: each layer has an orientation of its own, projected on the shell. The abaqus dialect takes the global axes
+  !! where the deck names none and the layers or the material have directions.
+  subroutine set_shell_axes(reader, names, distribution, model)
+    type(reader_type), intent(inout) :: reader
+    type(name_table_type), intent(in) :: names
+    integer, intent(in) :: distribution(:)
+    type(model_type), intent(inout) :: model
+    type(orientation_type) :: orientation
+    integer, allocatable :: members(:)
+    integer :: s, l, k, e
+    logical :: is_given
+    if (.not. allocated(model%structure%section)) return
+    do s = 1, size(model%structure%sections)
+      associate (section => model%structure%sections(s))
+        if (.not. allocated(section%orientation)) cycle
+        do l = 1, n_section_layers(section)
+          members = pack([(e, e=1, model%mesh%n_elements)], model%structure%section == s .and. model%mesh%layer == l)
+          if (size(members) == 0) cycle
+          call find_layer_axes(reader, names, model, s, l, orientation, k, is_given)
+          if (.not. is_given .and. (reader%dialect == DIALECT_CALCULIX .or. .not. (allocated(section%layers) .or. &
+            has_directions(model%materials(model%mesh%material(members(1))))))) cycle
+          model%orientations = [model%orientations, orientation]
+          model%element_orientation(members) = size(model%orientations)
+          if (k == 0) cycle
+          if (distribution(k) > 0) call read_distribution(reader, distribution(k), members, model)
+        end do
+      end associate
+    end do
+  end subroutine set_shell_axes
+
+
+  !> Laminae are in plane stress: they are materials of shells.
+  subroutine check_laminae(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer :: e
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      if (.not. model%materials(model%mesh%material(e))%is_lamina) cycle
+      if (allocated(model%mesh%is_shell)) then
+        if (model%mesh%is_shell(e)) cycle
+      end if
+      call report_error(reader, 0, 'The material ''' // model%materials(model%mesh%material(e))%name // ''' of element ' // &
+        to_text(model%mesh%element_label(e)) // ' has *ELASTIC, TYPE=LAMINA, which is for shells. Use ENGINEERING CONSTANTS.')
+      return
+    end do
+  end subroutine check_laminae
+
+
+  !> Whether a material is not the same in all directions.
+  pure logical function has_directions(material)
+    type(material_type), intent(in) :: material
+    has_directions = material%elastic_kind == ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC
+    if (allocated(material%expansion%value)) has_directions = has_directions .or. size(material%expansion%value, 1) > 1
+  end function has_directions
+
+
+  !> The orientation of a layer of a section: its own, that of the section with its angle, or the global axes.
+  subroutine find_layer_axes(reader, names, model, s, l, orientation, k, is_given)
+    type(reader_type), intent(inout) :: reader
+    type(name_table_type), intent(in) :: names
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: s, l                  !< section, layer
+    type(orientation_type), intent(out) :: orientation
+    integer, intent(out) :: k                    !< the orientation of the deck; 0: none
+    logical, intent(out) :: is_given             !< the deck names one
+    character(:), allocatable :: name
+    integer :: line                              ! where it is named
+    logical :: is_own
+    associate (section => model%structure%sections(s))
+      name = section%orientation
+      line = section%deck_line
+      is_own = .false.
+      if (allocated(section%layers)) is_own = section%layers(l)%orientation /= ''
+      if (is_own) then
+        name = section%layers(l)%orientation
+        line = section%layers(l)%line
+      end if
+      k = names%find(name)
+      is_given = name /= ''
+      if (is_given .and. k == 0) call report_error(reader, line, 'There is no orientation ''' // name // '''' // &
+        names%suggest(name))
+      if (k > 0) orientation = model%orientations(k)
+      orientation%is_projected = .true.
+      orientation%normal_axis = 3
+      if (k > 0 .and. reader%dialect /= DIALECT_CALCULIX) orientation%normal_axis = max(1, orientation%rotation_axis)
+      if (allocated(section%layers)) orientation%layer_angle = section%layers(l)%angle
+    end associate
+  end subroutine find_layer_axes
 
 
   !> The lines of a distribution for the elements of a section.

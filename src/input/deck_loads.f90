@@ -7,7 +7,7 @@ module amontons_deck_loads
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_word
   use amontons_deck_surfaces, only: face_number
-  use amontons_deck_structure, only: is_shell, structural_face
+  use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, &
     report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
@@ -16,7 +16,7 @@ module amontons_deck_loads
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_structural_data, only: find_node_directors, force_weights, MAX_DIRECTOR_NODES
+  use amontons_structural_data, only: find_node_directors, force_weights
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
@@ -239,7 +239,7 @@ contains
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude
     type(active_loads_type), intent(inout) :: active_loads
-    real(DP) :: weight(MAX_DIRECTOR_NODES)
+    real(DP), allocatable :: weight(:)
     integer :: first, last, i
     logical :: is_turned
     last = 0
@@ -251,12 +251,13 @@ contains
       weight = force_weights(model%structure%directors(first), model%dialect == DIALECT_CALCULIX)
       if (model%rotation_of(node) > 0 .and. model%dialect /= DIALECT_CALCULIX) weight = 0   ! a knot
     end if
-    if (last /= first .or. .not. sum(weight) > 0) then
+    if (last /= first) weight = [0.0_DP]
+    if (.not. sum(weight) > 0) then
       call add_load(3 * node - 3 + dof, value, amplitude, active_loads%step, active_loads%is_step, active_loads%cloads)
       return
     end if
     associate (nodes => model%structure%directors(first)%nodes)
-      do i = 1, count(nodes > 0)
+      do i = 1, size(nodes)
         if (abs(weight(i)) > 0) call add_load(3 * nodes(i) - 3 + dof, value * weight(i), amplitude, active_loads%step, &
           active_loads%is_step, active_loads%cloads)
       end do
@@ -475,6 +476,7 @@ contains
       else if (allocated(model%structure)) then
         if (model%structure%section(elements(i)) > 0) face = 0
       end if
+      if (face == OTHER_LAYER) cycle
       if (face == 0 .or. face > entry%n_faces) then
         n_without = n_without + 1
       else

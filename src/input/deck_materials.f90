@@ -338,6 +338,18 @@ contains
           call convert_constants(reader, c, material%elastic%value(:, i), is_ok)
         end do
       end if
+    case ('LAMINA')
+      material%elastic_kind = ELASTIC_ORTHOTROPIC
+      material%is_lamina = .true.
+      call read_table(reader, c, 6, material%elastic, is_ok)
+      if (.not. is_ok) return
+      associate (x => material%elastic%value)    ! E1, E2, nu12, G12, G13, G23; the thickness as direction 2, without nu13, nu23
+        material%elastic%value = reshape([(x(1, i), x(2, i), x(2, i), x(3, i), 0.0_DP, 0.0_DP, x(4:, i), i=1, size(x, 2))], &
+          [9, size(x, 2)])
+      end associate
+      do i = 1, size(material%elastic%temperature)
+        call convert_constants(reader, c, material%elastic%value(:, i), is_ok)
+      end do
     case ('ANISO', 'ANISOTROPIC')
       material%elastic_kind = ELASTIC_ANISOTROPIC
       call read_table(reader, c, 21, material%elastic, is_ok)

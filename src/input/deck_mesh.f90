@@ -42,8 +42,9 @@ module amontons_deck_mesh
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
     integer, allocatable :: section(:)           !< (n) index into the sections of shells and beams, 0: none
+    integer, allocatable :: n_layers(:)          !< (n) of a composite shell; 1: all others
     integer, allocatable :: section_card(:)      !< (n) the card that gives its section, 0: none
-    integer, allocatable :: mesh_index(:)              !< (n) index in the mesh, 0: dropped
+    integer, allocatable :: mesh_index(:)              !< (n) index in the mesh of its first layer, 0: dropped
     integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
     integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
     integer, allocatable :: node_at(:)           !< (rows of NODE cards) index of its node
@@ -243,6 +244,7 @@ contains
     allocate (draft%section_value(draft%n), source=1.0_DP)
     allocate (draft%directions(2, draft%n), source=0)
     allocate (draft%spring(draft%n), source=0)
+    allocate (draft%n_layers(draft%n), source=1)
     if (draft%n == 0) call report_error(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
 
@@ -486,12 +488,17 @@ contains
     type(element_draft_type), intent(inout) :: draft
     integer :: e, n
     call omit_boundary_elements(reader, model%mesh%n_nodes, draft)
+    if (maxval([1, draft%n_layers]) > huge(n) / label_step(draft)) then
+      call report_error(reader, 0, 'Layer k of an element has its number plus (k - 1) times ' // to_text(label_step(draft)) // &
+        ', which is too large here. Use smaller element numbers.')
+      draft%n_layers = 1
+    end if
     allocate (draft%mesh_index(draft%n), source=0)
     n = 0
     do e = 1, draft%n
       if (draft%kind(e) == 0) cycle
-      n = n + 1
-      draft%mesh_index(e) = n
+      draft%mesh_index(e) = n + 1
+      n = n + draft%n_layers(e)
     end do
     call build_mesh(draft, n, model%mesh)
     call finalize_mesh(model%mesh)
@@ -549,35 +556,52 @@ contains
     type(element_draft_type), intent(in) :: draft
     integer, intent(in) :: n                     !< elements kept
     type(mesh_type), intent(inout) :: mesh
-    integer :: e, k, n_nodes, start
+    integer, allocatable :: numbers(:)
+    integer :: e, k, n_nodes, start, layer, step
     integer, parameter :: T3D3_NODE_ORDER(3) = [1, 3, 2]   ! a deck lists the middle node of T3D3 second
     mesh%n_elements = n
-    allocate (mesh%section_value(n), mesh%directions(2, n))
-    mesh%section = pack(section_numbers(draft%section_card), draft%mesh_index > 0)
+    allocate (mesh%section_value(n), mesh%directions(2, n), mesh%section(n))
+    numbers = section_numbers(draft%section_card)
+    step = label_step(draft)
     if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
-    allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n), mesh%is_in_plane(n))
+    allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n), mesh%is_in_plane(n), mesh%layer(n))
     n_nodes = 0
     do e = 1, draft%n
-      if (draft%mesh_index(e) > 0) n_nodes = n_nodes + draft%first(e + 1) - draft%first(e)
+      if (draft%mesh_index(e) > 0) n_nodes = n_nodes + draft%n_layers(e) * (draft%first(e + 1) - draft%first(e))
     end do
     allocate (mesh%nodes(n_nodes))
     mesh%first(1) = 1
     do e = 1, draft%n
-      k = draft%mesh_index(e)
-      if (k == 0) cycle
-      mesh%element_label(k) = draft%label(e)
-      mesh%kind(k) = draft%kind(e)
-      mesh%is_in_plane(k) = draft%is_in_plane(e)
-      mesh%material(k) = max(0, draft%material(e))
-      mesh%section_value(k) = draft%section_value(e)
-      mesh%directions(:, k) = draft%directions(:, e)
-      if (allocated(mesh%spring)) mesh%spring(k) = draft%spring(e)
-      start = mesh%first(k)
-      mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
-      mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
-      if (mesh%kind(k) == KIND_T3D3) mesh%nodes(start:start + 2) = mesh%nodes(start - 1 + T3D3_NODE_ORDER)
+      if (draft%mesh_index(e) == 0) cycle
+      do layer = 1, draft%n_layers(e)
+        k = draft%mesh_index(e) + layer - 1
+        mesh%element_label(k) = draft%label(e) + (layer - 1) * step
+        mesh%section(k) = numbers(e)
+        mesh%layer(k) = layer
+        mesh%kind(k) = draft%kind(e)
+        mesh%is_in_plane(k) = draft%is_in_plane(e)
+        mesh%material(k) = max(0, draft%material(e))
+        mesh%section_value(k) = draft%section_value(e)
+        mesh%directions(:, k) = draft%directions(:, e)
+        if (allocated(mesh%spring)) mesh%spring(k) = draft%spring(e)
+        start = mesh%first(k)
+        mesh%first(k + 1) = start + draft%first(e + 1) - draft%first(e)
+        mesh%nodes(start:mesh%first(k + 1) - 1) = draft%nodes%items(draft%first(e):draft%first(e + 1) - 1)
+        if (mesh%kind(k) == KIND_T3D3) mesh%nodes(start:start + 2) = mesh%nodes(start - 1 + T3D3_NODE_ORDER)
+      end do
     end do
   end subroutine build_mesh
+
+
+  !> What the labels of the layers of an element differ by: the power of ten above all labels of the deck.
+  pure integer function label_step(draft) result(step)
+    type(element_draft_type), intent(in) :: draft
+    integer, parameter :: LARGEST = 1000000000     !< power of ten that an integer holds
+    step = 10
+    do while (step <= maxval(draft%label) .and. step < LARGEST)
+      step = 10 * step
+    end do
+  end function label_step
 
 
   !> The sections of elements, numbered in the order of their cards.
@@ -756,12 +780,29 @@ contains
         do i = 1, n
           if (draft%mesh_index(set%members(i)) == 0) call reader%omitted_of_set(s)%add(reader%omitted_of_draft(set%members(i)))
         end do
-        set%members = draft%mesh_index(set%members)
-        set%members = pack(set%members, set%members > 0)
-        reader%has_omitted_elements(s) = size(set%members) < n
+        reader%has_omitted_elements(s) = any(draft%mesh_index(set%members) == 0)
+        set%members = indices_of_layers(draft, set%members)
       end associate
     end do
   end subroutine map_set_members
+
+
+  !> The elements of the mesh for some drafts: all their layers; none for dropped ones.
+  pure function indices_of_layers(draft, members) result(elements)
+    type(element_draft_type), intent(in) :: draft
+    integer, intent(in) :: members(:)            !< drafts
+    integer, allocatable :: elements(:)
+    integer :: i, k, n
+    allocate (elements(sum(draft%n_layers(members), mask=draft%mesh_index(members) > 0)))
+    n = 0
+    do i = 1, size(members)
+      if (draft%mesh_index(members(i)) == 0) cycle
+      do k = 1, draft%n_layers(members(i))
+        n = n + 1
+        elements(n) = draft%mesh_index(members(i)) + k - 1
+      end do
+    end do
+  end function indices_of_layers
 
 
   !> Stores the nodes of the dropped elements: surfaces may name them.

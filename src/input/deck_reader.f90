@@ -275,12 +275,12 @@ contains
     integer, intent(in) :: i                     !< field
     integer, allocatable, intent(out) :: elements(:)   !< indices; of size 0 on trouble
     logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
-    integer :: label, status, found
+    integer :: label, status, found, i_layer
     found = 0
     call field_integer(reader%cards, row, i, label, status)
     if (status == NUMBER_OK) then
       found = reader%element_labels%find(label)
-      if (found > 0) elements = [found]
+      if (found > 0) elements = found - 1 + [(i_layer, i_layer=1, n_layers_from(mesh, found))]
     else if (status /= NUMBER_EMPTY) then
       found = reader%element_sets%find(field_text(reader%cards, row, i))
       if (found > 0) elements = mesh%element_sets(found)%members
@@ -308,6 +308,19 @@ contains
         field_text(reader%cards, row, i) // '''' // reader%element_sets%suggest(field_text(reader%cards, row, i)))
     end if
   end subroutine elements_of_field
+
+
+  !> The number of layers of an element, which follow it.
+  pure integer function n_layers_from(mesh, e) result(n)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                     !< the first layer
+    n = 1
+    if (.not. allocated(mesh%layer)) return
+    do while (e + n <= mesh%n_elements)
+      if (mesh%layer(e + n) /= n + mesh%layer(e)) exit
+      n = n + 1
+    end do
+  end function n_layers_from
 
 
   !> The amplitude named by a card; 0: none named, or after an error.

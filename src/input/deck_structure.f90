@@ -1,8 +1,8 @@
 !> SHELL SECTION, BEAM SECTION, NODAL THICKNESS and NORMAL; expansion of shells and beams into solids.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_structure
-  use amontons_kinds, only: DP
-  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
+  use amontons_kinds, only: DP, PI
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, field_real
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_controls, only: controls_type
   use amontons_deck_mesh, only: element_draft_type
@@ -10,14 +10,16 @@ module amontons_deck_structure
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_structural_data, only: structural_section_type, find_node_directors
+  use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, parse_real, name_key, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, &
+  use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
     is_structural_family
   implicit none
   private
   public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature, &
-    refine_thin_shells
+    refine_thin_shells, OTHER_LAYER
+
+  integer, parameter :: OTHER_LAYER = -1         !< the face belongs to another layer of the shell
 
 contains
 
@@ -45,8 +47,10 @@ contains
       end associate
       section = structural_section_type()
       section%line = reader%cards%line_number(reader%cards%cards(c)%line)
+      section%deck_line = reader%cards%cards(c)%line
       if (is_card(reader, c, 'SHELLSECTION')) then
         call read_shell_section(reader, c, parameters, row, section)
+        if (allocated(section%layers)) material = section%layers(1)%material
       else
         call read_beam_section(reader, c, parameters, row, section)
       end if
@@ -157,9 +161,17 @@ contains
       draft%material(e) = merge(material, -1, material > 0)
       draft%section(e) = size(model%structure%sections)
       draft%section_card(e) = c
+      draft%n_layers(e) = n_section_layers(model%structure%sections(draft%section(e)))
       if (draft%kind(e) == 0) cycle
       entry = element_kind(draft%kind(e))
-      if (entry%family == family) cycle
+      if (entry%family == family) then
+        if (draft%n_layers(e) == 1 .or. reader%dialect /= DIALECT_CALCULIX) cycle
+        if (draft%kind(e) == KIND_S6 .or. draft%kind(e) == KIND_S8R) cycle
+        call report_error(reader, reader%cards%cards(c)%line, 'The element ' // to_text(draft%label(e)) // ' is a ' // &
+          trim(entry%name) // '; COMPOSITE is for S6 and S8R in the calculix dialect.')
+        return
+      end if
+      draft%n_layers(e) = 1
       draft%section(e) = 0
       call report_error(reader, reader%cards%cards(c)%line, 'The element ' // to_text(draft%label(e)) // ' is a ' // &
         trim(entry%name) // '; *' // model%structure%sections(size(model%structure%sections))%card // ' is for ' // &
@@ -181,7 +193,16 @@ contains
     section%card = 'SHELL SECTION'
     section%has_nodal_thickness = has_parameter(parameters, 'NODAL THICKNESS')
     section%offset(1) = section_offset(reader, c, parameters, 'OFFSET')
+    section%orientation = parameter_text(parameters, 'ORIENTATION')
     is_ok = .true.
+    if (has_parameter(parameters, 'COMPOSITE')) then
+      if (has_parameter(parameters, 'MATERIAL')) call report_error(reader, reader%cards%cards(c)%line, 'With COMPOSITE the ' // &
+        'data lines name the materials; leave MATERIAL out.')
+      call read_layers(reader, c, row, section)
+      return
+    end if
+    if (.not. has_parameter(parameters, 'MATERIAL')) call report_error(reader, reader%cards%cards(c)%line, &
+      '*SHELL SECTION needs MATERIAL, or COMPOSITE with a material on each data line.')
     if (next_row(reader%cards, row)) then
       call check_n_fields(reader, row, 2)
       call read_real(reader, row, 1, 'thickness', section%thickness(1), is_ok, 0.0_DP)
@@ -191,6 +212,43 @@ contains
       call report_error(reader, reader%cards%cards(c)%line, '*SHELL SECTION needs a data line with the thickness.')
     end if
   end subroutine read_shell_section
+
+
+  !> The layers of a composite shell: thickness, points, material, orientation or angle, name of the ply.
+  subroutine read_layers(reader, c, row, section)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type), intent(inout) :: row
+    type(structural_section_type), intent(inout) :: section
+    type(layer_type) :: layer
+    character(:), allocatable :: name
+    integer :: status
+    logical :: is_ok
+    allocate (section%layers(0))
+    do while (next_row(reader%cards, row))
+      call check_n_fields(reader, row, 5)
+      layer = layer_type(line=row%line)
+      is_ok = .true.
+      call read_real(reader, row, 1, 'thickness of the layer', layer%thickness, is_ok)
+      if (is_ok .and. .not. layer%thickness > 0) call report_error(reader, row%line, 'The thickness must be positive.')
+      name = field_text(reader%cards, row, 3)
+      layer%material = reader%materials%find(name)
+      if (layer%material == 0) call report_error(reader, row%line, 'The third field must name the material of the layer; ' // &
+        'there is no material ''' // name // '''' // reader%materials%suggest(name))
+      layer%orientation = field_text(reader%cards, row, 4)
+      if (reader%dialect /= DIALECT_CALCULIX) then
+        call field_real(reader%cards, row, 4, layer%angle, status)
+        if (status == NUMBER_OK) layer%orientation = ''
+        layer%angle = merge(layer%angle * PI / 180, 0.0_DP, status == NUMBER_OK)
+      end if
+      section%layers = [section%layers, layer]
+    end do
+    section%thickness(1) = sum(section%layers%thickness)
+    if (size(section%layers) > 0) return
+    call report_error(reader, reader%cards%cards(c)%line, '*SHELL SECTION, COMPOSITE needs a data line for each layer: ' // &
+      'thickness, number of points, material, orientation or angle.')
+    deallocate (section%layers)
+  end subroutine read_layers
 
 
   !> BEAM SECTION: dimensions along direction 1 and 2; then the first direction.
@@ -260,7 +318,14 @@ contains
     associate (structure => model%structure, mesh => model%mesh)
       allocate (structure%section(mesh%n_elements), source=0)
       do e = 1, draft%n
-        if (draft%mesh_index(e) > 0) structure%section(draft%mesh_index(e)) = draft%section(e)
+        if (draft%mesh_index(e) == 0) cycle
+        structure%section(draft%mesh_index(e):draft%mesh_index(e) + draft%n_layers(e) - 1) = draft%section(e)
+      end do
+      do e = 1, mesh%n_elements
+        if (structure%section(e) == 0) cycle
+        associate (section => structure%sections(structure%section(e)))
+          if (allocated(section%layers)) mesh%material(e) = max(1, section%layers(mesh%layer(e))%material)
+        end associate
       end do
       do e = 1, mesh%n_elements
         entry = element_kind(mesh%kind(e))
@@ -327,14 +392,14 @@ contains
 
 
   !> The part of bending that one linear solution loses by rounding. The stiffness across the thickness t exceeds that of the
-  !! softest bending of a body of extent L with elements of size h by (h L/t^2)^2; displacements of cantilevers of S4 err by
-  !! less than 1e-14 times that (`python -m verify.study.thin_shells`).
+  !! softest bending of a body of extent L with elements of size h by (h L/t^2)^2, in layers of t_l by h^2 L^2/(t_l t^3);
+  !! displacements of cantilevers of S4 err by less than 1e-14 times that (`python -m verify.study.thin_shells`).
   pure subroutine estimate_rounding(model, error, element)
     type(model_type), intent(in) :: model
     real(DP), intent(out) :: error                 !< of the displacements [-]
     integer, intent(out) :: element                !< where it is largest; 0: there is no shell
     real(DP), parameter :: ERROR_OF_ROUNDING = 1.0e-14_DP   !< over (h L/t^2)^2 [-]
-    real(DP) :: extent, worst, slenderness, t
+    real(DP) :: extent, worst, slenderness, t, thinnest
     integer :: e
     worst = 0
     element = 0
@@ -350,7 +415,10 @@ contains
         associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1), nodes => &
           structure%nodes(structure%first(e):structure%first(e + 1) - 1))
           t = minval(structure%directors(of)%thickness(1))
-          slenderness = norm2(maxval(X(:, nodes), 2) - minval(X(:, nodes), 2)) * extent / t**2
+          associate (height => structure%directors(of(1))%height)
+            thinnest = t * minval(height(1:) - height(:ubound(height, 1) - 1))
+          end associate
+          slenderness = norm2(maxval(X(:, nodes), 2) - minval(X(:, nodes), 2)) * extent / sqrt(thinnest * t**3)
         end associate
         if (slenderness > worst) element = e
         worst = max(worst, slenderness)
@@ -572,12 +640,12 @@ contains
 
 
   !> The face of the solid of a shell that a label names: P the side from which a positive pressure acts along the normal, SNEG,
-  !! SPOS, En and EDNORn edge n, Sn under the calculix dialect; 0: it names none.
+  !! SPOS, En and EDNORn edge n, Sn under the calculix dialect; 0: it names none; OTHER_LAYER: one of another layer.
   pure integer function structural_face(model, e, label) result(face)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                     !< element, a shell
     character(*), intent(in) :: label            !< squeezed
-    integer :: n_faces
+    integer :: n_faces, n_layers
     type(element_kind_type) :: entry
     entry = element_kind(model%mesh%kind(e))
     n_faces = entry%n_faces
@@ -593,6 +661,9 @@ contains
       if (model%dialect == DIALECT_CALCULIX) face = iachar(label(2:)) - iachar('0')
     end select
     if (face > n_faces) face = 0
+    n_layers = n_section_layers(model%structure%sections(model%structure%section(e)))
+    if (face == 1 .and. model%mesh%layer(e) > 1) face = OTHER_LAYER
+    if (face == 2 .and. model%mesh%layer(e) < n_layers) face = OTHER_LAYER
   end function structural_face
 
 
@@ -613,10 +684,10 @@ contains
       call find_node_directors(model%structure, nodes(i), first, last)
       do k = first, last
         associate (director => model%structure%directors(k))
-          n = count(director%nodes > 0)
-          all_nodes = [all_nodes, director%nodes(:n)]
+          n = size(director%nodes)
+          all_nodes = [all_nodes, director%nodes]
           slope = matmul(director%axes, merge(gradient([2, 1]), [gradient(1), 0.0_DP], director%n_outer == 4))
-          values = [values, value + matmul(slope, model%mesh%coordinates(:, director%nodes(:n)) - &
+          values = [values, value + matmul(slope, model%mesh%coordinates(:, director%nodes) - &
             spread(model%mesh%coordinates(:, director%node), 2, n))]
         end associate
       end do

@@ -7,7 +7,7 @@ module amontons_deck_surfaces
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     read_user_constants, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_deck_analytic_surfaces, only: read_profile, is_analytic_type
-  use amontons_deck_structure, only: is_shell, structural_face
+  use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
   use amontons_deck_faces, only: node_elements_type, find_free_faces, find_omitted_faces, count_shared_faces
   use amontons_loads, only: amplitude_type, equation_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, &
     AMPLITUDE_MODULATED, &
@@ -460,6 +460,7 @@ contains
       do i = 1, size(found)
         face = face_number(label, 'S')
         if (is_shell(model, found(i))) face = structural_face(model, found(i), label)
+        if (face == OTHER_LAYER) cycle
         if (face > n_faces(model%mesh, found(i))) face = 0
         if (face == 0) n_without = n_without + 1
         if (face == 0) cycle

@@ -86,12 +86,16 @@ module amontons_materials
     real(DP) :: b(3) = [0.0_DP, 1.0_DP, 0.0_DP]   !< rectangular: in local xy; cylindrical: on the axis too [length]
     integer :: rotation_axis = 0                    !< further rotation about this local axis; 0: none
     real(DP) :: rotation_angle = 0                  !< [rad]
+    logical :: is_projected = .false.               !< of shells: the axis behind normal_axis is projected on the shell
+    integer :: normal_axis = 1                      !< the local axis nearest to the normal
+    real(DP) :: layer_angle = 0                     !< further rotation about the normal [rad]
   end type orientation_type
 
   !> One material. Under small displacements every linear elastic law is Hooke's law.
   type :: material_type
     character(:), allocatable :: name
     integer :: law = LAW_HENCKY                 !< law at finite strain, chosen by the dialect
+    logical :: is_lamina = .false.               !< LAMINA: of shells only
     logical :: is_linear_isotropic = .true.                !< only E and nu: no table, temperature, axes or history
     logical :: has_elastic = .false.
     integer :: elastic_kind = ELASTIC_ISOTROPIC

@@ -4,10 +4,17 @@ module amontons_structural_data
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: structural_section_type, structure_type, director_type
-  public :: MAX_DIRECTOR_NODES, find_node_directors, expanded_nodes, mean_weights, force_weights
+  public :: structural_section_type, layer_type, structure_type, director_type
+  public :: find_node_directors, expanded_nodes, mean_weights, force_weights, n_section_layers
 
-  integer, parameter :: MAX_DIRECTOR_NODES = 8   !< most nodes into which one node expands
+  !> A layer of a composite shell.
+  type :: layer_type
+    real(DP) :: thickness = 0                !< [length]
+    integer :: material = 0                  !< index into the materials of the model; 0: an unknown name
+    character(:), allocatable :: orientation !< name; empty: that of the section
+    real(DP) :: angle = 0                    !< about the normal, from the orientation of the section [rad]
+    integer :: line = 0                      !< physical line of its data line, for messages
+  end type layer_type
 
   !> SHELL SECTION, MEMBRANE SECTION or BEAM SECTION.
   type :: structural_section_type
@@ -16,15 +23,22 @@ module amontons_structural_data
     real(DP) :: offset(2) = 0                !< position of the nodes: over the thickness from its middle, towards positive [-]
     logical :: has_nodal_thickness = .false.
     real(DP) :: direction(3) = 0             !< beams: first local direction
+    type(layer_type), allocatable :: layers(:)   !< COMPOSITE: from bottom to top; unallocated: one layer
+    character(:), allocatable :: orientation !< shells: name of the ORIENTATION; empty: none
     character(:), allocatable :: card        !< keyword, for messages
     integer :: line = 0                      !< of the deck, for messages
+    integer :: deck_line = 0                 !< the same as the reader counts, with included files
   end type structural_section_type
 
   !> What a node of some elements expands into: the nodes of its fibre (shells) or of its cross-section (beams).
+  !!
+  !! A fibre through n layers: bottom, top, the n - 1 interfaces, then the middles of the layers at corners of quadratic elements. A
+  !! cross-section: its corners, then the middles of its sides at the ends of quadratic elements.
   type :: director_type
     integer :: node = 0                      !< of the deck
     integer :: n_outer = 0                   !< 2: bottom and top of a fibre; 4: corners of a cross-section
-    integer :: nodes(MAX_DIRECTOR_NODES) = 0 !< the outer ones; then the middle of the fibre, or those of the sides; 0: none
+    integer, allocatable :: nodes(:)         !< in the order above
+    real(DP), allocatable :: height(:)       !< (0:n_layers) of the faces of the layers, from -1/2 to 1/2 [-]
     real(DP) :: axes(3, 2) = 0               !< unit vectors: the normal of a shell; both local directions of a beam
     real(DP) :: thickness(2) = 0             !< along them [length]
     real(DP) :: offset(2) = 0                !< of the node over the thickness from the middle, along them [-]
@@ -76,17 +90,19 @@ contains
 
   !> The weights of the nodes of a director in the displacement of its node.
   !!
-  !! Shells: by Simpson's rule where the fibre has a middle. Under the abaqus dialect a node off the middle moves as the place of
-  !! the fibre or cross-section where it is.
+  !! Shells: by Simpson's rule where the fibre has one middle. Under the abaqus dialect a node off the middle moves as the place of
+  !! the fibre or cross-section where it is. Fibres through several layers: the displacement of that place in its layer.
   pure function mean_weights(director, is_calculix) result(weight)
     type(director_type), intent(in) :: director
     logical, intent(in) :: is_calculix           !< dialect
-    real(DP) :: weight(MAX_DIRECTOR_NODES), s(2)
+    real(DP) :: weight(size(director%nodes)), s(2)
     s = merge([0.0_DP, 0.0_DP], director%offset, is_calculix)
     weight = 0
     if (director%n_outer == 4) then              ! bilinear in the cross-section
       weight(:4) = (0.5_DP + [-s(1), -s(1), s(1), s(1)]) * (0.5_DP + [s(2), -s(2), -s(2), s(2)])
-    else if (director%nodes(3) > 0 .and. .not. abs(s(1)) > 0) then
+    else if (n_director_layers(director) > 1) then
+      weight = layer_weights(director, s(1))
+    else if (size(director%nodes) == 3 .and. .not. abs(s(1)) > 0) then
       weight(:3) = [real(DP) :: 1, 1, 4] / 6
     else
       weight(:2) = 0.5_DP + [-s(1), s(1)]
@@ -94,14 +110,55 @@ contains
   end function mean_weights
 
 
-  !> The shares of the nodes of a director in a force at its node: as in the displacement, but a fibre with a middle takes that of
+  !> The weights of the faces of the layers at a place of a fibre: linear in the layer where it lies, or beyond the outer ones.
+  pure function layer_weights(director, place) result(weight)
+    type(director_type), intent(in) :: director
+    real(DP), intent(in) :: place                !< over the thickness from the middle [-]
+    real(DP) :: weight(size(director%nodes)), share
+    integer :: k, n
+    n = n_director_layers(director)
+    k = min(n, max(1, count(director%height(:n - 1) <= place)))   ! its layer
+    weight = 0
+    share = (place - director%height(k - 1)) / (director%height(k) - director%height(k - 1))
+    weight(level_node(k - 1)) = 1 - share
+    weight(level_node(k)) = share
+
+  contains
+
+    !> The place of a face of the layers among the nodes.
+    pure integer function level_node(level)
+      integer, intent(in) :: level               !< 0 to n
+      level_node = merge(1, merge(2, 2 + level, level == n), level == 0)
+    end function level_node
+
+  end function layer_weights
+
+
+  !> The number of layers of a director; 1 for beams.
+  pure integer function n_director_layers(director) result(n)
+    type(director_type), intent(in) :: director
+    n = 1
+    if (allocated(director%height)) n = ubound(director%height, 1)
+  end function n_director_layers
+
+
+  !> The number of layers of a section; 1 for all but COMPOSITE.
+  pure integer function n_section_layers(section) result(n)
+    type(structural_section_type), intent(in) :: section
+    n = 1
+    if (allocated(section%layers)) n = size(section%layers)
+  end function n_section_layers
+
+
+  !> The shares of the nodes of a director in a force at its node: as in the displacement, but a fibre with one middle takes that of
   !! an edge of a quadratic face under an even traction, as in CalculiX.
   pure function force_weights(director, is_calculix) result(weight)
     type(director_type), intent(in) :: director
     logical, intent(in) :: is_calculix           !< dialect
-    real(DP) :: weight(MAX_DIRECTOR_NODES)
+    real(DP) :: weight(size(director%nodes))
     weight = mean_weights(director, is_calculix)
-    if (director%n_outer == 2 .and. abs(weight(3)) > 0) weight(:3) = [-0.5_DP, -0.5_DP, 2.0_DP]
+    if (director%n_outer == 4 .or. n_director_layers(director) > 1 .or. size(weight) < 3) return
+    if (abs(weight(3)) > 0) weight = [-0.5_DP, -0.5_DP, 2.0_DP]
   end function force_weights
 
 
@@ -111,12 +168,12 @@ contains
     integer, intent(in) :: nodes(:)
     integer, allocatable :: all_nodes(:), found(:)
     integer :: i, k, n, first, last
-    allocate (found(MAX_DIRECTOR_NODES * size(structure%directors)))
+    allocate (found(sum([(size(structure%directors(k)%nodes), k=1, size(structure%directors))])))
     n = 0
     do i = 1, size(nodes)
       call find_node_directors(structure, nodes(i), first, last)
       do k = first, last
-        associate (new => pack(structure%directors(k)%nodes, structure%directors(k)%nodes > 0))
+        associate (new => structure%directors(k)%nodes)
           found(n + 1:n + size(new)) = new
           n = n + size(new)
         end associate

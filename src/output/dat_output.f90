@@ -170,7 +170,7 @@ contains
         end associate
       end do
       do i = 1, size(directors)
-        associate (node => directors(i)%node, nodes => directors(i)%nodes(:count(directors(i)%nodes > 0)))
+        associate (node => directors(i)%node, nodes => directors(i)%nodes)
           force(:, node) = force(:, node) + sum(fields%internal_force(:, nodes), dim=2)
         end associate
       end do

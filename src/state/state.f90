@@ -12,7 +12,7 @@ module amontons_state
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
-  use amontons_tensor, only: IDENTITY, pack_voigt, unpack_voigt
+  use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
   use amontons_topology, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
@@ -173,7 +173,8 @@ contains
   subroutine find_material_frames(model, frame)
     type(model_type), intent(in) :: model
     real(DP), allocatable, intent(out) :: frame(:, :, :)
-    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
+      normal(3)                                       ! of the first two natural directions: that of a shell
     integer :: e, k, p, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
     allocate (frame(3, 3, model%mesh%n_points), source=spread(IDENTITY, 3, model%mesh%n_points))
     do e = 1, model%mesh%n_elements
@@ -183,11 +184,24 @@ contains
       call quadrature(model%mesh%kind(e), n_rule, xi, w)
       do p = 1, model%mesh%point_first(e + 1) - model%mesh%point_first(e)
         call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
-        frame(:, :, model%mesh%point_first(e) + p - 1) = evaluate_orientation(model%orientations(k), &
-          matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)))
+        associate (X => model%mesh%coordinates(:, nodes(:n_nodes)))
+          normal = 0
+          if (model%orientations(k)%is_projected) normal = unit_normal(matmul(X, dN(1, :n_nodes)), matmul(X, dN(2, :n_nodes)))
+          frame(:, :, model%mesh%point_first(e) + p - 1) = evaluate_orientation(model%orientations(k), &
+            matmul(X, N(:n_nodes)), normal)
+        end associate
       end do
     end do
   end subroutine find_material_frames
+
+
+  !> The unit vector across two others.
+  pure function unit_normal(a, b) result(normal)
+    real(DP), intent(in) :: a(3), b(3)
+    real(DP) :: normal(3)
+    normal = cross_product(a, b)
+    normal = normal / norm2(normal)
+  end function unit_normal
 
 
   !> Converts initial stresses to inelastic strains of opposite sign.

@@ -39,7 +39,7 @@ UNITS = {
     "NODE": {"SYSTEM=C": "1L1L", "SYSTEM=S": "1L1", "": "1L"},
     "NGEN": "1111LLL1", "NCOPY": "LLLLLL1", "INSTANCE": "LLLLLL1",
     "TRANSFORM": {"TYPE=C": "L", "": "1"}, "ORIENTATION": {"SYSTEM=C": "L", "": "1"}, "CYCLIC SYMMETRY MODEL": "L",
-    "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "": "S1"},
+    "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "LAMINA": "SS1SSS1", "": "S1"},
     "HYPERELASTIC": RUBBER, "HYPERFOAM": {**{f",N={n}": n * "S1" + n * "1" + "1" for n in range(1, 7)}, "": "S111"},
     "DENSITY": "R1", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
     "SHELL SECTION": "L1", "BEAM SECTION": {r"\|-?[0-9.]+,-?[0-9.]+,": "1", "": "L"}, "NODAL THICKNESS": "1L", "NORMAL": "1",

@@ -58,6 +58,10 @@ contains
     call suite%that('smooth', size(model%structure%directors) == 6)
     call suite%near('mean normal', norm2(model%structure%directors(2)%axes(:, 1) - [-sin(PI / 36), 0.0_DP, cos(PI / 36)]), 0.0_DP, &
       1.0e-12_DP)
+    call expect_read(plates(10) // '*SHELL SECTION, ELSET=E, MATERIAL=M;.1;*BOUNDARY;2,XSYMM;', model)
+    call suite%near('symmetry plane', norm2(model%structure%directors(2)%axes(:, 1) - [0.0_DP, 0.0_DP, 1.0_DP]), 0.0_DP, 1.0e-15_DP)
+    call expect_read(plates(10) // '*SHELL SECTION, ELSET=E, MATERIAL=M;.1;*BOUNDARY;2,ENCASTRE;', model)
+    call suite%near('clamped', model%structure%directors(2)%axes(1, 1), -sin(PI / 36), 1.0e-12_DP)
     call expect_read(plates(30) // '*SHELL SECTION, ELSET=E, MATERIAL=M;.1;', model)
     call suite%that('sharp', size(model%structure%directors) == 8)
     call suite%that('order of the nodes', all(model%structure%directors%node == [1, 2, 2, 3, 3, 4, 5, 6]))

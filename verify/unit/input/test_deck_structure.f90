@@ -18,6 +18,7 @@ program test_deck_structure
   call check_sections()
   call check_surfaces()
   call check_loads()
+  call check_layers()
   call check_contact()
   call check_transforms()
   call check_temperatures()
@@ -60,6 +61,30 @@ contains
       call suite%near('pressures', sum(abs(loads%end - [2.0_DP, 30.0_DP])), 0.0_DP, 1.0e-14_DP)
     end associate
   end subroutine check_loads
+
+
+  !> A stack of two layers of 0.1 and 0.3: labels, materials, faces, loads on both sides, axes.
+  subroutine check_layers()
+    call expect_read('*MATERIAL, NAME=M2;*ELASTIC;7.,0.;*SHELL SECTION, ELSET=E, COMPOSITE;.1,3,M,90.;.3,3,M2,0.;' // BEAM // &
+      '*SURFACE, NAME=A;E,SPOS;*SURFACE, NAME=C;1,SNEG;*SURFACE, NAME=D;1,E2;*SURFACE, NAME=F;E;', model, &
+      step='*STEP;*STATIC;*DLOAD;1,P,2.;1,EDNOR2,3.;*END STEP;')
+    associate (mesh => model%mesh, loads => model%steps(1)%distributed)
+      call suite%that('labels', all(mesh%element_label(:2) == [1, 11]))
+      call suite%that('materials', model%materials(mesh%material(1))%name /= model%materials(mesh%material(2))%name)
+      call suite%near('place of the interface', mesh%coordinates(3, mesh%nodes(mesh%first(2))), -0.1_DP, 1.0e-15_DP)
+      call suite%that('one load on the bottom, two on the edge', all(loads%element == [1, 1, 2]) .and. &
+        all(loads%face == [1, 4, 4]))
+      call suite%near('over the whole thickness', loads(3)%end, 7.5_DP, 1.0e-14_DP)
+    end associate
+    call suite%that('top', all(model%surfaces(1)%element == [2]) .and. all(model%surfaces(1)%face == [2]))
+    call suite%that('bottom', all(model%surfaces(2)%element == [1]) .and. all(model%surfaces(2)%face == [1]))
+    call suite%that('edge', all(model%surfaces(3)%element == [1, 2]) .and. all(model%surfaces(3)%face == [4, 4]))
+    call suite%that('both sides', all(model%surfaces(4)%element == [1, 2]) .and. all(model%surfaces(4)%face == [1, 2]))
+    associate (axes => model%orientations(model%element_orientation(:2)))
+      call suite%near('angle', sum(abs(axes%layer_angle - [acos(0.0_DP), 0.0_DP])), 0.0_DP, 1.0e-14_DP)
+      call suite%that('projected', all(axes%is_projected))
+    end associate
+  end subroutine check_layers
 
 
   !> In ties slave nodes are eliminated last; slave nodes of knots are reported.
@@ -111,7 +136,15 @@ contains
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M;-.1;' // BEAM, 'thickness must be positive')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M;' // BEAM, 'needs a data line')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, OFFSET=TOP;.1;' // BEAM, 'OFFSET must be a number')
-    call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, COMPOSITE;.1;' // BEAM, 'COMPOSITE')
+    call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, COMPOSITE;.1,,M;' // BEAM, 'leave MATERIAL out')
+    call expect_message('*SHELL SECTION, ELSET=E;.1;' // BEAM, 'needs MATERIAL, or COMPOSITE')
+    call expect_message('*SHELL SECTION, ELSET=E, COMPOSITE;' // BEAM, 'needs a data line for each layer')
+    call expect_message('*SHELL SECTION, ELSET=E, COMPOSITE;.1,3,X;' // BEAM, 'there is no material ''X''')
+    call expect_message('*SHELL SECTION, ELSET=E, COMPOSITE;0.,3,M;' // BEAM, 'thickness must be positive')
+    call expect_message('*SHELL SECTION, ELSET=E, COMPOSITE;.1,3,M,O;' // BEAM, 'There is no orientation ''O''')
+    call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, ORIENTATION=O;.1;' // BEAM, 'There is no orientation ''O''')
+    call expect_message('*MATERIAL, NAME=L;*ELASTIC, TYPE=LAMINA;9,9,0,9,9,9;' // SHELL // '*BEAM SECTION, ELSET=B, ' // &
+      'MATERIAL=L, SECTION=RECT;.1,.2;0,1,0;', 'LAMINA, which is for shells')
     call expect_message(SHELL // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=HEX;.1,.2;', 'HEX')
     call expect_message(SHELL // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=RECT;.1,0.;', 'dimensions must be positive')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M;.001;' // BEAM, 'too thin at element 1')

@@ -1,0 +1,190 @@
+"""Composite shells: laminates against classical lamination theory, Pagano's plate and a strip of NAFEMS.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+
+from verify.cases.proof import Case
+from verify.decks.shells import Floats, Shell, held, shell
+
+Proof = Callable[..., Case]
+
+CLT = "R. M. Jones, Mechanics of Composite Materials, 2nd edition, Taylor & Francis 1999, chapter 4"
+LAMINA = (25.0e4, 1.0e4, 0.25, 0.5e4, 0.5e4, 0.2e4)  #: E1, E2, nu12, G12, G13, G23
+
+
+def laminate(constants: Sequence[float], plies: Sequence[tuple[float, float]], more: str = "") -> str:
+    """MATERIAL of a lamina and a section of plies of thickness and angle."""
+    rows = "".join(f"{t:.15g}, 3, M, {angle:.15g}\n" for t, angle in plies)
+    return f"*MATERIAL, NAME=M\n*ELASTIC, TYPE=LAMINA\n{', '.join(f'{c:.15g}' for c in constants)}\n*SHELL SECTION, ELSET=E, COMPOSITE{more}\n{rows}"
+
+
+def abd(constants: Sequence[float], plies: Sequence[tuple[float, float]]) -> Floats:
+    """The 6 x 6 stiffness of classical lamination theory: (N, M) of (strain, curvature)."""
+    e1, e2, nu, g = constants[:4]
+    q = np.linalg.inv(np.array([[1 / e1, -nu / e1, 0], [-nu / e1, 1 / e2, 0], [0, 0, 1 / g]]))
+    z = -sum(t for t, _ in plies) / 2
+    whole = np.zeros((6, 6))
+    for t, angle in plies:
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+        stiffness = turn.T @ q @ turn
+        for power, (row, column) in ((1, (0, 0)), (2, (0, 3)), (2, (3, 0)), (3, (3, 3))):
+            whole[row : row + 3, column : column + 3] += stiffness * ((z + t) ** power - z**power) / power
+        z += t
+    return whole
+
+
+def step(load: str) -> str:
+    """One linear step."""
+    return f"*STEP\n*STATIC\n{load}*END STEP\n"
+
+
+def edge_load(body: Shell, dof: int, total: float) -> str:
+    """A force or moment on the edge u = 1."""
+    return "*CLOAD\n" + "".join(f"{i + 1}, {dof}, {total * w:.15g}\n" for i, w in body.edge_weights(0, 1.0).items())
+
+
+@pytest.mark.parametrize("kind", ["S3", "S4", "S4R", "S6", "S8", "S8R"])
+def test_cross_ply_bending(proof: Proof, kind: str) -> None:
+    """An unsymmetric strip bends and stretches."""
+    case = proof(
+        f"composite-bending-{kind.lower()}",
+        title=f"An unsymmetric strip [0/90] of {kind} bent by an end moment",
+        model="A strip 10 x 1 of two plies of 0.05, E1 = 250000, E2 = 10000, nu12 = 0, clamped at x = 0, with a moment of 1 about -y at x = 10; ten cells.",
+        formula="M = (D - B^2/A) k, w = k L^2/2, u = B k L/A (k upward, B < 0 with the stiff ply below).",
+        source=CLT,
+        proves="Layers with directions of their own; coupling of bending and stretching; the default axes of a shell.",
+    )
+    constants = (*LAMINA[:2], 0.0, *LAMINA[3:])
+    plies = [(0.05, 0.0), (0.05, 90.0)]
+    body = shell(kind, (10, 1), lambda u, v: (10 * u, v, 0 * u))
+    job = case.run(body.cards() + laminate(constants, plies) + held(body.where(0, 0.0), "ENCASTRE") + step(edge_load(body, 5, -1.0)), kind)
+    whole = abd(constants, plies)
+    a, b, d = whole[0, 0], whole[0, 3], whole[3, 3]
+    curvature = 1 / (d - b * b / a)
+    tip = job.last("U")[body.at(1, 0.5)]
+    case.near("deflection", float(tip[2]), 50 * curvature, 0.01, why="the clamped fibres stay straight", place="the end", time="the end")
+    case.near("stretch", float(tip[0]), 10 * b / a * curvature, 0.01, why="the same; the sign of the coupling counts", place="the end", time="the end")
+    case.done()
+
+
+def test_angle_ply_twist(proof: Proof) -> None:
+    """A plate [45/-45] twists where it is pulled."""
+    plies = [(0.05, 45.0), (0.05, -45.0)]
+    case = proof(
+        "composite-twist",
+        title="A plate [45/-45] pulled at its end",
+        model="A plate 10 x 10 of two plies of 0.05, E1 = 250000, E2 = 10000, nu12 = 0.25, G12 = 5000, pulled with 1 along x, held at three corners; S4, 20 x 20.",
+        formula="(strain, curvature) = inverse of the stiffness of classical lamination theory times (N, 0): the fourth corner moves by -kxy a b/2.",
+        source=CLT,
+        proves="Angles of layers about the normal, sign included.",
+    )
+    body = shell("S4", (20, 20), lambda u, v: (10 * u, 10 * v, 0 * u))
+    supports = held([body.at(0, 0)], "1, 3") + held([body.at(1, 0)], "2, 3") + held([body.at(0, 1)], "3")
+    pull = "*CLOAD\n" + "".join(f"{i + 1}, 1, {sign * w:.15g}\n" for end, sign in ((1.0, 1), (0.0, -1)) for i, w in body.edge_weights(0, end).items())
+    job = case.run(body.cards() + laminate(LAMINA, plies) + supports + step(pull), "S4")
+    state = np.linalg.solve(abd(LAMINA, plies), [0.1, 0, 0, 0, 0, 0])
+    u = job.last("U")
+    case.near("deflection", float(u[body.at(1, 1), 2]), -50 * state[5], 0.02, why="free edges are softer over a width of the thickness, here 1 %",
+              place="the free corner", time="the end")  # fmt: skip
+    case.near("stretch", float(u[body.at(1, 0), 0]), 10 * state[0], 0.02, why="the same", place="x = 10, y = 0", time="the end")
+    case.done()
+
+
+def test_pressurized_tube(proof: Proof) -> None:
+    """The axes follow a curved shell."""
+    plies = [(0.01, 90.0), (0.02, 0.0), (0.01, 90.0)]
+    case = proof(
+        "composite-tube",
+        title="A laminated tube under pressure",
+        model="A quarter of a tube of radius 1 and length 0.5 about x, plies [90/0/90] of 0.01, 0.02, 0.01 (0: along x), E1 = 250000, E2 = 10000, nu12 = 0.25, "
+        "inner pressure 100, free ends; S4, 24 x 4.",
+        formula="u = R strain of the hoop under N = p R, by classical lamination theory.",
+        source=CLT,
+        proves="Projection of the axes on a curved shell.",
+    )
+
+    def place(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
+        return 0.5 * v, np.sin(np.pi / 2 * u), np.cos(np.pi / 2 * u)
+
+    body = shell("S4", (24, 4), place)
+    supports = held(body.where(0, 0.0), "YSYMM") + held(body.where(0, 1.0), "ZSYMM") + held([body.at(0.5, 0)], "1")
+    corner, along, _, across = body.nodes[body.elements[0]]
+    normal = np.cross(along - corner, across - corner)
+    outward = float(np.sign(normal[1:] @ body.nodes[0][1:]))
+    job = case.run(body.cards() + laminate(LAMINA, plies) + supports + step(f"*DLOAD\nE, P, {100 * outward:.15g}\n"), "S4")
+    state = np.linalg.solve(abd(LAMINA, plies), [0, 100, 0, 0, 0, 0])
+    u = job.last("U")[body.at(0.5, 0.5)]
+    case.near("radial displacement", float(np.hypot(u[1], u[2])), state[1], 0.02, why="thickness 4 % of the radius; pressure on the inner face: 2 %",
+              place="the middle", time="the end")  # fmt: skip
+    case.done()
+
+
+@pytest.mark.parametrize("slenderness", [10, 20, 100])
+def test_pagano_plate(proof: Proof, slenderness: int) -> None:
+    """A thick laminate under a sine of pressure."""
+    published = {10: 0.743, 20: 0.517, 100: 0.4337}[slenderness]
+    case = proof(
+        f"composite-pagano-{slenderness}",
+        title=f"Pagano's plate [0/90/90/0], a/h = {slenderness}",
+        model="A quarter of a square plate of side 1 and four equal plies, E1/E2 = 25, G12 = G13 = E2/2, G23 = E2/5, nu = 0.25, simply supported (v = w = 0 on "
+        "the sides along y, u = w = 0 on those along x), pressure q sin(pi x) sin(pi y) on top; S4, 16 x 16, with one solid and with two for each ply.",
+        formula="100 E2 w h^3/(q a^4) in the middle, elasticity of layers: 0.743, 0.517; for a/h = 100 lamination theory with shear: 0.4337",
+        source="N. J. Pagano, S. J. Hatfield, Elastic behavior of multilayered bidirectional composites, AIAA Journal 10 (1972) 931-933; J. N. Reddy, Mechanics "
+        "of Laminated Composite Plates and Shells, 2nd edition, CRC Press 2004",
+        proves="Transverse shear of laminates without a correction factor: each layer has its own shear strain.",
+    )
+    h = 1 / slenderness
+    body = shell("S4", (16, 16), lambda u, v: (u / 2, v / 2, 0 * u))
+    supports = held(body.where(0, 0.0), "2, 3") + held(body.where(1, 0.0), "1") + held(body.where(1, 0.0), "3")
+    supports += held(body.where(0, 1.0), "XSYMM") + held(body.where(1, 1.0), "YSYMM")
+    places = np.array([-1, 1]) / (2 * np.sqrt(3) * 16)
+    faces, loads = "", "*DSLOAD\n"
+    for e, nodes in enumerate(body.elements):
+        u, v = body.uv[nodes].mean(axis=0)
+        q = 1e-3 * h**3 * np.mean(np.sin(np.pi / 2 * (u + places))) * np.mean(np.sin(np.pi / 2 * (v + places)))
+        faces += f"*SURFACE, NAME=F{e}\n{e + 1}, SPOS\n"
+        loads += f"F{e}, P, {q:.15g}\n"
+    for pieces, allowed in ((1, 0.03), (2, 0.015)):
+        plies = [(h / 4 / pieces, angle) for angle in (0, 90, 90, 0) for _ in range(pieces)]
+        section = laminate((25.0, 1.0, 0.25, 0.5, 0.5, 0.2), plies)
+        job = case.run(body.cards() + section + faces + supports + step(loads), f"{pieces} a ply")
+        w = -float(job.last("U")[body.at(1, 1), 2])
+        case.near("deflection", w * 1e5, published, allowed, why="shear strain constant over a solid; 16 x 16", place=f"the middle, {pieces} a ply",
+                  time="the end")  # fmt: skip
+    case.done()
+
+
+@pytest.mark.parametrize(("kind", "n", "allowed"), [("S4", 40, 0.01), ("S8R", 20, 0.01)])
+def test_nafems_strip(proof: Proof, kind: str, n: int, allowed: float) -> None:
+    """Three-point bending of seven plies."""
+    case = proof(
+        f"composite-nafems-strip-{kind.lower()}",
+        title=f"Laminated strip of NAFEMS, {kind}",
+        model="A strip 50 x 10 on two lines 30 apart, line load of 10 per width in the middle; plies [0/90/0/90/0/90/0] of 0.1, the middle one of 0.4, "
+        "E1 = 100000, E2 = 5000, nu12 = 0.4, G12 = 3000, G13 = G23 = 2000; half of it.",
+        formula="Deflection 1.06; stress along the strip at the bottom 683.9 in the middle by beam theory, so 2/3 of it at a third of the way to the support, where "
+        "the line load does not disturb it.",
+        source="NAFEMS, Composites Benchmarks, report R0031, issue 2 (2001), test 1",
+        proves="Stresses of layers, deflection with transverse shear.",
+    )
+    plies = [(0.1, 0.0), (0.1, 90.0), (0.1, 0.0), (0.4, 90.0), (0.1, 0.0), (0.1, 90.0), (0.1, 0.0)]
+    body = shell(kind, (n, 4), lambda u, v: (25 * (1 - u), 10 * v, 0 * u))
+    body.elements = [[nodes[i] for i in ([0, 3, 2, 1] if len(nodes) == 4 else [0, 3, 2, 1, 7, 6, 5, 4])] for nodes in body.elements]
+    supports = held(body.where(0, 0.4), "3") + held(body.where(0, 1.0), "XSYMM") + held([body.at(1, 0.5)], "2")
+    load = "*CLOAD\n" + "".join(f"{i + 1}, 3, {-50 * w:.15g}\n" for i, w in body.edge_weights(0, 1.0).items())
+    constants = (1.0e5, 5.0e3, 0.4, 3.0e3, 2.0e3, 2.0e3)
+    job = case.run(body.cards() + laminate(constants, plies) + supports + step(load), kind)
+    case.near("deflection", -float(job.last("U")[body.at(1, 0.5), 2]), 1.06, allowed, why="published with three digits", place="the middle", time="the end")
+    x = job.points
+    bottom = np.flatnonzero((np.abs(x[:, 0] - 5) < 1e-6) & (np.abs(x[:, 1] - 5) < 1.3) & (x[:, 2] < -0.499))
+    stress = float(np.mean(job.last("S")[bottom, 0]))
+    case.near("stress", stress, 683.9 * 2 / 3, 0.01, why="means over the elements beside a node", place="bottom, 5 from the middle", time="the end")
+    case.done()
