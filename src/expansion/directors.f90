@@ -3,8 +3,8 @@
 !!
 !! A node has one director for all its elements whose normals lie within 20 degrees of that of the first of them, and that have
 !! the same thickness, layers and offset: the mean of these normals. Elements with a *NORMAL come first and are gathered within 0.5
-!! degrees. A node with several directors is a knot (module knots). In rigid bodies, which need no knots, elements share it over right angles
-!! too, so that their faces stay connected. Source: CalculiX CrunchiX manual, Eight-node shell element.
+!! degrees. A node with several directors is a knot (module knots). In rigid bodies, which need no knots, elements share it over
+!! right angles too, so that their faces stay connected. Source: CalculiX CrunchiX manual, Eight-node shell element.
 module amontons_directors
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type
