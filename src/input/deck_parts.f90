@@ -11,7 +11,7 @@ module amontons_deck_parts
     find_cards, &
     read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
   use amontons_tensor, only: cross_product, IDENTITY
-  use amontons_text, only: name_key, to_text, is_one_of, parse_integer, NUMBER_OK
+  use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
   use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name
   implicit none
   private
@@ -21,7 +21,7 @@ module amontons_deck_parts
     'ANALYTICALSURFACE'
   !< parameters whose values are names or numbers of a part
   character(*), parameter :: CARDS_WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
-  character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|SHELLSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
+  character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|SPRING|MASS|INSTANCE|RIGIDBODY|COUPLING|KINEMATIC|' // &
     'DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'            !< their data lines have no numbers of a part
 
   character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|BEAMGENERALSECTION|MEMBRANESECTION|' &
@@ -537,6 +537,8 @@ contains
           return
         end if
         text = line_text(cards, row%line)
+      case ('SHELLSECTION')                      ! the fourth field of a layer is an angle or the name of an orientation
+        text = first_row(cards, work, row, scope, 0, merge(4, 0, has_name(cards, row, 4)))
       case ('NODALTHICKNESS')
         text = first_row(cards, work, row, scope, scope%node_shift, 1)
       case ('EQUATION')
@@ -714,7 +716,7 @@ contains
     type(data_row_type), intent(in) :: row
     type(instance_type), intent(in) :: scope
     integer, intent(in) :: shift
-    integer, intent(in) :: every                 !< 0: no field, 1: the first, 3: the first, the fourth, ...
+    integer, intent(in) :: every                 !< 0: no field, 1: the first, 3: the first, the fourth, ...; 4: the fourth
     character(:), allocatable :: text
     integer :: i
     logical :: is_reference
@@ -723,6 +725,7 @@ contains
       if (i > 1) text = text // ', '
       is_reference = every == 1 .and. i == 1
       if (every == 3) is_reference = modulo(i, 3) == 1
+      if (every == 4) is_reference = i == 4
       if (is_reference) then
         text = text // qualified_reference(work, scope, field_text(cards, row, i), shift)
       else
@@ -730,6 +733,18 @@ contains
       end if
     end do
   end function first_row
+
+
+  !> Whether a field is a name: neither a number nor empty.
+  logical function has_name(cards, row, i)
+    type(cards_type), intent(in) :: cards
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: i                     !< field
+    real(DP) :: value
+    integer :: status
+    call parse_real(field_text(cards, row, i), value, status)
+    has_name = status /= NUMBER_OK .and. field_text(cards, row, i) /= ''
+  end function has_name
 
 
   !> The local axes of an analytic surface that begins with START: those of the part, transformed to the instance.

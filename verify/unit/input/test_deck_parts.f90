@@ -102,6 +102,11 @@ contains
     call expect_read('*ORIENTATION, NAME=O;1,0,0,0,1,0;' // DONE // ONE // TURNED // END, model)
     call suite%that('two', size(model%orientations) == 2 .and. model%orientations(2)%name == 'J.O')
     call suite%near('turned, not moved', maxval(abs(model%orientations(2)%a - [0.0_DP, 1.0_DP, 0.0_DP])), 0.0_DP, TOL)
+    call expect_read('*ORIENTATION, NAME=O;1,0,0,0,1,0;*NODE;11,5,5,5;12,6,5,5;13,6,6,5;14,5,6,5;*ELEMENT, TYPE=S4, ELSET=W;9,' // &
+      '11,12,13,14;*SHELL SECTION, ELSET=W, COMPOSITE;.1,3,M,O;.1,3,M,30.;' // DONE // ONE // TURNED // END, model)
+    call suite%that('layers', size(model%orientations) == 6)
+    if (size(model%orientations) == 6) call suite%near('orientation or angle', model%orientations(4)%layer_angle, &
+      acos(-1.0_DP) / 6, TOL)
     call expect_read('*EQUATION;2;1,1,1.,2,1,-1.;' // DONE // ONE // '*INSTANCE, NAME=J, PART=P;5,0,0;*END INSTANCE;' // END, &
       model)
     call suite%that('an equation each', size(model%equations) == 2 .and. all(model%equations(2)%node == [9, 10]) .and. &
