@@ -137,7 +137,7 @@ def test_pagano_plate(proof: Proof, slenderness: int) -> None:
         model="A quarter of a square plate of side 1 and four equal plies, E1/E2 = 25, G12 = G13 = E2/2, G23 = E2/5, nu = 0.25, simply supported (v = w = 0 on "
         "the sides along y, u = w = 0 on those along x), pressure q sin(pi x) sin(pi y) on top; S4, 16 x 16, with one solid and with two for each ply.",
         formula="100 E2 w h^3/(q a^4) in the middle, elasticity of layers: 0.743, 0.517; for a/h = 100 lamination theory with shear: 0.4337",
-        source="N. J. Pagano, S. J. Hatfield, Elastic behavior of multilayered bidirectional composites, AIAA Journal 10 (1972) 931-933; J. N. Reddy, Mechanics "
+        source="N. J. Pagano, S. J. Hatfield, Elastic behavior of multilayered bidirectional composites, AIAA J. 10 (1972) 931-933; J. N. Reddy, Mechanics "
         "of Laminated Composite Plates and Shells, 2nd edition, CRC Press 2004",
         proves="Transverse shear of laminates without a correction factor: each layer has its own shear strain.",
     )
