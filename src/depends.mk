@@ -98,7 +98,8 @@ uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_m
 uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers loads materials topology structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
-uses_deck_steps = kinds text distributed_solver controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads
+uses_deck_procedures = kinds text distributed_solver topology steps structural_data model cards card_schema deck_reader deck_loads
+uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
 uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
@@ -159,15 +160,17 @@ uses_general_contact = kinds text containers loads materials mesh surfaces mpc_d
 uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
 
 # equilibrium
+uses_arc_length = kinds steps model state
 uses_reduced_system = kinds text errors posix sparse factorization graph_partition two_level_preconditioner mpi_ranks distributed_solver controls mesh steps constraints
 uses_schur_interface = kinds errors dense sparse factorization graph_partition woodbury_interface controls constraints
 uses_contact_tiles = kinds containers errors blas_lapack sparse
 uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles
 uses_contact_preconditioner = kinds errors dense sparse controls constraints reduced_system contact_tiles contact_coarse_space
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds errors iteration_records posix sparse controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
+uses_equilibrium = kinds errors iteration_records posix sparse factorization controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_newton_step = kinds errors iteration_records sparse factorization krylov woodbury_interface distributed_solver surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs
+uses_tangent_solution = kinds errors sparse factorization krylov distributed_solver steps state unsymmetric_tangent constraints contact_operators arc_length reduced_system schur_interface contact_preconditioner equilibrium
+uses_newton_step = kinds errors iteration_records sparse factorization woodbury_interface surfaces steps model state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs tangent_solution
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
@@ -184,7 +187,7 @@ uses_active_set_history = kinds state
 uses_active_set_cycling = kinds controls surfaces surface_projection slave_node_overrides state contact_pairs active_set_history
 uses_convergence = kinds controls
 uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search slave_node_overrides state contact_pairs
-uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios slave_node_overrides state equilibrium newton_step tunnelling_check
+uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios slave_node_overrides state equilibrium tangent_solution tunnelling_check
 uses_nonlinear_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios slave_node_overrides state contact_pairs equilibrium conjugate_gradient_preconditioner
 uses_contact_rounds = kinds errors iteration_records anderson_acceleration controls surfaces steps model slave_node_overrides state contact_pairs equilibrium newton_step conjugate_gradient_preconditioner convergence line_search nonlinear_conjugate_gradients
 uses_contact_subproblem = kinds errors controls steps model state equilibrium newton_step active_set_history active_set_cycling line_search
@@ -213,9 +216,9 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
-uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
+uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
 uses_job_estimate = kinds text errors posix logger blas_lapack steps model assembly reduced_system schur_interface equilibrium newton_step job_files analysis
 uses_main = kinds errors posix logger version mpi_ranks distributed_solver model card_table deck model_setup analysis job_estimate

@@ -17,7 +17,7 @@ module amontons_external_loads
   use amontons_model, only: model_type, dof_direction, is_out, load_now, DIALECT_CALCULIX
   use amontons_shape_functions, only: choose_face_rule, shape_functions, quadrature
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
-  use amontons_state, only: fields_type
+  use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
   use amontons_topology, only: element_kind, element_kind_type, KIND_MASS, FAMILY_SOLID, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
     MAX_ELEMENT_POINTS, &
@@ -25,7 +25,7 @@ module amontons_external_loads
   use amontons_user_state, only: evaluate_dload
   implicit none
   private
-  public :: assemble_external_loads, integrate_unit_mass, evaluate_density
+  public :: assemble_external_loads, assemble_reference_loads, integrate_unit_mass, evaluate_density
 
 contains
 
@@ -46,14 +46,14 @@ contains
     if (has_stiffness) call reset_load_skew(assembly%skew)
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
-        magnitude = load_now(model, step, load, fields%step_time, fields%total_time)
+        magnitude = load_now(model, step, load, load_time(step, fields), fields%total_time)
         fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
           + magnitude * dof_direction(model, load%node, load%dof)
       end associate
     end do
     do i = 1, size(step%distributed)
       associate (load => step%distributed(i))
-        magnitude = load_now(model, step, load, fields%step_time, fields%total_time)
+        magnitude = load_now(model, step, load, load_time(step, fields), fields%total_time)
         if (is_out(model, step%number, load%element)) cycle
         if (magnitude == 0.0_DP .and. .not. load%is_user) cycle
         select case (load%kind)
@@ -69,6 +69,29 @@ contains
       end associate
     end do
   end subroutine assemble_external_loads
+
+
+  !> The change of the applied forces of a RIKS step with its load factor, at the displacements of the fields.
+  subroutine assemble_reference_loads(assembly, model, step, fields, is_nlgeom, force)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(inout) :: fields     !< as before in the end
+    logical, intent(in) :: is_nlgeom
+    real(DP), allocatable, intent(out) :: force(:, :)   !< (3, n_nodes) [force]
+    real(DP), allocatable :: applied_force(:, :)
+    real(DP) :: load_factor
+    applied_force = fields%applied_force
+    load_factor = fields%load_factor
+    fields%load_factor = 0.0_DP
+    call assemble_external_loads(assembly, model, step, fields, is_nlgeom, .false.)
+    force = fields%applied_force
+    fields%load_factor = 1.0_DP
+    call assemble_external_loads(assembly, model, step, fields, is_nlgeom, .false.)
+    force = fields%applied_force - force
+    fields%load_factor = load_factor
+    fields%applied_force = applied_force
+  end subroutine assemble_reference_loads
 
 
   !> Nodal forces of a pressure on a face, in the current configuration under NLGEOM.

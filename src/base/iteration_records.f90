@@ -66,6 +66,9 @@ module amontons_iteration_records
     real(DP) :: stabilization_work = 0                !< dissipated by the viscous forces of STABILIZE since the start [energy]
     real(DP) :: kinetic_energy = 0             !< of a DYNAMIC step [energy]
     real(DP) :: integration_loss = 0           !< dissipated by backward Euler in DYNAMIC steps since the start [energy]
+    logical :: is_riks = .false.               !< of a RIKS step: times are lengths of the arc
+    logical :: is_step_end = .false.           !< the last increment of its step
+    real(DP) :: load_factor = 0                !< RIKS: load proportionality factor at its end; of a failed attempt at its start [-]
     real(DP) :: strain_energy = 0              !< stored in the elements [energy]
     real(DP) :: contact_energy = 0             !< stored in compliant contact [energy]
     type(failure_type) :: failure              !< why the attempt failed; FAILURE_NONE if it converged

@@ -221,6 +221,8 @@ contains
       to_text(record%total_time), to_text(record%dt), record%n_iterations, record%n_status, &
       int(100 * fraction + 0.01_DP), ' %', duration(self%elapsed()), remaining_time(self)
     call write_line(self, trim(line))
+    if (record%is_riks) call write_line(self, '        Load proportionality factor ' // to_text(record%load_factor) // &
+      trim(merge('.                            ', ' at the start of the attempt.', record%is_converged)))
     if (record%n_cycles_treated > 0) call write_line(self, '        Active-set cycling was treated at the cycling ' // &
       'slave nodes alone: ' // &
       plural(record%n_cycles_treated, 'time') // '.')

@@ -6,7 +6,7 @@ module amontons_boundary_conditions
   use amontons_steps, only: step_type
   use amontons_mesh, only: mesh_extent
   use amontons_model, only: model_type, dof_direction, load_now, displacement_now
-  use amontons_state, only: fields_type
+  use amontons_state, only: fields_type, load_time
   use amontons_user_state, only: evaluate_disp
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
     eliminate_constraints, ROW_CONFLICT
@@ -119,11 +119,11 @@ contains
       if (load%is_held) then
         value = u_start
       else if (load%is_velocity) then
-        value = u_start + displacement_now(model, step, load, fields%step_time, fields%total_time)
+        value = u_start + displacement_now(model, step, load, load_time(step, fields), fields%total_time)
       else if (load%amplitude == 0 .and. load%is_from_current) then
-        value = u_start + (load%end - u_start) * (fields%step_time / step%period)
+        value = u_start + (load%end - u_start) * (load_time(step, fields) / step%period)
       else
-        value = load_now(model, step, load, fields%step_time, fields%total_time)
+        value = load_now(model, step, load, load_time(step, fields), fields%total_time)
       end if
       if (load%is_user) call evaluate_disp(model, load, fields, value)
     end associate

@@ -29,6 +29,7 @@ module amontons_analysis
   use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
   use amontons_user_state, only: initialize_state_variables
   use amontons_stabilization, only: update_damping
+  use amontons_arc_length, only: begin_path, is_path_done, path_fraction
   use amontons_inertia, only: begin_motion, conclude_inertia, implicit_loss
   use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment
   use amontons_model_check, only: check_model, summarize_model
@@ -305,6 +306,7 @@ contains
     if (analysis%stepping%step > 0 .and. analysis%stepping%step_time == 0.0_DP) return   ! it has started
     call begin_stepping(analysis%stepping, analysis%model%steps(analysis%stepping%step + 1))
     call begin_motion(analysis%model%steps, analysis%stepping%step, analysis%state%old)
+    call begin_path(analysis%state%old)
     analysis%state%old%total_time = analysis%stepping%total_time   ! a step may set the clock
     call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepping%step)
     call activate_elements(analysis%model, analysis%stepping%step, analysis%state)
@@ -350,8 +352,12 @@ contains
     type(step_type), intent(in) :: step
     integer :: outcome, n_iterations
     real(DP) :: damping_work
+    logical :: is_path_end
     associate (record => analysis%records(analysis%n_records))
       record%is_converged = .true.
+      record%load_factor = analysis%state%new%load_factor
+      is_path_end = step%is_riks
+      if (is_path_end) is_path_end = is_path_done(analysis%model, step, record%increment, analysis%state)
       record%n_proximal = analysis%newton%globalization%n_proximal
       record%n_snap_through = analysis%newton%globalization%n_snap_through
       record%report_lines = describe_edge_events(analysis%model, analysis%state)
@@ -364,8 +370,9 @@ contains
       n_iterations = record%n_iterations
       if (step%solver == SOLVER_GRADIENTS) n_iterations = comparable_iterations(step, n_iterations)
       call accept_increment(analysis%stepping, step, record%dt, attempt_effort_type(n_iterations, record%n_status_changes, &
-        record%n_cycles_treated), outcome)
+        record%n_cycles_treated), outcome, is_path_end)
       analysis%is_step_start = outcome == OUTCOME_STEP_DONE
+      record%is_step_end = analysis%is_step_start
     end associate
   end subroutine accept_attempt
 
@@ -499,7 +506,8 @@ contains
     if (analysis%n_records > size(analysis%records)) call enlarge_records(analysis%records)
     analysis%records(analysis%n_records) = increment_record_type(step=analysis%stepping%step, &
       increment=analysis%stepping%increment, attempt=analysis%stepping%attempt, n_cutbacks=analysis%stepping%attempt - 1, &
-      dt=dt, step_time=analysis%state%new%step_time, total_time=analysis%state%new%total_time, reason='')
+      dt=dt, step_time=analysis%state%new%step_time, total_time=analysis%state%new%total_time, &
+      is_riks=analysis%driven_loads%step%is_riks, load_factor=analysis%state%old%load_factor, reason='')
   end subroutine start_attempt
 
 
@@ -636,7 +644,7 @@ contains
   !! take or give energy that no work measures.
   pure logical function has_energy_balance(step)
     type(step_type), intent(in) :: step
-    has_energy_balance = .not. (step%is_dynamic .or. step%has_creep .or. allocated(step%is_inactive) .or. &
+    has_energy_balance = .not. (step%is_dynamic .or. step%is_riks .or. step%has_creep .or. allocated(step%is_inactive) .or. &
       allocated(step%is_reactivated) .or. allocated(step%material) .or. allocated(step%is_removed) .or. &
       allocated(step%interference) .or. allocated(step%is_shrink_fit))
     if (has_energy_balance .and. allocated(step%temperatures)) has_energy_balance = size(step%temperatures) == 0
@@ -679,6 +687,10 @@ contains
     type(analysis_type), intent(in) :: analysis
     associate (steps => analysis%model%steps, stepping => analysis%stepping)
       fraction = (sum(steps(:max(0, stepping%step - 1))%period) + stepping%step_time) / sum(steps%period)
+      if (.not. steps(max(1, stepping%step))%is_riks) return
+      fraction = 1.0_DP                            ! of the path: it is the last step
+      if (.not. is_at_end(analysis)) fraction = path_fraction(analysis%model, steps(stepping%step), stepping%increment, &
+        analysis%state%old)
     end associate
   end function done_fraction
 

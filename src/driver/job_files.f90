@@ -125,7 +125,7 @@ contains
       record = increment_record_type(reason='', step=analysis%stepping%step, step_time=old%step_time, &
         total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
         stabilization_work=old%stabilization_work, plastic_work=old%plastic_work, &
-        kinetic_energy=old%kinetic_energy, integration_loss=old%integration_loss, &
+        kinetic_energy=old%kinetic_energy, integration_loss=old%integration_loss, load_factor=old%load_factor, &
         strain_energy=sum(old%energy * old%volume))
     end associate
   end function first_record

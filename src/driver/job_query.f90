@@ -29,7 +29,7 @@ module amontons_job_query
   !> Quantities of query_values besides the nodal columns of the result file, for query_names.
   character(16), parameter :: NUMBER_QUANTITIES(*) = [character(16) :: 'TIME', 'STEP TIME', 'TIME LEFT', 'STEP', 'INCREMENTS', &
     'ITERATIONS', &
-    'IMBALANCE', 'EXTERNAL WORK', 'FRICTION WORK', 'DAMPED WORK', 'STRAIN ENERGY', 'FRICTION']
+    'LOAD FACTOR', 'IMBALANCE', 'EXTERNAL WORK', 'FRICTION WORK', 'DAMPED WORK', 'STRAIN ENERGY', 'FRICTION']
   character(16), parameter :: FIELD_QUANTITIES(*) = [character(16) :: 'NODES', 'X', 'INTERNAL FORCE', 'APPLIED FORCE', &
     'CONTACT FORCE', 'RESIDUAL', 'CF', 'CF1', 'CF2', 'CF3', 'P', 'FACE CENTRES']
   character(16), parameter :: POINT_QUANTITIES(*) = [character(16) :: 'ELEMENT LABEL', 'POINT LABEL', 'POINT VOLUME', 'POINT S', &
@@ -139,6 +139,8 @@ contains
       select case (quantity)
       case ('TIME')
         value = new%total_time
+      case ('LOADFACTOR')
+        value = new%load_factor
       case ('STEPTIME')
         value = new%step_time
       case ('TIMELEFT')
@@ -680,6 +682,7 @@ contains
   pure real(DP) function time_left_in_step(analysis) result(time)
     type(analysis_type), intent(in) :: analysis
     time = analysis%model%steps(current_step(analysis))%period - time_in_step(analysis)
+    if (analysis%model%steps(current_step(analysis))%is_riks) time = time + time_in_step(analysis)   ! a path has no known end
   end function time_left_in_step
 
 end module amontons_job_query

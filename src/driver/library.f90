@@ -23,7 +23,8 @@ module amontons_library
     STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
   use amontons_user_routine_setup, only: close_user_routines
   use amontons_equilibrium, only: evaluate_equilibrium, OUTCOME_OK
-  use amontons_newton_step, only: linearize_equilibrium, assemble_tangent_matrix
+  use amontons_newton_step, only: linearize_equilibrium
+  use amontons_tangent_solution, only: assemble_tangent_matrix
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
     enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
   use amontons_driven_loads, only: activate_driven, finish_driven
@@ -362,8 +363,10 @@ contains
   pure real(DP) function end_in_step(job, length) result(time)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: length                 !< [time]
-    associate (period => job%analysis%model%steps(current_step(job%analysis))%period)
+    associate (step => job%analysis%model%steps(current_step(job%analysis)), &
+      period => job%analysis%model%steps(current_step(job%analysis))%period)
       time = time_in_step(job%analysis) + length
+      if (step%is_riks) return                     ! the path ends elsewhere
       if (time >= period * (1.0_DP - TOL_TIME)) time = period
     end associate
   end function end_in_step

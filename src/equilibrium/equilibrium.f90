@@ -18,6 +18,7 @@ module amontons_equilibrium
     DAMPING_NOW, STATUS_OPEN, STATUS_STICK
   use amontons_model_change, only: find_unconnected_unknowns
   use amontons_sparse, only: multiply_symmetric
+  use amontons_factorization, only: lu_type
   use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small, USE_ONCE, USE_REPEATED
   use amontons_schur_interface, only: schur_interface_type
   use amontons_contact_preconditioner, only: skin_type
@@ -68,6 +69,8 @@ module amontons_equilibrium
     type(constraints_type) :: constraints                !< those and the rows of the closed nodes
     type(contact_tangent_type), allocatable :: contact_tangents(:)       !< linearised contact forces
     type(reduced_system_type) :: reduced_system                  !< A and its factor
+    type(lu_type) :: indefinite_factor             !< of J in a RIKS step, where A is not positive
+    logical :: is_indefinite = .false.             !< the present direction uses it
     type(schur_interface_type) :: schur_interface              !< the factor of the bulk and the Schur complement of the interface,
                                                                !! where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces
@@ -104,6 +107,10 @@ module amontons_equilibrium
                                                         !! [force/length]
     integer :: n_evaluations = 0                   !< evaluations of the residual by conjugate gradients
     real(DP), allocatable :: u_start(:, :)         !< (3, n_nodes) displacement at the start of the step [length]
+    real(DP), allocatable :: reference_force(:, :)   !< (3, n_nodes) RIKS: dF_ext over the load factor, at the linearisation
+                                                     !! [force]
+    real(DP), allocatable :: reference_offset(:)   !< (n_unknowns) RIKS: dc over the load factor; not allocated: supports do not
+                                                   !! move [length]
     real(DP), allocatable :: imbalance(:, :)       !< (3, n_nodes) Rhat = F_ext - F_int, condensed on the free unknowns [force]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R = Rhat + F_c, condensed [force]
     real(DP), allocatable :: residual_at_gap(:, :)          !< (3, n_nodes) R with the compliant laws evaluated at the present gaps
@@ -142,6 +149,7 @@ module amontons_equilibrium
     type(slave_state_type), allocatable :: slaves(:)
     type(slip_state_type), allocatable :: slip_data(:)  !< (n_slaves)
     real(DP) :: merit = 0                          !< [force]
+    real(DP) :: load_factor = 0                    !< [-]
   end type configuration_type
 
 contains
@@ -221,6 +229,7 @@ contains
     system%schur_interface%controls = step%controls%krylov
     system%reduced_system%controls = step%controls%linear_solver
     system%reduced_system%requested_solver = step%solver
+    system%reduced_system%is_shift_allowed = .not. step%is_riks
     system%reduced_system%use = merge(USE_REPEATED, USE_ONCE, size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
     call update_base_constraints(system, model, step, state%old, error)
@@ -486,28 +495,34 @@ contains
     type(state_type), intent(in) :: state          !< evaluated
     configuration = configuration_type(state%new%u, state%new%internal_force, state%new%applied_force, system%residual, &
       state%new%slaves, &
-      system%contact%slip_data, system%merit)
+      system%contact%slip_data, system%merit, state%new%load_factor)
   end function save_configuration
 
 
   !> Imbalance, contact and residual at u + du with the element forces linearised at u.
-  subroutine evaluate_linearized(system, model, start, du, state)
+  subroutine evaluate_linearized(system, model, start, du, state, d_load)
     type(equilibrium_type), intent(inout) :: system     !< linearised at u
     type(model_type), intent(in) :: model
     type(configuration_type), intent(in) :: start          !< u, with its internal force
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
     type(state_type), intent(inout) :: state       !< in: slaves at u
-    real(DP), allocatable :: change(:)
+    real(DP), intent(in), optional :: d_load       !< change of the load factor, 0 by default [-]
+    real(DP), allocatable :: change(:), applied_force(:, :)
     integer(I64) :: clock
     call start_clock(system, clock)
     allocate (change(size(du)))
     call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
-    call condense_forces(system%base, start%applied_force - state%new%internal_force, system%imbalance)
+    applied_force = start%applied_force
+    if (present(d_load)) then
+      state%new%load_factor = start%load_factor + d_load
+      if (abs(d_load) > 0.0_DP) applied_force = applied_force + d_load * system%reference_force
+    end if
+    call condense_forces(system%base, applied_force - state%new%internal_force, system%imbalance)
     if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
-    call compute_norms(system, start%applied_force, state%new)
+    call compute_norms(system, applied_force, state%new)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine evaluate_linearized
 
@@ -522,6 +537,7 @@ contains
     type(state_type), intent(inout) :: state
     type(error_type), allocatable, intent(out) :: error
     state%new%u = start%u
+    state%new%load_factor = start%load_factor
     state%new%slaves = start%slaves
     system%residual = start%residual
     system%contact%slip_data = start%slip_data

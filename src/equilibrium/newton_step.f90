@@ -13,64 +13,42 @@ module amontons_newton_step
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN, &
-    SOLVER_AUTO, SOLVER_GRADIENTS
+    SOLVER_GRADIENTS
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, STATUS_OPEN
-  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
-    full_from_upper, sparse_sum
-  use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, apply_reduced_inverse, abandon_iteration, &
-    USE_SKIN
+  use amontons_sparse, only: sparse_type, sparse_sum
+  use amontons_factorization, only: FACTOR_OK
+  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, USE_SKIN
   use amontons_woodbury_interface, only: contact_springs_type
-  use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &
-    apply_tiles, subtract_contact
+  use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin
   use amontons_free_rigid_motions, only: find_motions, is_singular_along
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
-  use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
-    apply_schur_interface
-  use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
-    conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
-  use amontons_distributed_solver, only: solve_distributed, DISTRIBUTED_NONE
-  use amontons_constraints, only: eliminate_constraints, scale_offsets, condense_forces, build_condensation_matrix
+  use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, &
+    factorise_woodbury
+  use amontons_constraints, only: eliminate_constraints, scale_offsets
   use amontons_nonlinear_mpc, only: add_mpc_stiffness
   use amontons_inertia, only: add_inertia_force, add_inertia_stiffness
   use amontons_stabilization, only: add_damping_force, add_damping_stiffness
-  use amontons_unsymmetric_tangent, only: assemble_skew, subtract_skew_product, combine_with_skew
+  use amontons_unsymmetric_tangent, only: assemble_skew
   use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
-  use amontons_external_loads, only: assemble_external_loads
+  use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads
+  use amontons_tangent_solution, only: solve_constrained_system, follow_path, tangent_type, is_skin_cheaper
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows
-  use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, &
-    factorise_spring_tangents
+  use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
     mean_diagonal_stiffness, &
     start_clock, stop_clock, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
-  public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, skin_merit_tolerance, solve_roughly, &
-    apply_unconstrained_tangent, assemble_tangent_matrix, factorise_reduced_matrix
+  public :: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, skin_merit_tolerance, &
+    factorise_reduced_matrix
   public :: is_skin_chosen, configure_bulk_solver
-
-  real(DP), parameter :: TOL_BACKWARD_ERROR = 8.0_DP * epsilon(1.0_DP)   !< backward error at rounding level [-]
-
-  !> J: the exact tangent as an operator on the free unknowns.
-  type, extends(operator_type) :: tangent_type
-    type(equilibrium_type), pointer :: system => null()
-  contains
-    procedure :: apply => apply_tangent
-  end type tangent_type
-
-  !> inv(A): the factor as an operator.
-  type, extends(operator_type) :: preconditioner_type
-    type(equilibrium_type), pointer :: system => null()
-  contains
-    procedure :: apply => apply_preconditioner
-  end type preconditioner_type
 
 contains
 
-  !> The Newton direction du at the configuration of the last evaluation.
-  recursive subroutine solve_newton_step(system, model, step, state, du, outcome, error)
+  !> The Newton direction du at the configuration of the last evaluation; in a RIKS step it ends on the arc.
+  recursive subroutine solve_newton_step(system, model, step, state, du, outcome, error, d_load)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -78,7 +56,9 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
+    real(DP), intent(out), optional :: d_load      !< change of the load factor along du [-]
     integer(I64) :: clock
+    if (present(d_load)) d_load = 0.0_DP
     if (system%skin%memory%is_outdated) call discard_bulk_factor(system)
     system%skin%memory%is_outdated = .false.
     call linearize_equilibrium(system, model, step, state, outcome, error)
@@ -92,6 +72,7 @@ contains
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
+    if (system%has_interface_solver) system%is_indefinite = .false.
     system%is_subproblem_solved = .false.
     system%skin_tolerance = step%controls%skin%tolerance_single
     if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(step%controls%skin%tolerance_origin, &
@@ -100,7 +81,7 @@ contains
     call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
     if (allocated(error)) return
     if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. .not. system%skin%is_ready) then
-      call solve_newton_step(system, model, step, state, du, outcome, error)
+      call solve_newton_step(system, model, step, state, du, outcome, error, d_load)
       return
     end if
     if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%has_interface_solver .and. system%reduced_system%is_iterative) then
@@ -108,7 +89,10 @@ contains
       call factorise_reduced_matrix(system, model, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
       call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
+      if (allocated(error)) return
     end if
+    if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
+      error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_newton_step
 
@@ -131,7 +115,7 @@ contains
 
 
   !> The direction from a configuration of the linearised model, with the present tangent of the bulk.
-  subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error)
+  subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error, d_load)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -141,11 +125,13 @@ contains
     real(DP), intent(out) :: du(:, :)              !< (3, n_nodes) [length]
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
+    real(DP), intent(out), optional :: d_load      !< change of the load factor along du [-]
     real(DP) :: allowed_residual                              ! [force]
     integer(I64) :: clock
     call start_clock(system, clock)
     outcome = OUTCOME_LINEAR_SOLVER
-    call build_constraints(system, model, step, state%old, state%new, offset_fraction, error)
+    if (present(d_load)) d_load = 0.0_DP
+    call build_constraints(system, model, step, state, offset_fraction, error)
     if (allocated(error)) return
     call stop_clock(system, clock, PHASE_CONTACT)
     call prepare_interface_solver(system, model, step, state, error)
@@ -157,6 +143,9 @@ contains
     allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin) allowed_residual = 0.5_DP * skin_merit_tolerance(system, step)
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
+    if (allocated(error)) return
+    if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
+      error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_correction
 
@@ -203,7 +192,8 @@ contains
     end if
     call set_slave_stiffness(system, step, state%new)
     call stop_clock(system, clock, PHASE_ASSEMBLY)
-    call build_constraints(system, model, step, state%old, state%new, 1.0_DP, error)
+    if (step%is_riks) call assemble_reference_loads(system%assembly, model, step, state%new, step%is_nlgeom, system%reference_force)
+    call build_constraints(system, model, step, state, 1.0_DP, error)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine linearize_equilibrium
 
@@ -254,8 +244,41 @@ contains
   end subroutine set_slave_stiffness
 
 
-  !> C and c of all constraints, contact rows included.
-  subroutine build_constraints(system, model, step, old, fields, offset_fraction, error)
+  !> C and c of all constraints, contact rows included; in a RIKS step whose supports move the change of c with the load factor.
+  subroutine build_constraints(system, model, step, state, offset_fraction, error)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< as before in the end
+    real(DP), intent(in) :: offset_fraction                  !< fraction of the remaining prescribed displacements in c [-]
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: load_factor
+    if (allocated(system%reference_offset)) deallocate (system%reference_offset)
+    if (step%is_riks .and. has_moving_supports(step)) then
+      load_factor = state%new%load_factor
+      call collect_constraints(system, model, step, state%old, state%new, 1.0_DP, error)
+      if (allocated(error)) return
+      system%reference_offset = -system%constraints%offset
+      state%new%load_factor = load_factor + 1.0_DP
+      call collect_constraints(system, model, step, state%old, state%new, 1.0_DP, error)
+      if (allocated(error)) return
+      system%reference_offset = system%reference_offset + system%constraints%offset
+      state%new%load_factor = load_factor
+    end if
+    call collect_constraints(system, model, step, state%old, state%new, offset_fraction, error)
+  end subroutine build_constraints
+
+
+  !> Whether prescribed displacements change with the loads.
+  pure logical function has_moving_supports(step)
+    type(step_type), intent(in) :: step
+    has_moving_supports = any(.not. step%prescribed%is_held .and. (step%prescribed%is_velocity .or. &
+      step%prescribed%is_from_current .or. abs(step%prescribed%end - step%prescribed%start) > 0.0_DP))
+  end function has_moving_supports
+
+
+  !> C and c of all constraints at the load factor of the fields.
+  subroutine collect_constraints(system, model, step, old, fields, offset_fraction, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -271,7 +294,7 @@ contains
     system%constraints = system%base
     call add_contact_rows(system%contact, model, fields, system%contact_tangents, system%constraints, system%n_conflicts)
     call eliminate_constraints(system%constraints)
-  end subroutine build_constraints
+  end subroutine collect_constraints
 
 
   !> Sets the proximal shift s, the fraction of its own diagonal that is added to K; 0: no shift.
@@ -358,17 +381,6 @@ contains
     is_skin_chosen = count(system%is_interface_unknown) > system%controls%contact_interface%max_unknowns .or. &
       system%reduced_system%is_iterative .or. is_skin_cheaper(system, system%controls%contact_interface%usual_skin_iterations)
   end function is_skin_chosen
-
-
-  !> Whether a round with so many Krylov iterations on the skin costs less than one on the dense interface.
-  pure logical function is_skin_cheaper(system, n_iterations)
-    type(equilibrium_type), intent(in) :: system
-    real(DP), intent(in) :: n_iterations
-    associate (limits => system%controls%contact_interface)
-      is_skin_cheaper = limits%dense_work_ratio * real(count(system%is_interface_unknown), DP)**3 * limits%usual_skin_iterations > &
-        n_iterations * real(system%base%n_free, DP)
-    end associate
-  end function is_skin_cheaper
 
 
   !> Contact by the skin: the bulk solver is computed if none is available, the tiles always. After: is_skin and
@@ -585,6 +597,7 @@ contains
     type(sparse_type) :: springs
     integer :: status
     outcome = OUTCOME_OK
+    system%indefinite_factor%is_ready = .false.
     if (any(system%contact_tangents%is_compliant_node)) then
       call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs, error)
       if (allocated(error)) return
@@ -598,290 +611,8 @@ contains
     system%n_factorisations = system%n_factorisations + system%reduced_system%n_factorised
     system%n_shifted = system%n_shifted + system%reduced_system%n_shifted
     if (allocated(error)) return
-    if (status /= FACTOR_OK) outcome = OUTCOME_LINEAR_SOLVER
+    system%is_indefinite = status /= FACTOR_OK .and. .not. system%reduced_system%is_shift_allowed
+    if (status /= FACTOR_OK .and. .not. system%is_indefinite) outcome = OUTCOME_LINEAR_SOLVER
   end subroutine factorise_reduced_matrix
-
-
-  !> Solves J dv = C' (R - (K - dF_c) c) and gives du = C dv + c.
-  subroutine solve_constrained_system(system, allowed_residual, du, outcome, error)
-    type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
-    real(DP), intent(out) :: du(:, :)
-    integer, intent(out) :: outcome
-    type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: b(:), v(:), start(:), flat(:)
-    outcome = OUTCOME_OK
-    allocate (b(system%constraints%n_free), v(system%constraints%n_free), start(system%constraints%n_unknowns), &
-      flat(system%constraints%n_unknowns))
-    v = 0.0_DP
-    flat = system%constraints%offset
-    call right_hand_side(system, flat, b)
-    if (system%constraints%n_free > 0) then
-      call run_krylov(system, allowed_residual, b, v, outcome, error)
-      if (allocated(error)) return
-      call multiply(system%constraints%transformation, v, start)
-      flat = flat + start
-    end if
-    du = reshape(flat, shape(du))
-  end subroutine solve_constrained_system
-
-
-  !> Solves J v = b by conjugate gradients where J = A and A is not factorised, else by GMRES.
-  subroutine run_krylov(system, allowed_residual, b, v, outcome, error)
-    type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
-    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
-    real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: outcome
-    type(error_type), allocatable, intent(out) :: error
-    type(tangent_type) :: tangent
-    type(matrix_operator_type) :: matrix
-    type(preconditioner_type) :: preconditioner
-    type(krylov_options_type) :: options
-    type(krylov_report_type) :: report
-    logical :: is_iterative, is_symmetric
-    outcome = OUTCOME_OK
-    is_iterative = system%reduced_system%is_iterative .and. .not. system%has_interface_solver
-    if (system%is_skin) then
-      call solve_by_skin(system, allowed_residual, b, v, outcome, error)
-      return
-    end if
-    tangent%system => system
-    matrix%matrix => system%reduced_system%matrix
-    preconditioner%system => system
-    options%tolerance = system%controls%krylov%tolerance
-    options%absolute_tolerance = allowed_residual
-    options%max_iterations = merge(system%reduced_system%max_iterations, system%controls%krylov%max_iterations, is_iterative)
-    if (is_iterative) options%tolerance = system%controls%krylov%iterative_tolerance
-    system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
-    is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
-    if (is_iterative .and. is_symmetric .and. system%reduced_system%distributed_kind /= DISTRIBUTED_NONE) then
-      call solve_distributed(system%reduced_system%distributed, b, v, options, report, error)
-      if (allocated(error)) return
-    else if (is_iterative .and. is_symmetric) then
-      call conjugate_gradients(matrix, preconditioner, b, v, options, report)
-    else
-      call gmres(tangent, preconditioner, b, v, options, report, error)
-      if (allocated(error)) return
-    end if
-    system%n_krylov = system%n_krylov + report%n_iterations
-    if (system%has_interface_solver .and. report%n_iterations > system%controls%krylov%max_stale_iterations &
-      .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
-    if (report%status == KRYLOV_CONVERGED) return
-    if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
-    if (is_iterative .and. report%residual <= system%controls%krylov%tolerance) return   ! at rounding level for a slender body
-    if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
-    if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
-  end subroutine run_krylov
-
-
-  !> Solves J v = b with the contact skin. The linearised model includes the remaining residual, and the next correction reduces it.
-  subroutine solve_by_skin(system, allowed_residual, b, v, outcome, error)
-    type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
-    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
-    real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: outcome
-    type(error_type), allocatable, intent(out) :: error
-    type(tangent_type) :: tangent
-    type(preconditioner_type) :: preconditioner
-    type(krylov_options_type) :: options
-    type(krylov_report_type) :: report
-    outcome = OUTCOME_OK
-    tangent%system => system
-    preconditioner%system => system
-    options%tolerance = system%skin_tolerance
-    options%absolute_tolerance = allowed_residual
-    options%max_iterations = system%controls%skin%max_iterations
-    options%restart = system%controls%skin%restart
-    call gmres(tangent, preconditioner, b, v, options, report, error)
-    if (allocated(error)) return
-    system%n_krylov = system%n_krylov + report%n_iterations
-    if (report%status /= KRYLOV_CONVERGED .and. report%residual > system%controls%skin%max_residual) outcome = OUTCOME_LINEAR_SOLVER
-    call check_skin_convergence(system, report, outcome)
-  end subroutine solve_by_skin
-
-
-  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step continues with a
-  !! factor of the bulk in place of two levels, then with the dense interface if that is allowed and cheaper.
-  subroutine check_skin_convergence(system, report, outcome)
-    type(equilibrium_type), intent(inout) :: system
-    type(krylov_report_type), intent(in) :: report !< of a direction
-    integer, intent(in) :: outcome                 !< OUTCOME_LINEAR_SOLVER: no direction was found
-    real(DP) :: n_iterations, digits, slow_iterations
-    logical :: is_lost, is_slow_again, is_replaced
-    is_lost = outcome /= OUTCOME_OK
-    n_iterations = real(report%n_iterations, DP)
-    digits = -log10(max(report%residual, tiny(1.0_DP)))
-    associate (memory => system%skin%memory)
-      slow_iterations = system%controls%skin%slow_iterations * max(2.0_DP, digits)
-      if (system%skin%robin%is_iterative) slow_iterations = slow_iterations * system%controls%skin%two_level_ratio
-      if (n_iterations > slow_iterations) memory%n_slow = memory%n_slow + 1
-      if (memory%n_slow <= memory%slow_limit .and. .not. is_lost) return
-      is_slow_again = memory%slow_limit > system%controls%skin%max_slow_solves
-      if (system%skin%robin%is_iterative) then
-        if (.not. system%skin%robin%cost%is_factor_too_large) memory%is_factor_needed = is_lost .or. &
-          (is_slow_again .and. system%skin%robin%requested_solver == SOLVER_AUTO)
-      else
-        memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%contact_interface%max_unknowns .and. &
-          (is_lost .or. (is_slow_again .and. .not. is_skin_cheaper(system, n_iterations)))
-      end if
-      is_replaced = memory%is_abandoned .or. (system%skin%robin%is_iterative .and. memory%is_factor_needed)
-      if (is_lost .and. .not. is_replaced) return
-      memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned .or. is_lost)
-      if (.not. memory%is_outdated) call discard_bulk_factor(system)
-      memory%n_slow = 0
-      memory%slow_limit = 2 * memory%slow_limit        ! recompute it later next time
-      if (is_replaced) memory%slow_limit = system%controls%skin%max_slow_solves
-    end associate
-  end subroutine check_skin_convergence
-
-
-  !> v ~ inv(J) b with the present factor. Cost: one solution; with the skin the Krylov iterations for one digit.
-  subroutine solve_roughly(system, b, v)
-    type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
-    real(DP), intent(out) :: v(:)                  !< (n_free) [length]
-    type(preconditioner_type) :: preconditioner
-    type(error_type), allocatable :: error         ! out of memory: v keeps the initial guess
-    integer :: outcome
-    preconditioner%system => system
-    v = 0.0_DP
-    if (system%is_skin) then
-      system%skin_tolerance = system%controls%skin%tolerance_length
-      call solve_by_skin(system, 0.0_DP, b, v, outcome, error)
-    else
-      call preconditioner%apply(b, v)
-    end if
-  end subroutine solve_roughly
-
-
-  !> Whether the residual of a direction is at rounding level of the product of stiffness and direction (backward error), as with
-  !! large displacements of weakly supported bodies. No factorisation would give a better direction (N. J. Higham, Accuracy and
-  !! Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
-  pure logical function is_at_rounding_level(system, residual, v)
-    type(equilibrium_type), intent(in) :: system
-    real(DP), intent(in) :: residual               !< norm of the residual [force]
-    real(DP), intent(in) :: v(:)                   !< (n_free) [length]
-    is_at_rounding_level = residual <= TOL_BACKWARD_ERROR * maxval(abs(system%assembly%stiffness%value)) * norm2(v)
-  end function is_at_rounding_level
-
-
-  !> The fall-back when GMRES does not converge: J as a matrix, factorised by UMFPACK with pivoting.
-  subroutine solve_by_umfpack(system, b, v, outcome, error)
-    type(equilibrium_type), intent(inout) :: system
-    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
-    real(DP), intent(inout) :: v(:)                !< (n_free) [length]
-    integer, intent(out) :: outcome
-    type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: J
-    type(lu_type) :: lu
-    integer :: status
-    outcome = OUTCOME_OK
-    call assemble_tangent_matrix(system, J, error)
-    if (allocated(error)) return
-    call lu_factorise(lu, J, status, error)
-    if (allocated(error)) return
-    system%n_factorisations = system%n_factorisations + 1
-    system%n_umfpack = system%n_umfpack + 1
-    if (status == FACTOR_OK) call lu_solve(lu, b, v)
-    if (status /= FACTOR_OK .or. .not. all(abs(v) <= huge(1.0_DP))) outcome = OUTCOME_LINEAR_SOLVER
-  end subroutine solve_by_umfpack
-
-
-  !> J = C' (K + D_R E K - D_u) C, with dF_c = D_R dRhat + D_u du and dRhat = -E K du.
-  subroutine assemble_tangent_matrix(system, J, error)
-    type(equilibrium_type), intent(in) :: system
-    type(sparse_type), intent(out) :: J            !< (n_free x n_free)
-    type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: K, E, imbalance_tangent, displacement_tangent
-    K = combine_with_skew(full_from_upper(system%assembly%stiffness), system%assembly%skew)
-    call build_condensation_matrix(system%base, E, error)
-    if (allocated(error)) return
-    call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
-      imbalance_tangent, displacement_tangent)
-    K = sparse_sum(K, 1.0_DP, sparse_product(imbalance_tangent, sparse_product(E, K)))
-    K = sparse_sum(K, -1.0_DP, displacement_tangent)
-    J = sparse_product(sparse_transpose(system%constraints%transformation), sparse_product(K, system%constraints%transformation))
-  end subroutine assemble_tangent_matrix
-
-
-  !> b = C' (R + F_a - K c + dF_c(c)), with F_a the force of the linearised compliant laws at the present gaps less that in R.
-  subroutine right_hand_side(system, offset, b)
-    type(equilibrium_type), intent(in) :: system
-    real(DP), intent(in) :: offset(:)              !< c [length]
-    real(DP), intent(out) :: b(:)
-    real(DP), allocatable :: change(:)
-    allocate (change(size(offset)))
-    change = 0.0_DP
-    if (any(offset /= 0.0_DP)) call apply_unconstrained_tangent(system, offset, change)
-    call multiply_transpose(system%constraints%transformation, reshape(system%residual_at_gap, shape(change)) - change, b)
-  end subroutine right_hand_side
-
-
-  !> w = (K - dF_c) du over all unknowns: minus the change of the residual.
-  subroutine apply_unconstrained_tangent(system, flat, w)
-    type(equilibrium_type), intent(in) :: system
-    real(DP), intent(in) :: flat(:)                !< du (n_unknowns) [length]
-    real(DP), intent(out) :: w(:)                  !< (n_unknowns) [force]
-    real(DP), allocatable :: du(:, :), d_imbalance(:, :), d_force(:, :)
-    call multiply_symmetric(system%assembly%stiffness, flat, w)
-    call subtract_skew_product(system%assembly%skew, flat, w)
-    if (size(system%contact_tangents) == 0) return
-    allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))
-    du = reshape(flat, [3, size(flat) / 3])
-    call condense_forces(system%base, reshape(-w, shape(du)), d_imbalance)
-    if (system%is_skin) then
-      call subtract_contact(system%skin, flat, reshape(d_imbalance, shape(w)), w)
-      return
-    end if
-    call apply_contact_tangent(system%contact_tangents, system%contact%force_condensation, du, d_imbalance, d_force)
-    w = w - reshape(d_force, shape(w))
-  end subroutine apply_unconstrained_tangent
-
-
-  !> y = J x.
-  subroutine apply_tangent(self, x, y)
-    class(tangent_type), intent(inout) :: self
-    real(DP), intent(in) :: x(:)                   !< (n_free) [length]
-    real(DP), intent(out) :: y(:)                  !< (n_free) [force]
-    real(DP), allocatable :: flat(:), w(:)
-    allocate (flat(self%system%constraints%n_unknowns), w(self%system%constraints%n_unknowns))
-    call multiply(self%system%constraints%transformation, x, flat)
-    call apply_unconstrained_tangent(self%system, flat, w)
-    call multiply_transpose(self%system%constraints%transformation, w, y)
-  end subroutine apply_tangent
-
-
-  !> y = inv(A) x.
-  subroutine apply_preconditioner(self, x, y)
-    class(preconditioner_type), intent(inout) :: self
-    real(DP), intent(in) :: x(:)                   !< (n_free) [force]
-    real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    if (self%system%is_skin) then
-      call apply_skin_preconditioner(self%system, x, y)
-    else if (self%system%has_interface_solver) then
-      call apply_schur_interface(self%system%schur_interface, x, y)
-    else
-      call apply_reduced_inverse(self%system%reduced_system, x, y)
-    end if
-  end subroutine apply_preconditioner
-
-
-  !> y ~ inv(J) x by the bulk solver, then by the coarse space and the tiles.
-  subroutine apply_skin_preconditioner(system, x, y)
-    type(equilibrium_type), intent(inout), target :: system
-    real(DP), intent(in) :: x(:)                   !< (n_free) [force]
-    real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    type(tangent_type) :: tangent
-    real(DP), allocatable :: rest(:)
-    tangent%system => system
-    allocate (rest(size(x)))
-    call apply_bulk(system%skin, x, y)
-    call tangent%apply(y, rest)
-    rest = x - rest
-    call apply_coarse_space(system%skin, rest, y)
-    call apply_tiles(system%skin, rest, y)
-  end subroutine apply_skin_preconditioner
 
 end module amontons_newton_step

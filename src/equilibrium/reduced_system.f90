@@ -68,6 +68,7 @@ module amontons_reduced_system
     type(solution_cost_type) :: cost               !< of the last analysis
     integer :: n_factorised = 0                          !< factorisations of the last call
     integer :: n_shifted = 0                       !< of them with a shift
+    logical :: is_shift_allowed = .true.           !< where A is not positive; else it has no factor
   end type reduced_system_type
 
 contains
@@ -136,7 +137,7 @@ contains
     if (allocated(error)) return
     self%n_factorised = 1
     self%is_current = status == FACTOR_OK
-    if (.not. self%is_current) call factorise_shifted(self, status, error)
+    if (.not. self%is_current .and. self%is_shift_allowed) call factorise_shifted(self, status, error)
     if (allocated(error) .or. status /= FACTOR_OK) return
     if (self%use == USE_SKIN) call round_factor(self%factor)
   end subroutine factorise_reduced_system

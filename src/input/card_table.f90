@@ -531,7 +531,8 @@ contains
     call table%option('THERMAL STEADY STATE', VALUE_TEXT, 'There is no flow of heat.', status=ENTRY_IGNORED)
 
     call table%card('STATIC', SCOPE_STEP, 'The step is quasi-static.', &
-      data='first increment, length of the step, least increment, largest increment; all optional')
+      data='first increment, length of the step, least increment, largest increment; all optional; RIKS: first arc, arc of ' // &
+      'the step, least arc, largest arc, largest load proportionality factor, node, degree of freedom, displacement')
     call describe_static(table)
     call table%card('NO ANALYSIS', SCOPE_STEP, 'The deck is read and checked, as by amontons --check; nothing is solved.')
 
@@ -610,8 +611,8 @@ contains
     call table%add_dialect_note('STABILIZE is ignored under calculix, which does not have it.')
     call table%option('LONG TERM|ADIABATIC', VALUE_TEXT, 'Only viscoelasticity and heat use it, which are refused.', &
       status=ENTRY_IGNORED)
-    call table%option('RIKS', VALUE_NONE, 'Prescribe the displacement of the loaded nodes in place of their force to go ' // &
-      'past a limit point.', status=ENTRY_REJECTED)
+    call table%option('RIKS', VALUE_NONE, 'The loads of the step follow the path of equilibria past limit points, by the ' // &
+      'arc-length method; the last step of the deck.')
     call table%option('FULLY PLASTIC', VALUE_TEXT, 'Choose the length of the step instead.', status=ENTRY_REJECTED)
   end subroutine describe_static
 

@@ -24,7 +24,7 @@ module amontons_deck_loads
   use amontons_topology, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
-  public :: read_boundary, read_cload, read_dload
+  public :: read_boundary, read_cload, read_dload, map_dof
 
 contains
 

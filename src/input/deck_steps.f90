@@ -15,11 +15,11 @@ module amontons_deck_steps
   use amontons_deck_output, only: output_requests_type, begin_output, read_output_card, set_output_times
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, is_card, nodes_of_field, elements_of_field
-  use amontons_distributed_solver, only: has_distributed_solvers
+  use amontons_deck_procedures, only: read_static, read_riks, read_dynamic, read_damping, check_path_step
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_controls, only: controls_type, calculix_controls, gradient_controls_type, PRECONDITIONER_NODAL, &
     PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
-  use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
+  use amontons_steps, only: step_type, path_end_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
     LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
     SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
@@ -157,6 +157,8 @@ contains
     progress%step%dt_max = 1
     progress%step%has_creep = .false.
     progress%step%is_dynamic = .false.
+    progress%step%is_riks = .false.
+    progress%step%path_end = path_end_type()
     is_step = parameter_word(parameters, 'AMPLITUDE', default_amplitude(reader, c)) == 'STEP'
     call propagate_loads(model, period, progress%total_time, is_step, progress%active_loads)
     call propagate_temperatures(model, period, progress%total_time, is_step, progress%thermal)
@@ -202,6 +204,7 @@ contains
     integer, intent(in) :: c                     !< a card after the step, or the last one
     type(step_reader_type), intent(inout) :: progress
     integer :: k
+    logical :: is_after_path
     if (.not. progress%is_open) return
     progress%is_open = .false.
     k = c
@@ -225,6 +228,9 @@ contains
       call truncate_temperatures(progress%thermal, reader%truncated_time / progress%step%period)
       progress%step%period = reader%truncated_time
     end if
+    is_after_path = progress%n > 1
+    if (is_after_path) is_after_path = model%steps(progress%n - 1)%is_riks
+    call check_path_step(reader, reader%cards%cards(k)%line, progress%active_loads%is_step, is_after_path, progress%step)
     progress%step%number = progress%n
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
@@ -259,6 +265,7 @@ contains
         progress%step%has_creep = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
         call read_damping(reader, c, model%dialect, progress%step)
+        call read_riks(reader, model, c, progress%step)
         call set_total_time(reader, c, progress)
       case ('DYNAMIC')
         progress%has_static = .true.
@@ -304,136 +311,6 @@ contains
   end subroutine read_step_card
 
 
-  !> SOLVER=GAMG, HYPRE or MUMPS, which only a program with PETSc has; BDDC is not there.
-  subroutine read_distributed_solver(reader, c, name, step)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    character(*), intent(in) :: name
-    type(step_type), intent(inout) :: step
-    select case (name)
-    case ('GAMG')
-      step%solver = SOLVER_GAMG
-    case ('HYPRE')
-      step%solver = SOLVER_HYPRE
-    case ('MUMPS')
-      step%solver = SOLVER_MUMPS
-    case ('BDDC')
-      call report_error(reader, reader%cards%cards(c)%line, 'SOLVER=BDDC is not available; amontons-mpi has GAMG, HYPRE, MUMPS.')
-      return
-    case default
-      return
-    end select
-    if (.not. has_distributed_solvers()) call report_error(reader, reader%cards%cards(c)%line, 'SOLVER=' // name // &
-      ' is a solver of PETSc, which amontons-mpi has (make MPI=1) and this program has not. Without SOLVER the program chooses.')
-  end subroutine read_distributed_solver
-
-
-  !> STATIC: first increment, period, least and largest increment.
-  subroutine read_static(reader, c, step)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(step_type), intent(inout) :: step
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    logical :: is_ok, has_row
-    call open_card(reader, c, parameters, row)
-    step%is_direct = has_parameter(parameters, 'DIRECT') .and. parameter_word(parameters, 'DIRECT', 'YES') /= 'NO'
-    step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
-    if (index(parameter_word(parameters, 'SOLVER', ''), 'CONJUGATEGRADIENT') == 1) step%solver = SOLVER_GRADIENTS
-    call read_distributed_solver(reader, c, parameter_word(parameters, 'SOLVER', ''), step)
-    is_ok = .true.
-    has_row = next_row(reader%cards, row)
-    if (.not. has_row) row%n = 0
-    call check_n_fields(reader, row, 5)            ! the fifth field of CalculiX is for flow
-    call read_real(reader, row, 2, 'length of the step', step%period, is_ok, 0.0_DP)
-    if (step%period <= 0 .and. row%n >= 2 .and. is_ok) call report_note(reader, row%line, &
-      'The length of the step must be positive; 1 is taken.')
-    if (step%period <= 0) step%period = 1
-    call read_real(reader, row, 1, 'first increment', step%dt_initial, is_ok, 0.0_DP)
-    if (.not. abs(step%dt_initial) > 0) step%dt_initial = step%period
-    call read_real(reader, row, 3, 'least increment', step%dt_min, is_ok, 0.0_DP)
-    if (.not. abs(step%dt_min) > 0) step%dt_min = min(step%dt_initial, 1.0e-6_DP * step%period)
-    call read_real(reader, row, 4, 'largest increment', step%dt_max, is_ok, 0.0_DP)
-    if (.not. abs(step%dt_max) > 0) step%dt_max = step%period
-    if (is_ok) call check_times(reader, row%line, step)
-    if (.not. has_row) return
-    if (next_row(reader%cards, row)) call check_no_data(reader, row)
-  end subroutine read_static
-
-
-  !> DYNAMIC, APPLICATION=QUASI-STATIC: times as of STATIC; all elements need a density.
-  subroutine read_dynamic(reader, model, c, step)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: c                     !< index of the card
-    type(step_type), intent(inout) :: step
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    integer :: m
-    call open_card(reader, c, parameters, row)
-    step%has_creep = .false.
-    step%is_dynamic = .true.
-    call read_static(reader, c, step)
-    call read_damping(reader, c, model%dialect, step)
-    associate (line => reader%cards%cards(c)%line)
-      if (.not. has_parameter(parameters, 'APPLICATION')) call report_error(reader, line, '*DYNAMIC needs ' // &
-        'APPLICATION=QUASI-STATIC, which follows falls and snaps to rest. Waves and vibration are not resolved: they need a ' // &
-        'program for dynamics; for slow loads use *STATIC with the same loads and amplitudes.')
-      if (step%is_perturbation) call report_error(reader, line, 'A PERTURBATION step cannot be *DYNAMIC: use *STATIC.')
-      do m = 1, size(model%materials)
-        associate (material => model%materials(m))
-          if (material%density > 0 .or. allocated(material%density_table%value)) cycle
-          if (any(model%mesh%material == m .and. model%mesh%kind < KIND_SPRINGA)) call report_error(reader, line, &
-            'Inertia needs the density of all bodies: give *DENSITY to the material ' // material%name // '.')
-        end associate
-      end do
-    end associate
-  end subroutine read_dynamic
-
-
-  !> STABILIZE: damping by the volume, which the calculix dialect ignores.
-  subroutine read_damping(reader, c, dialect, step)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    integer, intent(in) :: dialect               !< DIALECT_...
-    type(step_type), intent(inout) :: step
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    step%dissipated_fraction = 0
-    step%damping_factor = 0
-    step%is_damping_continued = .false.
-    call open_card(reader, c, parameters, row)
-    if (.not. has_parameter(parameters, 'STABILIZE')) return
-    if (dialect == DIALECT_CALCULIX) then
-      call report_note(reader, reader%cards%cards(c)%line, 'STABILIZE has no effect: CalculiX does not know it. Under the ' // &
-        'dialect ' // &
-        'abaqus it adds damping.')
-      return
-    end if
-    step%dissipated_fraction = 2.0e-4_DP
-    step%is_damping_continued = has_parameter(parameters, 'CONTINUE') .and. &
-      parameter_word(parameters, 'CONTINUE', 'YES') /= 'NO'
-    call read_positive('STABILIZE', step%dissipated_fraction)
-    call read_positive('FACTOR', step%damping_factor)
-
-  contains
-
-    !> The number of a parameter, if it has one.
-    subroutine read_positive(name, number)
-      character(*), intent(in) :: name
-      real(DP), intent(inout) :: number
-      real(DP) :: value
-      integer :: status
-      if (parameter_text(parameters, name) == '') return
-      call parse_real(parameter_text(parameters, name), value, status)
-      if (status /= NUMBER_OK) return            ! reported when the card was checked
-      if (value < 0) call report_error(reader, reader%cards%cards(c)%line, 'The value of ' // name // ' must not be negative.')
-      number = max(value, 0.0_DP)
-    end subroutine read_positive
-
-  end subroutine read_damping
-
-
   !> TIME RESET: the step ends at the total time at which it starts. TOTAL TIME AT START: it starts at this one.
   subroutine set_total_time(reader, c, progress)
     type(reader_type), intent(inout) :: reader
@@ -454,30 +331,6 @@ contains
     progress%step%clock = clock
     progress%total_time = clock
   end subroutine set_total_time
-
-
-  !> Reports inconsistent times.
-  subroutine check_times(reader, line, step)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: line
-    type(step_type), intent(inout) :: step
-    if (step%dt_initial < 0 .or. step%dt_min < 0 .or. step%dt_max < 0) then
-      call report_error(reader, line, 'The times of a step must be positive.')
-      return
-    end if
-    if (step%dt_initial > step%period) call report_error(reader, line, 'The first increment ' // to_text(step%dt_initial) &
-      // ' is longer than the step, ' // to_text(step%period) // '.')
-    if (step%is_direct) return
-    if (step%dt_min > step%dt_initial) then
-      call report_note(reader, line, 'The least increment ' // to_text(step%dt_min) // ' is longer than the first one, ' // &
-        to_text(step%dt_initial) // ', which is taken for it.')
-      step%dt_min = step%dt_initial
-    end if
-    if (step%dt_max < step%dt_initial) then
-      call report_note(reader, line, 'The first increment is cut to the largest one, ' // to_text(step%dt_max) // '.')
-      step%dt_initial = step%dt_max
-    end if
-  end subroutine check_times
 
 
   !> CONTROLS: CalculiX's slots; a blank field keeps its value.

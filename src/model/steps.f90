@@ -7,7 +7,7 @@ module amontons_steps
   use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, temperature_type
   implicit none
   private
-  public :: step_type, print_request_type, frd_request_type, is_output_due, next_time_point, TOL_STOP_TIME
+  public :: step_type, path_end_type, print_request_type, frd_request_type, is_output_due, next_time_point, TOL_STOP_TIME
   public :: LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
   public :: TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
@@ -53,6 +53,14 @@ module amontons_steps
     integer :: set = 0                     !< NSET: index of the node set; 0: all nodes
   end type frd_request_type
 
+  !> Where a RIKS step ends.
+  type :: path_end_type
+    real(DP) :: load_factor = huge(1.0_DP)      !< with the increment that reaches it [-]
+    integer, allocatable :: nodes(:)            !< that carry the monitored displacement, their mean; not allocated: none
+    integer :: dof = 1                          !< of it, 1 to 3
+    real(DP) :: displacement = 0                !< with the increment that crosses it [length]
+  end type path_end_type
+
   !> One load step with all its loads and controls.
   type :: step_type
     character(:), allocatable :: title     !< text line after *STEP, may be empty
@@ -82,6 +90,8 @@ module amontons_steps
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
     logical :: has_creep = .false.       !< VISCO: materials creep
     logical :: is_dynamic = .false.        !< DYNAMIC, APPLICATION=QUASI-STATIC: inertia, by backward Euler
+    logical :: is_riks = .false.           !< RIKS: the loads follow the equilibrium path; times are lengths of its arc
+    type(path_end_type) :: path_end
     logical :: is_perturbation = .false.   !< PERTURBATION: its loads alone, on the undeformed body
     type(print_request_type), allocatable :: prints(:)
     type(interaction_type), allocatable :: interactions(:)  !< those in force; allocated if this or an earlier step changes some
@@ -104,12 +114,13 @@ module amontons_steps
 contains
 
   !> Whether an increment is written: every n-th of the step or those of TIME POINTS, and the step's last.
-  pure function is_output_due(step, frequency, increment, step_time, times) result(is_due)
+  pure function is_output_due(step, frequency, increment, step_time, times, is_last) result(is_due)
     type(step_type), intent(in) :: step
     integer, intent(in) :: frequency       !< step%print_frequency or step%file_frequency; 0: nothing is written
     integer, intent(in) :: increment       !< number of the increment in the step
     real(DP), intent(in) :: step_time      !< at its end [time]
     real(DP), intent(in), optional :: times(:)   !< step%print_times or step%file_times
+    logical, intent(in), optional :: is_last   !< the increment ends its step, whatever its time
     logical :: is_due
     is_due = .false.
     if (present(times)) then
@@ -119,7 +130,11 @@ contains
     else
       return
     end if
-    is_due = is_due .or. step_time >= step%period * (1 - 1.0e-9_DP)
+    if (step%is_riks) then
+      if (present(is_last)) is_due = is_due .or. is_last
+    else
+      is_due = is_due .or. step_time >= step%period * (1 - 1.0e-9_DP)
+    end if
   end function is_output_due
 
 

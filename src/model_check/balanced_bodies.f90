@@ -115,6 +115,7 @@ contains
     do t = 1, N_TIMES
       state%new%step_time = model%steps(step)%period * real(t, DP) / real(N_TIMES, DP)
       state%new%total_time = before + state%new%step_time
+      state%new%load_factor = real(t, DP) / real(N_TIMES, DP)
       call assemble_external_loads(assembly, model, model%steps(step), state%new, .false., .false.)
       work = 0.0_DP
       sizes = 0.0_DP

@@ -29,6 +29,7 @@ module amontons_contact_subproblem
   type :: subproblem_result_type
     real(DP) :: merit = huge(1.0_DP)
     real(DP), allocatable :: du(:, :)
+    real(DP) :: d_load = 0                         !< change of the load factor [-]
     type(slave_state_type), allocatable :: slaves(:)
     integer :: n_subproblem_iterations = 0                        !< corrections made
     integer :: outcome = OUTCOME_OK              !< of the last of them
@@ -41,7 +42,7 @@ contains
   !!
   !! Only for AUTO, and only with the condensed interface: the other line searches use the uncorrected direction.
   !! After: du, and the slave states with which u + du is to be evaluated; the state is at u as before.
-  subroutine solve_contact_subproblem(system, model, step, state, du, slaves, error)
+  subroutine solve_contact_subproblem(system, model, step, state, du, slaves, error, d_load)
     type(equilibrium_type), intent(inout), target :: system   !< with the direction's factor
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -49,13 +50,17 @@ contains
     real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
     type(slave_state_type), allocatable, intent(out) :: slaves(:)
     type(error_type), allocatable, intent(out) :: error
+    real(DP), intent(inout), optional :: d_load    !< change of the load factor along du, in a RIKS step [-]
     type(configuration_type) :: start
     type(subproblem_result_type) :: best, candidate
+    real(DP) :: initial_d_load
     logical :: has_interface_solver, is_interface_singular             ! at the end of the whole direction
     slaves = state%new%slaves
     if (step%line_search /= LINE_SEARCH_AUTO .or. .not. system%has_interface_solver) return
     start = save_configuration(system, state)
-    call solve_whole_step(system, model, step, start, state, du, best, error)
+    initial_d_load = 0.0_DP
+    if (present(d_load)) initial_d_load = d_load
+    call solve_whole_step(system, model, step, start, state, du, initial_d_load, best, error)
     if (allocated(error)) return
     system%n_subproblem_iterations = system%n_subproblem_iterations + best%n_subproblem_iterations
     if (.not. best%is_subproblem_solved .and. system%proximal_shift <= 0.0_DP) then
@@ -69,6 +74,7 @@ contains
       system%is_interface_singular = is_interface_singular .and. .not. candidate%is_subproblem_solved
     end if
     du = best%du
+    if (present(d_load)) d_load = best%d_load
     slaves = best%slaves
     system%is_subproblem_solved = best%is_subproblem_solved            ! if not, the factor may be missing
     call restore_configuration(system, model, step, start, state, error)
@@ -76,49 +82,53 @@ contains
 
 
   !> All corrections at the end of the whole direction. The result is the iterate with the least merit.
-  subroutine solve_whole_step(system, model, step, start, state, du, best, error)
+  subroutine solve_whole_step(system, model, step, start, state, du, initial_d_load, best, error)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(configuration_type), intent(inout) :: start       !< u; out: slaves fixed to their extended edges are marked
     type(state_type), intent(inout) :: state
     real(DP), intent(inout) :: du(:, :)            !< (3, n_nodes) [length]
+    real(DP), intent(in) :: initial_d_load         !< change of the load factor along du [-]
     type(subproblem_result_type), intent(out) :: best
     type(error_type), allocatable, intent(out) :: error
     type(active_set_history_type) :: active_set_history
     real(DP), allocatable :: correction(:, :), initial_du(:, :)
     type(facet_track_type) :: facet_tracks(size(start%slaves))   ! of the slave nodes
-    real(DP) :: largest_merit
+    real(DP) :: largest_merit, d_load, d_correction
     logical :: is_extended, is_cycle_found
     is_cycle_found = .false.
     system%n_halved = 0
     largest_merit = 0.0_DP
     initial_du = du
+    d_load = initial_d_load
     best%du = du
+    best%d_load = d_load
     best%slaves = start%slaves
     allocate (correction, mold=du)
-    call evaluate_linearized(system, model, start, du, state)
+    call evaluate_linearized(system, model, start, du, state, d_load)
     do
       call extend_master_edges(system%contact, step%controls%cycling, start%slaves, state%new%slaves, facet_tracks, is_extended)
       if (is_extended .and. best%n_subproblem_iterations < step%controls%subproblem%max_iterations) then
         ! Restart with slaves fixed to their extended edges.
         du = initial_du
+        d_load = initial_d_load
         best%merit = huge(1.0_DP)                  ! the next iterate is the best one
         state%new%slaves = start%slaves
         best%n_subproblem_iterations = best%n_subproblem_iterations + 1
-        call evaluate_linearized(system, model, start, du, state)
+        call evaluate_linearized(system, model, start, du, state, d_load)
       end if
-      call record_best(system, state, du, best)
+      call record_best(system, state, du, d_load, best)
       call record_active_set(active_set_history, state%new%slaves, system%merit)
       largest_merit = max(largest_merit, system%merit)
       if (has_subproblem_converged(system, step, start, largest_merit)) exit
       is_cycle_found = is_cycling(step%controls%subproblem, active_set_history)
       if (best%n_subproblem_iterations == step%controls%subproblem%max_iterations .or. is_cycle_found) exit
       best%n_subproblem_iterations = best%n_subproblem_iterations + 1
-      call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error)
+      call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error, d_correction)
       if (allocated(error)) return
       if (best%outcome /= OUTCOME_OK .or. all(correction == 0.0_DP)) exit   ! GMRES finds no correction
-      call apply_damped_correction(system, model, step, start, correction, state, du)
+      call apply_damped_correction(system, model, step, start, correction, d_correction, state, du, d_load)
     end do
     best%is_subproblem_solved = best%n_subproblem_iterations < step%controls%subproblem%max_iterations .and. .not. is_cycle_found &
       .and. best%outcome == OUTCOME_OK
@@ -180,24 +190,25 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: correction(:, :)
     type(active_set_history_type) :: active_set_history
-    real(DP) :: largest_merit
+    real(DP) :: largest_merit, d_correction
     integer :: n
     candidate%is_subproblem_solved = .false.
     system%n_halved = 0
     largest_merit = 0.0_DP
     allocate (correction, mold=candidate%du)
     state%new%slaves = candidate%slaves
-    call evaluate_linearized(system, model, start, candidate%du, state)
+    call evaluate_linearized(system, model, start, candidate%du, state, candidate%d_load)
     do n = 1, step%controls%subproblem%max_iterations_per_substep
       candidate%n_subproblem_iterations = n
       call solve_correction(system, model, step, state, merge(offset_fraction, 0.0_DP, n == 1), correction, candidate%outcome, &
-        error)
+        error, d_correction)
       if (allocated(error) .or. candidate%outcome /= OUTCOME_OK) return
       if (n == 1) then
         candidate%du = candidate%du + correction
-        call evaluate_linearized(system, model, start, candidate%du, state)
+        candidate%d_load = candidate%d_load + d_correction
+        call evaluate_linearized(system, model, start, candidate%du, state, candidate%d_load)
       else
-        call apply_damped_correction(system, model, step, start, correction, state, candidate%du)
+        call apply_damped_correction(system, model, step, start, correction, d_correction, state, candidate%du, candidate%d_load)
       end if
       largest_merit = max(largest_merit, system%merit)
       call record_active_set(active_set_history, state%new%slaves, system%merit)
@@ -240,14 +251,16 @@ contains
 
 
   !> Records the iterate if its merit is the least so far; of equal ones the first.
-  subroutine record_best(system, state, du, best)
+  subroutine record_best(system, state, du, d_load, best)
     type(equilibrium_type), intent(in) :: system
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)
+    real(DP), intent(in) :: d_load
     type(subproblem_result_type), intent(inout) :: best
     if (.not. system%merit < MERIT_DECREASE_RATIO * best%merit) return
     best%merit = system%merit
     best%du = du
+    best%d_load = d_load
     best%slaves = state%new%slaves
   end subroutine record_best
 
@@ -255,14 +268,16 @@ contains
   !> Applies the longest of the tried lengths of a correction at which the merit does not grow, else the one with the least merit;
   !! of
   !! equal ones the longest.
-  subroutine apply_damped_correction(system, model, step, start, correction, state, du)
+  subroutine apply_damped_correction(system, model, step, start, correction, d_correction, state, du, d_load)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(configuration_type), intent(in) :: start
     real(DP), intent(in) :: correction(:, :)
+    real(DP), intent(in) :: d_correction           !< change of the load factor along it [-]
     type(state_type), intent(inout) :: state
     real(DP), intent(inout) :: du(:, :)
+    real(DP), intent(inout) :: d_load              !< [-]
     type(slave_state_type), allocatable :: slaves(:)
     real(DP) :: start_merit, least_merit, length, best_length
     integer :: halving
@@ -274,7 +289,7 @@ contains
     do halving = 0, step%controls%subproblem%max_halvings
       length = 0.5_DP**halving
       state%new%slaves = slaves
-      call evaluate_linearized(system, model, start, du + length * correction, state)
+      call evaluate_linearized(system, model, start, du + length * correction, state, d_load + length * d_correction)
       if (system%merit < MERIT_DECREASE_RATIO * least_merit) best_length = length
       least_merit = min(least_merit, system%merit)
       if (MERIT_DECREASE_RATIO * system%merit <= start_merit) exit
@@ -282,9 +297,10 @@ contains
     if (best_length < 1.0_DP) system%n_halved = system%n_halved + 1
     if (best_length < length .or. best_length > length) then
       state%new%slaves = slaves
-      call evaluate_linearized(system, model, start, du + best_length * correction, state)
+      call evaluate_linearized(system, model, start, du + best_length * correction, state, d_load + best_length * d_correction)
     end if
     du = du + best_length * correction
+    d_load = d_load + best_length * d_correction
   end subroutine apply_damped_correction
 
 end module amontons_contact_subproblem

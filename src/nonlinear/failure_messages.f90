@@ -134,7 +134,7 @@ contains
     case (FAMILY_PENETRATION)
       words = 'smaller increments, so that a node moves less than half an edge of the master in each.'
     case (FAMILY_LIMIT_POINT)
-      words = 'prescribe displacements instead of forces beyond this load, or damp the step (*STATIC, STABILIZE).'
+      words = 'follow the path beyond this load (*STATIC, RIKS), prescribe displacements, or damp the step (*STATIC, STABILIZE).'
     case default
       words = 'smaller increments (the first number after *STATIC; the third is the least allowed).'
     end select

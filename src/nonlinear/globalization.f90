@@ -13,7 +13,7 @@ module amontons_globalization
   use amontons_convergence, only: convergence_measures_type
   use amontons_contact_subproblem, only: solve_contact_subproblem
   use amontons_proximal_step, only: is_motion_unrestrained, find_proximal_step, find_snap_through_step
-  use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK
+  use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK, OUTCOME_LINEAR_SOLVER
   use amontons_newton_step, only: solve_newton_step
   implicit none
   private
@@ -41,6 +41,7 @@ module amontons_globalization
   !> Step of an iteration.
   type :: trial_step_type
     real(DP), allocatable :: du(:, :)              !< (3, n_nodes) [length]
+    real(DP) :: d_load = 0                         !< change of the load factor along it, in a RIKS step [-]
     type(slave_state_type), allocatable :: predicted_slaves(:)      !< (n_slaves) predicted contact state at its end
   end type trial_step_type
 
@@ -103,14 +104,17 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
     logical :: is_unrestrained
-    call solve_newton_step(system, model, step, state, trial_step%du, outcome, error)
+    call solve_newton_step(system, model, step, state, trial_step%du, outcome, error, trial_step%d_load)
     if (allocated(error)) return
     is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)
     if (outcome == OUTCOME_OK .and. .not. is_unrestrained) then
-      call solve_contact_subproblem(system, model, step, state, trial_step%du, trial_step%predicted_slaves, error)
+      call solve_contact_subproblem(system, model, step, state, trial_step%du, trial_step%predicted_slaves, error, &
+        trial_step%d_load)
       if (allocated(error)) return
       is_unrestrained = is_motion_unrestrained(system, model, trial_step%du, outcome)   ! slip may leave a body unsupported
     end if
+    if (is_unrestrained .and. step%is_riks) outcome = OUTCOME_LINEAR_SOLVER   ! a shorter arc may keep the bodies together
+    if (outcome /= OUTCOME_OK .and. step%is_riks) return
     strategy%step_kind = merge(STEP_KIND_PROXIMAL, STEP_KIND_NEWTON, is_unrestrained)
     if (is_unrestrained) call find_proximal_step(system, model, step, state, strategy%proximal_shift, trial_step%du, &
       trial_step%predicted_slaves, outcome, error)
@@ -143,7 +147,7 @@ contains
     type(state_type), intent(in) :: state
     integer :: oldest
     oldest = merge(0, 2, strategy%n_snap_through > 0)
-    is_body_drifting = step%line_search == LINE_SEARCH_AUTO .and. size(state%new%slaves) > 0 &
+    is_body_drifting = .not. step%is_riks .and. step%line_search == LINE_SEARCH_AUTO .and. size(state%new%slaves) > 0 &
       .and. strategy%unsolved_limit < UNSOLVED_LIMIT_INFINITE &
       .and. measures%iteration >= step%controls%globalization%min_drift_iterations .and. &
       all(measures%residual(0:oldest) <= step%controls%r_n)
@@ -155,7 +159,7 @@ contains
     type(globalization_type), intent(in) :: strategy
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
-    is_step_unsolved = step%line_search == LINE_SEARCH_AUTO .and. system%has_interface_solver .and. &
+    is_step_unsolved = .not. step%is_riks .and. step%line_search == LINE_SEARCH_AUTO .and. system%has_interface_solver .and. &
       .not. system%is_subproblem_solved .and. &
       strategy%step_kind == STEP_KIND_NEWTON .and. size(system%contact%slip_data) > 0
   end function is_step_unsolved

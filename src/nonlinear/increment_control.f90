@@ -58,26 +58,35 @@ contains
     type(increment_control_type), intent(in) :: stepping
     type(step_type), intent(in) :: step
     real(DP) :: time_left
-    time_left = next_time_point(step, stepping%step_time) - stepping%step_time
     dt = stepping%dt
+    if (step%is_riks) return                       ! the path ends elsewhere
+    time_left = next_time_point(step, stepping%step_time) - stepping%step_time
     if (dt >= time_left - TOL_STOP_TIME * step%period) dt = time_left
   end function propose_increment
 
 
   !> Accepts a converged increment: advances the time and adapts the length of the next increment.
-  pure subroutine accept_increment(stepping, step, dt, effort, outcome)
+  pure subroutine accept_increment(stepping, step, dt, effort, outcome, is_path_done)
     type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the increment [time]
     type(attempt_effort_type), intent(in) :: effort
     integer, intent(out) :: outcome                !< OUTCOME_STEP_DONE or OUTCOME_CONTINUE
+    logical, intent(in), optional :: is_path_done  !< of a RIKS step: the increment ends it
+    logical :: is_done
     stepping%total_time = stepping%total_time + dt
     stepping%step_time = stepping%step_time + dt
-    if (abs(step%period - stepping%step_time) <= TOL_STOP_TIME * step%period) stepping%step_time = step%period
+    if (step%is_riks) then
+      is_done = .false.
+      if (present(is_path_done)) is_done = is_path_done
+    else
+      if (abs(step%period - stepping%step_time) <= TOL_STOP_TIME * step%period) stepping%step_time = step%period
+      is_done = stepping%step_time >= step%period
+    end if
     if (.not. step%is_direct) call adapt_increment(stepping, step, effort)
     stepping%attempt = 1
     outcome = OUTCOME_STEP_DONE
-    if (stepping%step_time >= step%period) return
+    if (is_done) return
     stepping%increment = stepping%increment + 1
     outcome = OUTCOME_CONTINUE
   end subroutine accept_increment

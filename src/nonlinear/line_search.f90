@@ -11,14 +11,15 @@
 module amontons_line_search
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
-  use amontons_steps, only: step_type, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
+  use amontons_steps, only: step_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, &
+    LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_surfaces, only: is_compliant
   use amontons_slave_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_STICK_ONCE
   use amontons_friction_slip_scenarios, only: slip_result_type, slip_controls_type, classify_slip_scenarios, &
     find_bounded_step_length, &
     STATUS_BALANCED
-  use amontons_newton_step, only: solve_roughly
+  use amontons_tangent_solution, only: solve_roughly
   use amontons_tunnelling_check, only: largest_sliding
   use amontons_sparse, only: multiply, multiply_transpose
   use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_equilibrium, &
@@ -52,13 +53,14 @@ module amontons_line_search
   type, extends(configuration_type) :: search_start_type
     type(slave_state_type), allocatable :: predicted_slaves(:)      !< the slaves for the evaluation of the full step
     real(DP) :: pair = 0                           !< d'R(u)
+    real(DP) :: d_load = 0                         !< change of the load factor along d [-]
     logical :: is_merit_comparable = .false.             !< the prescribed displacements were complete at u
   end type search_start_type
 
 contains
 
   !> Moves the trial state along the direction and evaluates it there.
-  subroutine perform_line_search(system, model, step, du, predicted_slaves, state, report, outcome)
+  subroutine perform_line_search(system, model, step, du, predicted_slaves, state, report, outcome, d_load)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -67,16 +69,18 @@ contains
     type(state_type), intent(inout) :: state       !< in: evaluated at u; out: evaluated at the new iterate
     type(line_search_report_type), intent(out) :: report
     integer, intent(out) :: outcome                !< OUTCOME_... if no step length gives a valid configuration
+    real(DP), intent(in), optional :: d_load       !< change of the load factor along d, in a RIKS step [-]
     type(search_start_type) :: start
     type(slip_result_type), allocatable :: verdicts(:)
     start%configuration_type = save_configuration(system, state)
     start%predicted_slaves = predicted_slaves
+    if (present(d_load)) start%d_load = d_load
     start%pair = directional_residual(system, du)
     start%is_merit_comparable = is_displacement_complete(system, state%new%u)
     call try_full_step(system, model, step, du, start, state, report, outcome)
     if (outcome /= OUTCOME_OK) return
     call classify_slave_nodes(system, step, start, report, verdicts)
-    select case (step%line_search)
+    select case (merge(LINE_SEARCH_NONE, step%line_search, step%is_riks))   ! a shorter step would leave the arc
     case (LINE_SEARCH_ALL)
       call try_length(find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, controls_of(system, &
         step)))
@@ -141,6 +145,7 @@ contains
       max_length = max_sliding / max(max_sliding, largest_sliding(system%contact, model, start%slaves, du))
     do halving = 0, step%controls%line_search%max_halvings
       report%step_length = max_length * 0.5_DP**halving
+      state%new%load_factor = start%load_factor + report%step_length * start%d_load
       call evaluate_trial(system, model, step, start, start%u + report%step_length * du, report%step_length == 1.0_DP, state, &
         outcome)
       if (outcome == OUTCOME_OK) exit

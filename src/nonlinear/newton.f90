@@ -73,12 +73,14 @@ contains
       dt = state%new%total_time - state%old%total_time
       sliding = largest_sliding(system%contact, model, state%old%slaves, dt * state%old%v)
       state%new%u = state%old%u + dt * state%old%v
+      state%new%load_factor = state%old%load_factor + dt * state%old%load_rate
       call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen= &
         sliding < step%controls%newton%max_predicted_sliding)
     end if
     is_extrapolated = newton%outcome == OUTCOME_OK
     if (.not. is_extrapolated) then
       state%new%u = state%old%u
+      state%new%load_factor = state%old%load_factor
       state%new%slaves = state%old%slaves
       call begin_increment(system, model, step, is_step_start, state)
       call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.true.)
@@ -146,7 +148,8 @@ contains
     u = state%new%u
     residual = system%residual
     newton%direction = trial_step%du
-    call perform_line_search(system, model, step, trial_step%du, trial_step%predicted_slaves, state, report, newton%outcome)
+    call perform_line_search(system, model, step, trial_step%du, trial_step%predicted_slaves, state, report, newton%outcome, &
+      trial_step%d_load)
     if (report%is_ascent_direction .and. newton%measures%residual(0) > step%controls%r_n) newton%n_ascent_directions &
       = newton%n_ascent_directions + 1
     newton%globalization%is_rejected = report%is_rejected

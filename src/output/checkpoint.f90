@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 14
+  integer(I64), parameter :: FORMAT_VERSION = 15
   integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
 
   !> All data on which the next increment depends.
@@ -465,6 +465,9 @@ contains
     call packer%exchange(fields%stabilization_work)
     call packer%exchange(fields%kinetic_energy)
     call packer%exchange(fields%integration_loss)
+    call packer%exchange(fields%load_factor)
+    call packer%exchange(fields%load_rate)
+    call packer%exchange(fields%arc_scale)
     call packer%exchange(fields%u)
     call packer%exchange(fields%v)
     call packer%exchange(fields%stress)

@@ -307,7 +307,8 @@ contains
     integer :: i
     if (frd%unit == 0 .or. record%increment == 0) return
     associate (step => model%steps(record%step))
-      if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)) return
+      if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times, &
+        record%is_step_end)) return
       shown = is_shown(frd, model, step, fields, n_nodal_slaves(model, fields%slaves))
     end associate
     if (.not. any(shown)) return

@@ -93,7 +93,7 @@ module amontons_result_schema
   integer, parameter :: N_PAIR_INTEGERS = sum(PAIR_COLUMNS%width, mask=PAIR_COLUMNS%is_integer)
   integer, parameter :: N_PAIR_REALS = sum(PAIR_COLUMNS%width, mask=.not. PAIR_COLUMNS%is_integer)
 
-  type(result_column_type), parameter :: HISTORY_COLUMNS(33) = [ &
+  type(result_column_type), parameter :: HISTORY_COLUMNS(34) = [ &
     result_column_type('step', 1, '[-]', 'Step, counted from 1; 0 is the state before the first.', .true.), &
     result_column_type('increment', 1, '[-]', 'Increment in the step, counted from 1.', .true.), &
     result_column_type('attempt', 1, '[-]', 'Attempt at the increment, counted from 1.', .true.), &
@@ -131,7 +131,8 @@ module amontons_result_schema
     result_column_type('plastic_work', 1, '[energy]', 'Taken by plastic and creep strains since the start of the job.'), &
     result_column_type('kinetic_energy', 1, '[energy]', 'Of the motion in a DYNAMIC step.'), &
     result_column_type('integration_loss', 1, '[energy]', &
-      'Dissipated by backward Euler in DYNAMIC steps since the start of the job.')]
+      'Dissipated by backward Euler in DYNAMIC steps since the start of the job.'), &
+    result_column_type('load_factor', 1, '[-]', 'Load proportionality factor of a RIKS step, else 0.')]
   integer, parameter :: N_HISTORY_INTEGERS = sum(HISTORY_COLUMNS%width, mask=HISTORY_COLUMNS%is_integer)
   integer, parameter :: N_HISTORY_REALS = sum(HISTORY_COLUMNS%width, mask=.not. HISTORY_COLUMNS%is_integer)
 

@@ -227,7 +227,7 @@ contains
     is_due = record%increment == 0
     if (.not. is_due) then
       associate (step => model%steps(record%step))
-        is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times)
+        is_due = is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times, record%is_step_end)
       end associate
     end if
     if (is_due) call write_frame(results, model, fields, nodal_slaves(model, fields%slaves), error)
@@ -633,7 +633,7 @@ contains
       record%correction, record%seconds, record%applied_force, record%reaction_force, record%contact_force, &
       record%slave_force, record%external_work, record%friction_work, record%strain_energy, &
       record%contact_energy, record%proximal_work, record%stabilization_work, &
-      record%plastic_work, record%kinetic_energy, record%integration_loss]
+      record%plastic_work, record%kinetic_energy, record%integration_loss, record%load_factor]
     if (record%is_converged) call check_finite('history row', HISTORY_COLUMNS, reals, error)
     if (.not. allocated(error)) then
       reals(:, 1) = finite_or_marker(reals(:, 1))

@@ -42,7 +42,7 @@ contains
     if (allocated(error)) return
     write (output%sta, '(a)', iostat=status) 'SUMMARY OF JOB INFORMATION', &
       '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME' // &
-      '    OPEN  STICK   SLIP      S-I     S-II    S-III     S-IV  CUT  FACT  KRYLOV   RESIDUAL  CORRECTION'
+      '    OPEN  STICK   SLIP      S-I     S-II    S-III     S-IV  CUT  FACT  KRYLOV   RESIDUAL  CORRECTION         LPF'
     if (output%status == 0) output%status = status
     call flush_unit(output, output%sta)
     output%cvg_path = job_path(options, '.cvg')
@@ -210,11 +210,14 @@ contains
   subroutine print_increment(output, record)
     type(text_output_type), intent(inout) :: output
     type(increment_record_type), intent(in) :: record
-    character(*), parameter :: EXTRA_FORMAT = '3(1x,i6),4(1x,i8),1x,i4,1x,i5,1x,i7,2(1x,e11.4))'
+    character(*), parameter :: EXTRA_FORMAT = '3(1x,i6),4(1x,i8),1x,i4,1x,i5,1x,i7,2(1x,e11.4),a)'
     real(DP) :: back
     integer :: status
     character(:), allocatable :: form
+    character(14) :: load_factor                   ! of a RIKS step
     if (output%sta == 0) return
+    load_factor = ''
+    if (record%is_riks) write (load_factor, '(1x,e13.6)') record%load_factor
     if (record%is_converged) then
       form = '(1x,i5,1x,i10,2(1x,i5),3(1x,e13.6),' // EXTRA_FORMAT
       back = 0
@@ -224,7 +227,8 @@ contains
     end if
     write (output%sta, form, iostat=status) record%step, record%increment, record%attempt, record%n_iterations, &
       record%total_time - back, record%step_time - back, record%dt, record%n_status, record%n_scenario, &
-      record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction
+      record%n_cutbacks, record%n_factorisations, record%n_krylov, record%residual, record%correction, &
+      trim(load_factor)
     if (output%status == 0) output%status = status
     call flush_unit(output, output%sta)
     if (output%cvg /= 0) call print_attempt_notes(output, record)
@@ -279,7 +283,7 @@ contains
       if (.not. allocated(step%prints)) return
       if (size(step%prints) == 0) return
       if (.not. is_output_due(step, step%print_frequency, record%increment, record%step_time, &
-        step%print_times)) return
+        step%print_times, record%is_step_end)) return
       write (output%dat, '(/24x,a,i5,///,32x,a,i5,/)') 'S T E P   ', record%step, 'INCREMENT ', record%increment
       do i = 1, size(step%prints)
         call print_request(output%dat, model, fields, step%prints(i), step%is_nlgeom)

@@ -17,7 +17,7 @@ module amontons_state
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
-  public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state
+  public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state, load_time
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
   integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values of the plasticity state in CalculiX
@@ -94,6 +94,10 @@ module amontons_state
     real(DP) :: integration_loss = 0        !< dissipated by backward Euler in DYNAMIC steps, since the start [energy]
     real(DP) :: plastic_work = 0            !< of stresses on plastic and creep strains, since the start [energy]
     real(DP) :: proximal_work = 0            !< of the residual forces in proximal steps and snaps, since the start [energy]
+    real(DP) :: load_factor = 0             !< RIKS: load proportionality factor [-]
+    real(DP) :: load_rate = 0               !< its change over the last increment, over the arc [1/time]
+    real(DP) :: arc_scale = 0               !< RIKS: displacement by the loads at the start of the step, all nodes; 0: not known
+                                            !! yet [length]
   end type fields_type
 
   !> Committed and trial fields.
@@ -332,8 +336,18 @@ contains
     real(DP) :: dt
     dt = state%new%total_time - state%old%total_time
     if (dt > 0.0_DP) state%new%v = (state%new%u - state%old%u) / dt
+    if (dt > 0.0_DP) state%new%load_rate = (state%new%load_factor - state%old%load_factor) / dt
     state%old = state%new
   end subroutine commit_state
+
+
+  !> The time within a step at which its loads are taken: the loads of a RIKS step are linear in the load factor [time].
+  pure real(DP) function load_time(step, fields) result(time)
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    time = fields%step_time
+    if (step%is_riks) time = fields%load_factor * step%period
+  end function load_time
 
 
   !> Restores the trial fields from the last commit, bitwise.

@@ -46,7 +46,7 @@ TRIALS = [
     ("vibration", "step", "*DYNAMIC\n0.1, 1.\n", r"\*DYNAMIC"),
     ("natural frequencies", "step", "*FREQUENCY\n3\n", r"\*FREQUENCY is not supported"),
     ("buckling factors", "step", "*BUCKLE\n3\n", r"\*BUCKLE is not supported"),
-    ("Riks", "step", "*STATIC, RIKS\n0.1, 1.\n", "RIKS"),
+    ("a step after a", "step", "*STATIC, RIKS\n0.1, 1.\n*CLOAD\nALL, 3, 1.\n*END STEP\n*STEP\n*STATIC\n", "No step can follow a RIKS step"),
     ("heat transfer", "step", "*HEAT TRANSFER\n0.1, 1.\n", r"\*HEAT TRANSFER is not supported"),
     ("coupled temperature", "step", "*COUPLED TEMPERATURE-DISPLACEMENT\n0.1, 1.\n", r"\*COUPLED TEMPERATURE-DISPLACEMENT is not supported"),
     ("submodels", "step", "*SUBMODEL\nALL\n*STATIC\n", r"\*SUBMODEL is not supported"),

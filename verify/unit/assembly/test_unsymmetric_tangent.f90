@@ -7,7 +7,8 @@ program test_unsymmetric_tangent
   use amontons_deck, only: read_deck_text
   use amontons_state, only: state_type
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
-  use amontons_newton_step, only: linearize_equilibrium, apply_unconstrained_tangent, assemble_tangent_matrix
+  use amontons_newton_step, only: linearize_equilibrium
+  use amontons_tangent_solution, only: apply_unconstrained_tangent, assemble_tangent_matrix
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use check, only: suite_type
   implicit none

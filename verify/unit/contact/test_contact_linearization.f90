@@ -14,7 +14,8 @@ program test_contact_linearization
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
     configuration_type, save_configuration, &
     evaluate_linearized
-  use amontons_newton_step, only: linearize_equilibrium, apply_unconstrained_tangent, assemble_tangent_matrix, solve_newton_step
+  use amontons_newton_step, only: linearize_equilibrium, solve_newton_step
+  use amontons_tangent_solution, only: apply_unconstrained_tangent, assemble_tangent_matrix
   use amontons_contact_evaluation, only: has_other_constraints
   use amontons_contact_linearization, only: linearize_contact
   use amontons_contact_operators, only: assemble_contact_tangents, factorise_spring_tangents

@@ -11,8 +11,8 @@ program test_newton_step
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
     OUTCOME_OK
-  use amontons_newton_step, only: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift, &
-    apply_unconstrained_tangent, assemble_tangent_matrix
+  use amontons_newton_step, only: solve_newton_step, solve_correction, linearize_equilibrium, set_proximal_shift
+  use amontons_tangent_solution, only: apply_unconstrained_tangent, assemble_tangent_matrix
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -820,7 +820,7 @@ contains
     call expect_error(suite, S // 'x,1.;' // STEP_END, 'first increment')
     call expect_error(suite, S // '.1,1.,1e-5,1.,1.,1.;' // STEP_END, '6 values')
     call expect_error(suite, S // '.1,1.;.1,1.;' // STEP_END, 'takes no data')
-    call expect_error(suite, MODEL_PART // '*STEP;*STATIC, RIKS;' // STEP_END, 'RIKS')
+    call expect_error(suite, MODEL_PART // '*STEP;*STATIC, RIKS;' // STEP_END, 'No load changes in this RIKS step')
   end subroutine test_static
 
 
