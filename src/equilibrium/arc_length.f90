@@ -30,7 +30,7 @@ contains
 
 
   !> Completes a direction at the trial displacements: du = du_residual + d_load du_load ends on the sphere. Of the two roots it
-  !! takes the one that goes on in the direction of the increment so far, or of the last increment where this one has not moved
+  !! takes the one that continues in the direction of the increment so far, or of the last increment where this one has not moved
   !! yet, or of growing loads at the start of the step. Where the direction misses the sphere it goes to the nearest point.
   pure subroutine close_arc(state, arc, lever, du_load, du, d_load)
     type(state_type), intent(inout) :: state       !< in: trial and committed; out: arc_scale of the trial fields, if not known

@@ -63,8 +63,8 @@ def test_von_mises_truss(run_deck: Run, tmp_path: Path) -> None:
     assert count(done.stdout, "Newton iterations") <= 2.2 * len(u)
     lines = [line.split() for line in (tmp_path / "job.sta").read_text().splitlines()[2:]]
     assert [float(line[-1]) for line in lines] == pytest.approx(list(factor), rel=1e-5)
-    told = re.findall(r"Load proportionality factor (\S+)\.\n", done.stdout)
-    assert [float(word) for word in told] == pytest.approx(list(factor), rel=1e-5)
+    printed = re.findall(r"Load proportionality factor (\S+)\.\n", done.stdout)
+    assert [float(word) for word in printed] == pytest.approx(list(factor), rel=1e-5)
 
 
 def test_dead_load(run_deck: Run, tmp_path: Path) -> None:
@@ -106,7 +106,7 @@ def test_ends(run_deck: Run, tmp_path: Path, line: str, increments: int, n: int)
 
 
 def test_restart(run_deck: Run, tmp_path: Path) -> None:
-    """A job cut in two by RESTART goes on along the path in the same direction, bitwise, beyond a limit point."""
+    """A job cut in two by RESTART continues along the path in the same direction, bitwise, beyond a limit point."""
     assert run_deck(TRUSSES + path_step("0.05, 1., 1e-5, 0.2, 1.", "*RESTART, WRITE\n" + LOAD)).returncode == 0
     u, factor = path(tmp_path, 2)
     assert factor[9] < factor[8], "on the falling branch"
@@ -167,7 +167,7 @@ def test_hinged_roof(run_deck: Run, tmp_path: Path, thickness: float, limits: li
 
 
 def test_pressed_arch(run_deck: Run, tmp_path: Path) -> None:
-    """A stamp under forces presses an arch through along its path, with friction; the same stamp led down gives the same curve."""
+    """A stamp under forces presses an arch through along its path, with friction; the same stamp moved down gives the same curve."""
     forces = pressed_arch()
     start = forces.index("*STEP")
     held = "*BOUNDARY\nARCH_LEFT, 1, 2\nARCH_RIGHT, 1, 2\nSTAMP_TOP, 1\n"
@@ -180,9 +180,9 @@ def test_pressed_arch(run_deck: Run, tmp_path: Path) -> None:
     assert history(tmp_path, "slave_force")[:, 1] == pytest.approx(force, rel=1e-5), "the contact carries the load"
     done = run_deck(forces[:start] + "*STEP, NLGEOM, INC=500\n*STATIC\n0.005, 1., 1e-8, 0.01\n" + held + f"STAMP_TOP, 2, 2, {down[-1]}\n*END STEP\n")
     assert done.returncode == 0, done.stdout
-    led = -history(tmp_path, "slave_force")[:, 1]
-    led = led if led.max() > 0 else -led
-    assert force == pytest.approx(np.interp(-down, -heads(tmp_path), led), abs=0.02 * force[:8].max())
+    moved = -history(tmp_path, "slave_force")[:, 1]
+    moved = moved if moved.max() > 0 else -moved
+    assert force == pytest.approx(np.interp(-down, -heads(tmp_path), moved), abs=0.02 * force[:8].max())
 
 
 def heads(folder: Path) -> np.ndarray:

@@ -55,7 +55,7 @@ contains
     call suite%near('first: the rate over the arc', state%old%load_rate, 0.2_DP, TOL)
     du = 0.0_DP
     call close_arc(state, 0.3_DP, NO_ANGLES, -2 * du_load, du, d_load)   ! beyond a limit point the load acts the other way
-    call suite%near('second: goes on in the last direction', d_load, -0.3_DP * sqrt(0.4_DP), TOL)
+    call suite%near('second: continues in the last direction', d_load, -0.3_DP * sqrt(0.4_DP), TOL)
     du = 0.0_DP
     state%new%load_factor = state%old%load_factor
     call close_arc(state, 0.3_DP, NO_ANGLES, du_load, du, d_load)
@@ -79,7 +79,7 @@ contains
       call close_arc(state, 0.25_DP, NO_ANGLES, du_load, du, d_load)
       call suite%near('root: on the sphere', miss(state, 0.25_DP, du, d_load), 0.0_DP, TOL)
       step = real(i, DP) * (state%new%load_factor + d_load)
-      call suite%that('root: goes on', step > 0.1_DP)
+      call suite%that('root: continues', step > 0.1_DP)
     end do
     state%new%u = 0.0_DP
     state%new%load_factor = 0.0_DP
