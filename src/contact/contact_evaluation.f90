@@ -62,7 +62,7 @@ contains
     if (size(fields%slaves) == 0) return
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
-    if (any(model%pairs%is_mortar)) call update_mortar_rows(contact, old%slaves, &
+    if (any(model%pairs%is_mortar) .and. .not. allocated(contact%held_friction)) call update_mortar_rows(contact, old%slaves, &
       model%pairs%is_mortar .and. .not. contact%has_fixed_geometry, &
       .false., x)
     allocate (total, source=imbalance)
@@ -250,7 +250,7 @@ contains
     real(DP) :: friction(3), limit
     friction = coulomb
     if (.not. is_friction_held(contact, slave%status)) return
-    limit = norm2(contact%held_friction(:, s))
+    limit = contact%held_limit(s)
     friction = contact%held_friction(:, s) - slave%stiffness * slave%slip_increment
     if (norm2(friction) > limit) friction = limit / norm2(friction) * friction
   end function slip_friction

@@ -215,10 +215,10 @@ module amontons_controls
     integer :: max_interpolated = 16       !< iterations in succession whose residual is interpolated | conjugate_gradients
     real(DP) :: interpolation_tolerance = 1.0e-2_DP   !< error of an interpolated residual at which fewer are interpolated [-] |
                                            !! conjugate_gradients
-    real(DP) :: max_penetration = 0.5_DP   !< of an open node in a step, over the edge of the master [-] | conjugate_gradients
+    real(DP) :: max_penetration = 0.1_DP   !< of an open node in a step, over the edge of the master [-] | conjugate_gradients
     real(DP) :: touching = 1.0e-3_DP       !< the same of a body that nothing resists, so that the node closes [-] | set
     real(DP) :: max_length = 10.0_DP       !< largest length of a slave node over that of the trial step [-] | set
-    integer :: max_idle = 1000             !< iterations in which the norm of the residual does not halve | set
+    integer :: max_idle = 300              !< iterations in which the norm of the residual does not halve | set
   end type gradient_controls_type
 
   !> Controls of a step. The fields before the parts are CalculiX's slots (CONTROLS, PARAMETERS=...), with Amontons's defaults.

@@ -32,6 +32,9 @@ module amontons_contact_rounds
   private
   public :: contact_rounds_type, perform_round, round_controls, comparable_iterations
 
+  real(DP), parameter :: FAR_FROM_EQUILIBRIUM = 0.1_DP   !< residual of a start whose forces are arbitrary, over the largest force
+                                                         !! [-]
+
   !> Memory of the rounds of an attempt.
   type :: contact_rounds_type
     type(gradient_preconditioner_type) :: preconditioner
@@ -67,12 +70,17 @@ contains
     slaves = state%new%slaves
     rounds%n_rounds = rounds%n_rounds + 1
     reduction = find_reduction(rounds, step, measures, sets_origins(system, state))
+    if (rounds%n_rounds == 1 .and. measures%residual(0) > FAR_FROM_EQUILIBRIUM) &
+      call keep_friction(system%contact, state%old%slaves, state%new%slaves)
     call hold_friction(rounds, step%controls%gradients%max_excess, system%contact, state%new%slaves)
     call solve_portions(rounds, system, model, step, reduction, state, inner, outcome, error)
     rounds%n_iterations = rounds%n_iterations + inner%n_iterations
     deallocate (system%contact%held_friction)
+    if (outcome == OUTCOME_OK .and. .not. allocated(error) .and. inner%is_interrupted) &
+      call freeze_closed(slaves, state%new%slaves, .true.)
     if (outcome == OUTCOME_OK .and. .not. allocated(error)) &
       call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.false.)
+    if (inner%is_interrupted) call freeze_closed(slaves, state%new%slaves, .false.)
     deallocate (system%contact%held_limit)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     system%n_evaluations = system%n_evaluations + 1
@@ -122,6 +130,33 @@ contains
       if (sets_origins) return
     end do
   end function sets_origins
+
+
+  !> In the first round the nodes that slipped in the last increment keep their friction, where the extrapolated start is far from
+  !! equilibrium: its forces are arbitrary where the place of contact moves.
+  pure subroutine keep_friction(contact, old, slaves)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: old(:)   !< (n_slaves) committed
+    type(slave_state_type), intent(inout) :: slaves(:)   !< (n_slaves)
+    integer :: s
+    do s = 1, size(slaves)
+      if (slaves(s)%status == STATUS_SLIP .and. old(s)%status == STATUS_SLIP .and. .not. &
+        is_compliant(contact%laws(slaves(s)%pair))) slaves(s)%shear = old(s)%shear
+    end do
+  end subroutine keep_friction
+
+
+  !> After an interrupted round, which is not in equilibrium, nodes may close but closed ones keep their status.
+  pure subroutine freeze_closed(before, slaves, is_frozen)
+    type(slave_state_type), intent(in) :: before(:)
+    type(slave_state_type), intent(inout) :: slaves(:)   !< (n_slaves)
+    logical, intent(in) :: is_frozen
+    integer :: s
+    do s = 1, size(slaves)
+      if (before(s)%status == STATUS_OPEN .or. before(s)%overrides%status /= NODE_OVERRIDE_NONE) cycle
+      slaves(s)%overrides%status = merge(NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_NONE, is_frozen)
+    end do
+  end subroutine freeze_closed
 
 
   !> Moves supports and closed nodes by c, in portions where elements would invert, and solves after each of them.
@@ -257,7 +292,7 @@ contains
     type(step_type), intent(in) :: step
     controls = step%controls
     associate (most => step%controls%gradients%max_rounds)
-      controls%i_0 = most / 4
+      controls%i_0 = most
       controls%i_r = most / 3
       controls%i_p = most
       controls%i_c = most

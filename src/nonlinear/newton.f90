@@ -254,6 +254,7 @@ contains
       if (is_found .and. .not. is_changed .and. newton%can_be_cut_back .and. verdict == VERDICT_CONTINUE) verdict = VERDICT_TOO_SLOW
     end if
     if (.not. is_changed) return
+    newton%rounds%is_unchanged = .false.
     call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.false.)
     call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
     if (newton%outcome /= OUTCOME_OK) then

@@ -14,6 +14,7 @@ import pytest
 
 from verify.conftest import ROOT, Run
 from verify.readers.sta_cvg_files import read_sta
+from verify.study.contact_table import ball_by_faces
 
 PRECONDITIONERS = ("NODAL", "DIAGONAL", "TWO LEVEL", "FACTOR")
 
@@ -84,6 +85,37 @@ def test_compliant_law(run: Run, tmp_path: Path) -> None:
     """A linear pressure-overclosure law with friction and its stick slope."""
     deck = sample("three_cubes").replace("*FRICTION\n", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e6\n*FRICTION\n")
     compare(run, tmp_path, deck, with_gradients(deck, "NODAL"))
+
+
+FACES = "*CONTACT PAIR, INTERACTION=RUBBING, TYPE=SURFACE TO SURFACE"
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [("*CONTACT PAIR, INTERACTION=RUBBING", FACES)],
+        [("*CONTACT PAIR, INTERACTION=RUBBING", FACES), ("*FRICTION\n", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1e6\n*FRICTION\n")],
+        [("*STATIC", "*STATIC, STABILIZE")],
+        [(", NLGEOM", "")],
+    ],
+    ids=["mortar", "mortar with a compliant law", "STABILIZE", "small displacements"],
+)
+def test_options(run: Run, tmp_path: Path, changes: list[tuple[str, str]]) -> None:
+    """Faces on faces, damping and small displacements: the results of Newton's method."""
+    deck = sample("three_cubes")
+    for old, new in changes:
+        assert old in deck
+        deck = deck.replace(old, new)
+    compare(run, tmp_path, deck, with_gradients(deck, "NODAL"))
+
+
+def test_friction_on_faces(run: Run, tmp_path: Path) -> None:
+    """A ball dragged over a table, surface to surface: without rows that are held within a round no increment of the drag converges."""
+    deck = ball_by_faces(0.3, "ALL", 5)
+    compare(run, tmp_path, ball_by_faces(0.3, "AUTO", 5), with_gradients(deck, "NODAL"))
+    attempts = read_sta(tmp_path / "gradients" / "job.sta")
+    assert len(attempts) == 10
+    assert not any(a.is_failed for a in attempts)
 
 
 def test_cut_back(run: Run, tmp_path: Path) -> None:
