@@ -31,9 +31,6 @@ module amontons_reduced_system
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner.
   integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3
 
-  integer, parameter :: MIN_RANKS_SHARED = 4   !< ranks from which a large A is shared by default: on one rank MUMPS takes twice the
-                                               !! time of our factor, GAMG 2.6 times that of our iteration | doc/performance.md
-
   !> What the two solvers of A take: the figures that the choice compares.
   type :: solution_cost_type
     real(DP) :: factor_megabytes = 0               !< 0: not known
@@ -225,7 +222,8 @@ contains
   subroutine distribute_by_default(self, n_free)
     type(reduced_system_type), intent(inout) :: self
     integer, intent(in) :: n_free
-    if (n_ranks() < MIN_RANKS_SHARED .or. self%is_iteration_abandoned .or. n_free < self%controls%min_unknowns_planned) return
+    if (n_ranks() < self%controls%min_ranks_shared .or. n_free < self%controls%min_unknowns_planned) return
+    if (self%is_iteration_abandoned) return
     self%distributed_kind = merge(DISTRIBUTED_GAMG, DISTRIBUTED_MUMPS, self%is_iterative)
     self%is_iterative = .true.
     self%max_iterations = self%controls%max_cg_iterations

@@ -62,6 +62,8 @@ module amontons_controls
     real(DP) :: min_approach_edges = 0.25_DP   !< a longer step moves a loose body, and no limit counts its iteration [-] |
                                            !! proximal_step
     real(DP) :: min_approach_gap = 1.0e-3_DP   !< least distance to first contact, over an edge of the master [-] | set
+    real(DP) :: shift_rungs_per_octave = 1024.0_DP   !< of the proximal shift: steps of 7e-4, above the rounding of a flight [-] |
+                                           !! proximal_step
     real(DP) :: min_step_extent = 1.0e-6_DP   !< least limit of a step over the size of the model [-] | set
   end type globalization_controls_type
 
@@ -160,6 +162,8 @@ module amontons_controls
     real(DP) :: skin_solves = 650.0_DP     !< solutions with the bulk in a job with contact by the skin | 0021
     real(DP) :: skin_work_ratio = 2.0_DP   !< work of the iterations that two levels take for one with a factor, over that of one
                                            !! iteration [-] | 0021
+    integer :: min_ranks_shared = 4        !< ranks from which a large A is shared by default: on one rank MUMPS takes twice the
+                                           !! time of the factor, GAMG 2.6 times that of the iteration | doc/performance.md
     real(DP) :: max_iteration_work_ratio = 1.5_DP   !< iterations may take so many times the work of the factor [-] | reduced_system
     integer :: max_cg_iterations = 2000    !< where a factor does not fit into memory | set
     real(DP) :: factor_entries_ratio = 60.0_DP   !< entries of a factor over n^(4/3): more than a compact body has [-] |

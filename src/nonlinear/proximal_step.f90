@@ -26,8 +26,6 @@ module amontons_proximal_step
   private
   public :: is_motion_unrestrained, find_proximal_step, find_snap_through_step
 
-  real(DP), parameter :: RUNGS_PER_OCTAVE = 1024.0_DP   !< of the shift: each 7e-4, far above the rounding of a flight [-]
-
 contains
 
   !> Whether a direction shows an unsupported body: the linear solver failed, the contact interface became singular in the contact
@@ -100,8 +98,8 @@ contains
     real(DP), intent(in) :: shift                  !< [-]
     real(DP) :: bounded, rung
     bounded = max(limits%min_proximal_shift, min(shift, limits%max_proximal_shift)) / limits%max_proximal_shift
-    rung = real(nint(RUNGS_PER_OCTAVE * log(bounded) / log(2.0_DP)), DP)
-    shift_rung = limits%max_proximal_shift * 2.0_DP**(rung / RUNGS_PER_OCTAVE)
+    rung = real(nint(limits%shift_rungs_per_octave * log(bounded) / log(2.0_DP)), DP)
+    shift_rung = limits%max_proximal_shift * 2.0_DP**(rung / limits%shift_rungs_per_octave)
   end function shift_rung
 
 
