@@ -84,7 +84,7 @@ uses_deck_materials = kinds text user_routines materials model cards card_schema
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers topology mesh deck_reader
 uses_deck_surfaces = kinds text containers loads user_routines topology mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
-uses_deck_contact = kinds text mesh surfaces steps model cards card_schema deck_reader deck_surfaces
+uses_deck_contact = kinds text topology mesh surfaces steps model cards card_schema deck_reader deck_surfaces
 uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mesh mpc_data structural_data model cards card_schema deck_reader
 uses_deck_couplings = kinds text tensor topology mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
@@ -111,6 +111,7 @@ uses_exterior_surface = kinds containers tensor topology mesh facets
 uses_facet_search = kinds facets
 uses_surface_projection = kinds tensor topology shape_functions facets analytic_master facet_search
 uses_master_symmetry_planes = kinds steps model facets surface_projection
+uses_self_contact_visibility = kinds containers tensor topology facets facet_search
 uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
 
 # contact_laws
@@ -150,14 +151,15 @@ uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data 
 uses_slave_nodes = kinds surfaces slave_node_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds facets slave_node_overrides state
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection self_contact_visibility tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
 uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure slave_node_equilibrium slave_node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
-uses_contact_initialization = kinds errors topology surfaces model contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
+uses_contact_initialization = kinds containers errors topology surfaces model facets contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
 uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
+uses_self_contact_pairs = kinds text surfaces model exterior_surface mortar_segmentation general_contact
 
 # equilibrium
 uses_arc_length = kinds steps model state
@@ -213,7 +215,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
-uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves balanced_bodies user_routine_setup
+uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
 uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files

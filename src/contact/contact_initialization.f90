@@ -11,6 +11,7 @@ module amontons_contact_initialization
   use amontons_contact_constraint_rows, only: evaluate_facet_weights
   use amontons_tributary_areas, only: integrate_face_area, out_of_plane_depth, sum_nodal_areas
   use amontons_surface_projection, only: find_edge_excess
+  use amontons_facets, only: facets_type
   use amontons_facet_search, only: build_facet_search
   use amontons_mortar, only: find_search_margin, n_imbalance_nodes
   use amontons_shared_slave_nodes, only: order_slave_levels, reachable_nodes_type
@@ -18,6 +19,7 @@ module amontons_contact_initialization
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, update_projection, set_stick_origin, create_contact, &
     SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO
   use amontons_errors, only: error_type
+  use amontons_containers, only: integer_list_type
   implicit none
   private
   public :: initialize_contact
@@ -151,6 +153,7 @@ contains
       end do
       reach%first(s + 1) = n
     end do
+    call list_slaves_beside(contact, slaves, reach)
 
   contains
 
@@ -171,6 +174,54 @@ contains
     end subroutine add_reachable_nodes
 
   end subroutine list_reachable_nodes
+
+
+  !> Self contact: the slaves with a facet of the surface in common.
+  subroutine list_slaves_beside(contact, slaves, reach)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(reachable_nodes_type), intent(inout) :: reach
+    type(integer_list_type) :: beside
+    integer, allocatable :: slave_of(:)            ! (n_nodes) of the present pair
+    integer :: s, p
+    allocate (reach%side_first(size(slaves) + 1), source=1)
+    p = 0
+    do s = 1, size(slaves)
+      if (allocated(contact%facets(slaves(s)%pair)%unseen)) then
+        if (p /= slaves(s)%pair) call number_slaves(slaves(s)%pair)
+        p = slaves(s)%pair
+        call add_slaves_beside(contact%facets(p), slaves(s)%node)
+      end if
+      reach%side_first(s + 1) = beside%n + 1
+    end do
+    reach%side = [integer ::]
+    if (beside%n > 0) reach%side = beside%trimmed()
+
+  contains
+
+    !> The slaves of a pair at the nodes.
+    subroutine number_slaves(pair)
+      integer, intent(in) :: pair
+      integer :: i
+      slave_of = spread(0, 1, size(contact%facets(pair)%at_first) - 1)
+      do i = 1, size(slaves)
+        if (slaves(i)%pair == pair) slave_of(slaves(i)%node) = i
+      end do
+    end subroutine number_slaves
+
+    !> Those beside a node.
+    subroutine add_slaves_beside(f, node)
+      type(facets_type), intent(in) :: f
+      integer, intent(in) :: node
+      integer :: i, k
+      do i = f%at_first(node), f%at_first(node + 1) - 1
+        do k = f%first(f%at(i)), f%first(f%at(i) + 1) - 1
+          if (slave_of(f%nodes(k)) > 0) call beside%add(slave_of(f%nodes(k)))
+        end do
+      end do
+    end subroutine add_slaves_beside
+
+  end subroutine list_slaves_beside
 
 
   !> Whether a closed slave node is beyond an edge of its meshed master.

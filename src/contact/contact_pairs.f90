@@ -8,7 +8,7 @@ module amontons_contact_pairs
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_topology, only: N_SOLID_KINDS
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
-  use amontons_surfaces, only: interaction_type, is_compliant, pair_interactions
+  use amontons_surfaces, only: interaction_type, is_compliant, is_self_contact, pair_interactions
   use amontons_slave_nodes, only: detach_slave
   use amontons_friction_slip_scenarios, only: slip_state_type
   use amontons_slave_node_overrides, only: edge_extension, gives_way, NODE_OVERRIDE_OFF_MASTER
@@ -24,21 +24,22 @@ module amontons_contact_pairs
   use amontons_sparse, only: sparse_type
   use amontons_shared_slave_nodes, only: shared_slaves_type, find_shared_slaves, global_axes, resize_shared_slaves, &
     MIN_PARALLEL_COSINE
-  use amontons_facets, only: facets_type, build_facets
+  use amontons_facets, only: facets_type, build_facets, is_unseen
+  use amontons_self_contact_visibility, only: find_unseen_facets, current_node_normal
   use amontons_analytic_master, only: build_profile_facets
   use amontons_exterior_surface, only: depths_below
   use amontons_facet_search, only: facet_search_type, renew_facet_search
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     merge_rows, rotate_with_normal, &
     differentiate_rotation
-  use amontons_surface_projection, only: projection_type, track_projection, find_projection, PROJECTION_INSIDE
+  use amontons_surface_projection, only: projection_type, track_projection, find_projection, PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
   private
   public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
     update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, &
-    renew_searches, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, MAX_DEPTH_SHARE
+    find_slave_projection, renew_searches, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, MAX_DEPTH_SHARE
 
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
@@ -128,8 +129,10 @@ contains
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
-      if (model%pairs(p)%is_general .and. .not. allocated(contact%facets(p)%profile)) contact%facets(p)%max_depth = &
-        MAX_DEPTH_SHARE * depths_below(model%mesh, contact%facets(p))
+      if ((model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) .and. .not. allocated(contact%facets(p)%profile)) &
+        contact%facets(p)%max_depth = MAX_DEPTH_SHARE * depths_below(model%mesh, contact%facets(p))
+      if (is_self_contact(model%pairs(p))) call find_unseen_facets(model%mesh%coordinates, &
+        contact%facets(p)%max_depth / MAX_DEPTH_SHARE, contact%facets(p))
       if (model%pairs(p)%is_mortar) then
         associate (slave => model%surfaces(model%pairs(p)%slave))
           call create_mortar(model%mesh, slave%element, slave%face, slave%nodes, contact%mortar(p), error)
@@ -495,8 +498,7 @@ contains
       call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status, edge_extension(slave%overrides, contact%controls%edge_extension))
     else
-      call find_projection(contact%facets(slave%pair), contact%search(slave%pair), x, x(:, slave%node), reach, &
-        projection, contact%slave_normal(:, s))
+      call find_slave_projection(contact, x, s, reach, slave, projection)
       status = projection%status
       slave%facet = projection%facet
       slave%xi = projection%xi
@@ -504,8 +506,27 @@ contains
       slave%normal = projection%normal
     end if
     slave%gap = slave%gap + slave%offset
+    if (is_unseen(contact%facets(slave%pair), slave%node, slave%facet)) status = PROJECTION_OUTSIDE
     if (status /= PROJECTION_INSIDE) call detach_slave(slave)
   end subroutine update_projection
+
+
+  !> Searches the facet of a node. In self contact it sees those that oppose its current normal.
+  subroutine find_slave_projection(contact, x, s, reach, slave, projection)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates that define weights and normals [length]
+    integer, intent(in) :: s
+    real(DP), intent(in) :: reach                  !< [length]
+    type(slave_state_type), intent(in) :: slave
+    type(projection_type), intent(out) :: projection
+    associate (facets => contact%facets(slave%pair), search => contact%search(slave%pair), position => x(:, slave%node))
+      if (allocated(facets%unseen)) then
+        call find_projection(facets, search, x, position, reach, projection, current_node_normal(facets, x, slave%node), slave%node)
+      else
+        call find_projection(facets, search, x, position, reach, projection, contact%slave_normal(:, s))
+      end if
+    end associate
+  end subroutine find_slave_projection
 
 
   !> Copies facet, normal and area of a slave node of a mortar pair from its integrated row.
@@ -663,6 +684,7 @@ contains
       call track_projection(contact%facets(slave%pair), x, x(:, slave%node), slave%facet, slave%xi, slave%gap, &
         slave%normal, status, edge_extension(slave%overrides, contact%controls%edge_extension))
       slave%gap = slave%gap + slave%offset
+      if (is_unseen(contact%facets(slave%pair), slave%node, slave%facet)) status = PROJECTION_OUTSIDE
       if (status /= PROJECTION_INSIDE) slave%facet = 0
     end if
   end subroutine update_gap

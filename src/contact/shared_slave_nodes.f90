@@ -36,6 +36,8 @@ module amontons_shared_slave_nodes
   type :: reachable_nodes_type
     integer, allocatable :: first(:)           !< (n_slaves + 1) start of a slave's nodes in nodes(:)
     integer, allocatable :: nodes(:)
+    integer, allocatable :: side_first(:)      !< (n_slaves + 1) self contact: start of the slaves beside a slave on its surface
+    integer, allocatable :: side(:)
   end type reachable_nodes_type
 
 contains
@@ -90,46 +92,62 @@ contains
 
 
   !> The levels of an increment, and the secondary slaves: pair by pair in the order of the deck, a slave is active unless its
-  !! reaction would return to it through slaves that are active already.
+  !! reaction would return to it through slaves that are active already. In self contact the slaves beside an active one come next,
+  !! so that a whole side of a fold is slave and the other one master; slaves that were closed come first and keep their side.
   subroutine order_slave_levels(slaves, is_secondary, reach, shared)
     type(slave_state_type), intent(inout) :: slaves(:)   !< out: the override GIVES_WAY
     logical, intent(in) :: is_secondary(:)         !< (n_pairs) all slaves of the pair are secondary
     type(reachable_nodes_type), intent(in) :: reach          !< of the slaves at the start of the increment
     type(shared_slaves_type), intent(inout) :: shared
-    integer, allocatable :: list(:), mark(:), stack(:)
-    integer :: s, t, i, n, pass
-    logical, allocatable :: is_kept(:)             ! (n_slaves)
-    logical :: is_changed
+    integer, allocatable :: list(:), mark(:), stack(:), queue(:)
+    integer :: s, n, pass, n_queue
+    logical, allocatable :: is_kept(:), was_asked(:)   ! (n_slaves)
     shared%level = 1
     shared%n_levels = 1
     slaves%overrides%side = NODE_OVERRIDE_NONE
     if (.not. shared%has_reaction_chains) return
     is_kept = .not. shared%is_hard_pair
     allocate (mark(size(slaves)), source=0)
-    allocate (stack(size(slaves)))
-    do s = 1, size(slaves)
-      if (.not. shared%is_hard_pair(s) .or. is_secondary(slaves(s)%pair)) cycle
-      is_kept(s) = .true.
-      is_kept(s) = .not. is_reaction_circular(s)
+    allocate (stack(size(slaves)), queue(size(slaves)))
+    was_asked = .not. shared%is_hard_pair .or. is_secondary(slaves%pair)
+    do pass = merge(1, 2, allocated(reach%side)), 2
+      do s = 1, size(slaves)
+        if (pass == 1) then
+          if (slaves(s)%status == STATUS_OPEN .or. reach%side_first(s + 1) == reach%side_first(s)) cycle
+        end if
+        call choose_sides(s)
+      end do
     end do
     where (.not. is_kept) slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
-    do pass = 1, size(slaves)
-      is_changed = .false.
-      do s = 1, size(slaves)
-        if (.not. is_kept(s)) cycle
-        call find_receiving_slaves(shared, reach, s, list, n)
-        do i = 1, n
-          t = list(i)
-          if (.not. is_kept(t) .or. shared%level(t) > shared%level(s)) cycle
-          shared%level(t) = shared%level(s) + 1
-          is_changed = .true.
-        end do
-      end do
-      if (.not. is_changed) exit
-    end do
-    shared%n_levels = maxval([1, shared%level])
+    call number_levels(reach, is_kept, shared)
 
   contains
+
+    !> Decides on a slave, then on those beside it as far as they are active.
+    subroutine choose_sides(s)
+      integer, intent(in) :: s
+      integer :: k, next
+      if (was_asked(s)) return
+      n_queue = 1
+      queue(1) = s
+      was_asked(s) = .true.
+      next = 1
+      do while (next <= n_queue)
+        associate (q => queue(next))
+          is_kept(q) = .true.
+          is_kept(q) = .not. is_reaction_circular(q)
+          if (is_kept(q) .and. slaves(q)%facet > 0 .and. allocated(reach%side)) then
+            do k = reach%side_first(q), reach%side_first(q + 1) - 1
+              if (was_asked(reach%side(k))) cycle
+              was_asked(reach%side(k)) = .true.
+              n_queue = n_queue + 1
+              queue(n_queue) = reach%side(k)
+            end do
+          end if
+        end associate
+        next = next + 1
+      end do
+    end subroutine choose_sides
 
     !> Whether a path over active slaves leads from slave s back to it.
     logical function is_reaction_circular(s)
@@ -155,6 +173,31 @@ contains
     end function is_reaction_circular
 
   end subroutine order_slave_levels
+
+
+  !> Numbers the levels of the active slaves, which have no circular reactions.
+  subroutine number_levels(reach, is_kept, shared)
+    type(reachable_nodes_type), intent(in) :: reach
+    logical, intent(in) :: is_kept(:)              !< (n_slaves) active
+    type(shared_slaves_type), intent(inout) :: shared
+    integer, allocatable :: list(:)
+    integer :: pass, s, i, n
+    logical :: is_changed
+    do pass = 1, size(is_kept)
+      is_changed = .false.
+      do s = 1, size(is_kept)
+        if (.not. is_kept(s)) cycle
+        call find_receiving_slaves(shared, reach, s, list, n)
+        do i = 1, n
+          if (.not. is_kept(list(i)) .or. shared%level(list(i)) > shared%level(s)) cycle
+          shared%level(list(i)) = shared%level(s) + 1
+          is_changed = .true.
+        end do
+      end do
+      if (.not. is_changed) exit
+    end do
+    shared%n_levels = maxval([1, shared%level])
+  end subroutine number_levels
 
 
   !> The exact slaves on which the reaction of a slave may act within an increment.

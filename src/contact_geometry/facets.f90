@@ -22,7 +22,8 @@ module amontons_facets
   use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, n_facet_corners, is_line_facet, is_hidden_behind
+  public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, n_facet_corners, is_line_facet, is_hidden_behind, &
+    is_unseen, facet_centre
   public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
@@ -45,6 +46,10 @@ module amontons_facets
     integer, allocatable :: edge(:, :)        !< (4, n) EDGE_...
     real(DP), allocatable :: edge_length(:)   !< (n) mean length of the edges, reference configuration [length]
     real(DP), allocatable :: max_depth(:)     !< (n) points deeper behind a facet do not see it; unallocated: no limit [length]
+    integer, allocatable :: at_first(:)       !< (n_nodes + 1) self contact: start of a node's facets in at(:)
+    integer, allocatable :: at(:)             !< facets at each node of the mesh
+    integer, allocatable :: unseen_first(:)   !< (n_nodes + 1) self contact: start of a node's facets in unseen(:)
+    integer, allocatable :: unseen(:)         !< facets that a node of the surface cannot touch (amontons_self_contact_visibility)
     logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
@@ -135,6 +140,16 @@ contains
     is_hidden_behind = .false.
     if (allocated(facets%max_depth)) is_hidden_behind = gap < -facets%max_depth(f)
   end function is_hidden_behind
+
+
+  !> Self contact: whether a node cannot touch a facet, because it is near it on the surface or behind it in the material.
+  pure logical function is_unseen(facets, node, f)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: node                      !< of the mesh
+    integer, intent(in) :: f                         !< facet
+    is_unseen = .false.
+    if (allocated(facets%unseen)) is_unseen = any(facets%unseen(facets%unseen_first(node):facets%unseen_first(node + 1) - 1) == f)
+  end function is_unseen
 
 
   !> 'element 12 face S3', with the user's element label.

@@ -14,8 +14,8 @@ module amontons_surface_projection
   use amontons_tensor, only: cross_product, skew_matrix, invert
   use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, EDGE_FREE, EDGE_SMOOTH, &
-    EDGE_CONVEX, EDGE_CONCAVE
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen, EDGE_FREE, &
+    EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
     PROJECTION_FAILED, &
@@ -36,6 +36,7 @@ module amontons_surface_projection
   real(DP), parameter :: TOL_EQUAL_DISTANCE = 1.0e-9_DP         !< distances are equal within this fraction of an edge [-]
   real(DP), parameter :: TOL_STAGNATION = 1.0e-8_DP  !< steps below this that no longer decrease are at rounding level [-]
   real(DP), parameter :: MIN_VERTEX_NORMAL = 1.0e-12_DP   !< smallest vertex normal, over the length squared [-]
+  real(DP), parameter :: MIN_OPPOSED_COSINE = 0.2_DP  !< self contact: of the slave's normal and the opposite of the master's [-]
   integer, parameter :: MAX_NEWTON_ITERATIONS = 40      !< of Newton's method on one facet
   integer, parameter :: MAX_WALK_FACETS = 400          !< longest walk over neighbouring facets
 
@@ -120,7 +121,7 @@ contains
   !! The path is the gap plus, in an extension zone, the length beyond the edge. Facets that face the slave take precedence over
   !! others. Of equal paths the lowest facet number is taken. After: status INSIDE, or OUTSIDE with facet 0 if no facet is within
   !! max_distance. Before: the margin of the search is at least max_distance.
-  pure subroutine find_projection(facets, search, x, point, max_distance, projection, slave_normal)
+  pure subroutine find_projection(facets, search, x, point, max_distance, projection, slave_normal, own_node)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -128,11 +129,12 @@ contains
     real(DP), intent(in) :: max_distance         !< largest |g| [length]
     type(projection_type), intent(out) :: projection
     real(DP), intent(in), optional :: slave_normal(3)   !< out of the slave; zero: unknown [-]
+    integer, intent(in), optional :: own_node    !< self contact: the node of the surface; slave_normal is the current one
     type(projection_type) :: candidate
     integer, allocatable :: list(:)
     real(DP) :: path_length, shortest, min_distance, same_path_length
     integer :: i, n, nearest
-    logical :: is_facing, has_facing
+    logical :: is_facing, has_facing, is_self
     projection%status = PROJECTION_OUTSIDE
     if (allocated(facets%profile)) then
       call find_profile_projection(facets, x, point, max_distance, projection)
@@ -141,12 +143,19 @@ contains
     shortest = huge(1.0_DP)
     min_distance = huge(1.0_DP)
     has_facing = .false.
+    is_self = present(own_node) .and. allocated(facets%unseen)
     nearest = 0
     call find_near_facets(search, point, list, n)
     do i = 1, n
+      if (is_self) then
+        if (is_unseen(facets, own_node, list(i))) cycle
+      end if
       candidate = project_on_facet(facets, x, point, list(i))
       if (candidate%status /= PROJECTION_INSIDE) cycle
       if (is_hidden_behind(facets, list(i), candidate%gap)) cycle
+      if (is_self) then
+        if (dot_product(candidate%normal, slave_normal) > -MIN_OPPOSED_COSINE) cycle
+      end if
       same_path_length = TOL_EQUAL_DISTANCE * facets%edge_length(list(i))
       path_length = find_facet_distance(facets, candidate)
       if (path_length < min_distance - same_path_length) nearest = list(i)
@@ -163,7 +172,8 @@ contains
       shortest = path_length
       projection = candidate
     end do
-    if (projection%facet == 0 .and. nearest > 0) call walk_from_facet(facets, x, point, max_distance, nearest, projection)
+    if (projection%facet == 0 .and. nearest > 0 .and. .not. is_self) call walk_from_facet(facets, x, point, max_distance, nearest, &
+      projection)
   end subroutine find_projection
 
 

@@ -14,6 +14,7 @@ module amontons_model_setup
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
+  use amontons_self_contact_pairs, only: add_self_pairs
   use amontons_dependent_slaves, only: find_penalties, penalty_law
   use amontons_tie_generation, only: generate_ties
   use amontons_user_routine_setup, only: open_user_routines
@@ -86,6 +87,7 @@ contains
     character(:), allocatable, intent(out) :: text
     type(general_pairs_type) :: found
     call find_general_pairs(model, found, text)
+    call add_self_pairs(model, found, text)
     if (size(found%pairs) == 0) return
     model%surfaces = [model%surfaces, found%surfaces]
     model%pairs = [model%pairs, found%pairs]

@@ -207,7 +207,8 @@ contains
       'calculix. A ' // &
       'compliant law without one takes a hundredth of its slope of pressure (abaqus), half of E (calculix).')
 
-    call table%card('CONTACT PAIR', SCOPE_MODEL, 'Two surfaces that may touch.', data='slave surface, master surface')
+    call table%card('CONTACT PAIR', SCOPE_MODEL, 'Two surfaces that may touch, or one that may touch itself.', &
+      data='slave surface, master surface')
     call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')
     call table%option('TYPE', VALUE_WORD, 'How contact is enforced: at the nodes of the slave, or in the mean over its ' // &
       'faces by a dual mortar method (all other words); SURFACE TO SURFACE in the calculix dialect: by springs at points ' // &

@@ -8,10 +8,12 @@ module amontons_deck_contact
     is_card, check_name, VALUES_PER_LINE
   use amontons_deck_surfaces, only: find_slave_surface
   use amontons_mesh, only: mesh_type
+  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
-  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, BEHAVIOR_HARD, BEHAVIOR_LINEAR, &
-    BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, NO_SHEAR_LIMIT
+  use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, is_self_contact, &
+    BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
+    NO_SHEAR_LIMIT
   use amontons_text, only: to_text, parse_real, NUMBER_OK
   implicit none
   private
@@ -477,6 +479,44 @@ contains
   end subroutine read_adjust
 
 
+  !> Errors of a surface in contact with itself.
+  subroutine check_self_contact(reader, row, name, model, pair)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: name
+    type(model_type), intent(in) :: model
+    type(contact_pair_type), intent(in) :: pair
+    character(:), allocatable :: surface
+    surface = 'The surface ''' // name // ''' touches itself'
+    if (pair%is_small_sliding) call report_error(reader, row%line, surface // &
+      ', which needs finite sliding: leave out SMALL SLIDING.')
+    if (pair%has_adjust) call report_error(reader, row%line, surface // ': ADJUST needs two surfaces, one of which is moved.')
+    if (pair%interaction > 0) then
+      if (is_compliant(model%interactions(pair%interaction))) call report_error(reader, row%line, surface // '; such a pair ' // &
+        'has hard contact only. Leave out the PRESSURE-OVERCLOSURE, or name two surfaces, slave and master.')
+    end if
+    if (pair%is_mortar .or. model%surfaces(pair%slave)%is_node_based) return
+    associate (faces => model%surfaces(pair%slave))
+      if (any(has_midsides(model%mesh%kind(faces%element)))) call report_error(reader, row%line, surface // &
+        '. Its elements have mid-side nodes, which contact at nodes would keep straight everywhere: give the pair ' // &
+        'TYPE=SURFACE TO SURFACE.')
+    end associate
+  end subroutine check_self_contact
+
+
+  !> Whether elements of a kind have nodes beside their corners.
+  elemental logical function has_midsides(kind)
+    integer, intent(in) :: kind
+    type(element_kind_type) :: element
+    type(facet_kind_type) :: face
+    element = element_kind(kind)
+    has_midsides = .false.
+    if (element%n_faces == 0) return
+    face = facet_kind(element%face_kind(1))
+    has_midsides = face%n_nodes > face%n_corners
+  end function has_midsides
+
+
   !> One row of CONTACT PAIR.
   subroutine read_pair(reader, row, common, model)
     type(reader_type), intent(inout) :: reader
@@ -487,10 +527,11 @@ contains
     character(:), allocatable :: slave, master
     slave = field_text(reader%cards, row, 1)
     master = field_text(reader%cards, row, 2)
-    if (slave == '' .or. master == '') then
-      call report_error(reader, row%line, 'A contact pair needs two surfaces: slave, master.')
+    if (slave == '') then
+      call report_error(reader, row%line, 'A contact pair needs two surfaces: slave, master; or one that touches itself.')
       return
     end if
+    if (master == '') master = slave
     pair = common
     pair%name = slave // ' / ' // master
     pair%slave = find_slave_surface(reader, slave)
@@ -499,8 +540,7 @@ contains
       // reader%surfaces%suggest(slave))
     if (pair%master == 0) call report_error(reader, row%line, 'There is no surface ''' // master // '''' // &
       reader%surfaces%suggest(master))
-    if (pair%slave > 0 .and. pair%slave == pair%master) call report_error(reader, row%line, &
-      'A surface cannot be in contact with itself; name two surfaces.')
+    if (pair%slave > 0 .and. is_self_contact(pair)) call check_self_contact(reader, row, slave, model, pair)
     if (pair%master > 0) then
       call set_analytic_master(reader, row, model%surfaces(pair%master), pair)
       if (model%surfaces(pair%master)%is_node_based) call report_error(reader, row%line, 'The master surface ''' // master &

@@ -5,7 +5,8 @@ module amontons_surfaces
   use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, is_compliant, pair_interactions
+  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, is_compliant, is_self_contact, &
+    pair_interactions
   public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
@@ -87,6 +88,13 @@ contains
     type(interaction_type), intent(in) :: interaction
     is_compliant = interaction%behavior /= BEHAVIOR_HARD
   end function is_compliant
+
+
+  !> Whether a surface touches itself.
+  elemental logical function is_self_contact(pair)
+    type(contact_pair_type), intent(in) :: pair
+    is_self_contact = pair%slave == pair%master
+  end function is_self_contact
 
 
   !> The laws of all pairs. Over the faces of a mortar pair LINEAR is exactly linear: K h in contact, 0 outside.

@@ -8,7 +8,7 @@ module amontons_model_check_contact
   use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_surfaces, only: is_compliant
+  use amontons_surfaces, only: is_compliant, is_self_contact
   use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
@@ -51,6 +51,7 @@ contains
     type(pair_statistics_type), allocatable :: statistics(:)
     integer :: p
     call check_overlap(model, report)
+    call check_self_contact_laws(model, report)
     call check_kinds(model, report)
     call collect_pair_statistics(model, contact, slaves, statistics)
     do p = 1, size(model%pairs)
@@ -135,7 +136,7 @@ contains
     type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: none
     if (statistic%n_projected == 0 .and. statistic%n_passive > 0) return
-    if (model%pairs(p)%is_general) return          ! its faces may come together later, or never
+    if (model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) return   ! its faces may come together later, or never
     if (statistic%n_slaves == 0 .and. .not. model%pairs(p)%has_point_contact) then
       call report_error(report, pair_name(model, p) // ' has no slave node. Give its slave surface faces or nodes.')
     else if (statistic%n_projected == 0) then
@@ -166,7 +167,7 @@ contains
     type(pair_statistics_type), intent(in) :: statistic
     type(diagnostic_list_type), intent(inout) :: report
     character(:), allocatable :: where
-    if (model%pairs(p)%is_general) return          ! its surface has faces around the near ones
+    if (model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) return   ! its surface has faces around the near ones
     if (2 * statistic%n_same_direction > statistic%n_near) then
       where = 'at ' // to_text(statistic%n_same_direction) // ' of ' // plural(statistic%n_near, 'slave node') // ' near the master'
     else if (statistic%n_facing_away > 0 .and. statistic%n_facing_away == statistic%n_projected) then
@@ -321,6 +322,7 @@ contains
     integer :: p, i
     allocate (is_slave(model%mesh%n_nodes))
     do p = 1, size(model%pairs)
+      if (is_self_contact(model%pairs(p))) cycle
       common = integer_list_type()
       is_slave = .false.
       is_slave(model%surfaces(model%pairs(p)%slave)%nodes) = .true.
@@ -335,6 +337,23 @@ contains
         'of one surface, or give the two bodies nodes of their own.')
     end do
   end subroutine check_overlap
+
+
+  !> A step cannot give a surface that touches itself a law that is not hard.
+  subroutine check_self_contact_laws(model, report)
+    type(model_type), intent(in) :: model
+    type(diagnostic_list_type), intent(inout) :: report
+    integer :: i, p
+    do i = 1, size(model%steps)
+      if (.not. allocated(model%steps(i)%interactions)) cycle
+      do p = 1, size(model%pairs)
+        if (.not. is_self_contact(model%pairs(p))) cycle
+        if (is_compliant(model%steps(i)%interactions(model%pairs(p)%interaction))) call report_error(report, 'Step ' // &
+          to_text(i) // ' changes the pressure-overclosure of ' // pair_name(model, p) // '. A surface that touches itself ' // &
+          'has hard contact only.')
+      end do
+    end do
+  end subroutine check_self_contact_laws
 
 
   !> Slave nodes with a support or an equation along the contact normal: contact cannot act on them.

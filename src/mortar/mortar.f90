@@ -19,7 +19,7 @@ module amontons_mortar
   use amontons_dual_shape_functions, only: is_transformed, nodal_integral_fractions, BASIS_ALPHA
   use amontons_mortar_segmentation, only: mortar_segment_type, segmentation_type, build_segmentation, project_on_plane, &
     project_facet_corners, find_depth, &
-    integrate_segments, is_facing_plane
+    integrate_segments, is_facing_plane, is_unseen_facet
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   implicit none
   private
@@ -475,6 +475,7 @@ contains
       call find_near_facets(search, cover%plane%origin, list, n)
       do k = 1, n
         if (any(cover%segments(:cover%n)%master == list(k))) cycle
+        if (is_unseen_facet(mortar%slave, f, master, list(k))) cycle
         if (is_facing_plane(cover%plane, master, list(k), x, reach)) call update_node_excess(mortar, f, master, list(k), x)
       end do
     end associate

@@ -8,7 +8,7 @@ module amontons_mortar_segmentation
   use amontons_tensor, only: cross_product
   use amontons_topology, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
     MAX_POLYGON_CORNERS, MAX_CUT_POINTS
@@ -17,7 +17,7 @@ module amontons_mortar_segmentation
   private
   public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
     build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, &
-    find_depth, integrate_segments, choose_quadrature_order, find_natural_coordinates
+    find_depth, is_unseen_facet, integrate_segments, choose_quadrature_order, find_natural_coordinates
   public :: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
 
   real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
@@ -215,6 +215,19 @@ contains
   end function is_facing_plane
 
 
+  !> Self contact: whether no node of a slave facet can touch a master facet.
+  pure logical function is_unseen_facet(slave, f, master, g)
+    type(facets_type), intent(in) :: slave, master
+    integer, intent(in) :: f, g                    !< slave and master facet
+    integer :: k
+    is_unseen_facet = allocated(master%unseen)
+    if (.not. is_unseen_facet) return
+    do k = slave%first(f), slave%first(f + 1) - 1
+      is_unseen_facet = is_unseen_facet .and. is_unseen(master, slave%nodes(k), g)
+    end do
+  end function is_unseen_facet
+
+
   !> Intersects a slave facet with one master facet and appends the points. After: segment%master = 0 without intersection.
   subroutine intersect_facets(slave, f, master, g, x, search_distance, plane, points, segment)
     type(facets_type), intent(in) :: slave, master
@@ -225,7 +238,7 @@ contains
     type(mortar_segment_type), intent(out) :: segment
     real(DP) :: own(2, 4), projected_master(2, 4), cut(2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
     integer :: n, m, k, q, before
-    if (.not. is_facing_plane(plane, master, g, x, huge(1.0_DP))) return
+    if (.not. is_facing_plane(plane, master, g, x, huge(1.0_DP)) .or. is_unseen_facet(slave, f, master, g)) return
     call project_facet_corners(plane, slave, f, x, own, n)
     call project_facet_corners(plane, master, g, x, projected_master, m)
     projected_master(:, :m) = projected_master(:, m:1:-1)                ! seen from the slave it runs in the opposite sense

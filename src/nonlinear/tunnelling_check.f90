@@ -9,7 +9,7 @@ module amontons_tunnelling_check
   use amontons_analytic_master, only: evaluate_profile_bending
   use amontons_contact_pairs, only: contact_type, current_row, SEARCH_RADIUS_RATIO
   use amontons_tensor, only: cross_product
-  use amontons_facets, only: facets_type, facet_nodes, is_line_facet
+  use amontons_facets, only: facets_type, facet_nodes, is_line_facet, is_unseen
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_topology, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
   implicit none
@@ -152,6 +152,7 @@ contains
     call find_near_facets(search, x_new(:, node), list, n)
     has_crossed_master = .false.
     do i = 1, n
+      if (is_unseen(facets, node, list(i))) cycle
       steepness = crossing_steepness(facets, list(i), x_old, x_new, node)
       if (steepness <= 0.0_DP) cycle
       if (steepness < min_steepness .and. .not. projects_on_facets(facets, list(:n), x_new, node)) cycle

@@ -58,7 +58,7 @@ TRIALS = [
     ("gaskets", "elements", "*GASKET SECTION, ELSET=CUBE\n", r"\*GASKET SECTION is not supported"),
     ("rigid elements R2D2", "elements", "*ELEMENT, TYPE=R2D2, ELSET=TOOL\n2, 5, 6\n*RIGID BODY, ELSET=TOOL, REF NODE=8\n", r"Rigid elements are R3D3 and R3D4"),
     ("user elements", "elements", "*USER ELEMENT, TYPE=U1, NODES=4\n", r"\*USER ELEMENT is not supported"),
-    ("self contact of one surface", "pair", "*CONTACT PAIR, INTERACTION=DRY\nLOW\n", "LOW|surface"),
+    ("self contact by a pressure", "pair", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1000.\n*CONTACT PAIR, INTERACTION=DRY\nLOW,\n", "hard contact only"),
     ("friction that depends on", "interaction", "*FRICTION\n0.3, 1., 0.5, 20.\n", "friction cannot depend"),
     ("adhesion", "interaction", "*COHESIVE BEHAVIOR\n", r"\*COHESIVE BEHAVIOR is not supported"),
     ("Mohr-Coulomb", "material", "*MOHR COULOMB\n30., 5.\n", r"\*MOHR COULOMB is not supported"),

@@ -1,0 +1,82 @@
+!> Unit test of self_contact_pairs: a slot within the way of the nodes makes a pair; a wide slot, the rules and soft laws do not.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_self_contact_pairs
+  use amontons_kinds, only: DP
+  use amontons_deck, only: read_deck_text
+  use amontons_errors, only: diagnostic_list_type, error_type
+  use amontons_text, only: to_text
+  use amontons_model, only: model_type, job_options_type
+  use amontons_surfaces, only: is_self_contact
+  use amontons_general_contact, only: general_pairs_type
+  use amontons_self_contact_pairs, only: add_self_pairs
+  use check, only: suite_type
+  use samples, only: deck_lines
+  implicit none
+  character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
+  type(suite_type) :: suite
+  type(general_pairs_type) :: found
+  character(:), allocatable :: text
+  call find(horseshoe(0.5_DP) // GENERAL // last_step(', NLGEOM'))
+  call suite%that('one pair of one surface', size(found%pairs) == 1 .and. size(found%surfaces) == 1)
+  call suite%that('slave and master', all(is_self_contact(found%pairs)) .and. all(found%pairs%is_general .and. &
+    found%pairs%is_mortar))
+  call suite%that('the faces of the slot and their neighbours', any(found%surfaces(1)%element == 1) .and. &
+    any(found%surfaces(1)%element == 3))
+  call suite%that('named', index(text, 'SHOE#SELF') > 0 .and. index(text, 'touches itself') > 0)
+  call find(horseshoe(0.5_DP) // GENERAL // last_step(''))
+  call suite%that('nothing moves without NLGEOM', size(found%pairs) == 0)
+  call find(horseshoe(5.0_DP) // GENERAL // last_step(', NLGEOM'))
+  call suite%that('a wide slot', size(found%pairs) == 0)
+  call find(horseshoe(0.5_DP) // GENERAL // '*CONTACT EXCLUSIONS;SHOE_S, SHOE_S;' // last_step(', NLGEOM'))
+  call suite%that('left out by the deck', size(found%pairs) == 0)
+  call find(horseshoe(0.5_DP) // last_step(', NLGEOM'))
+  call suite%that('no general contact', size(found%pairs) == 0 .and. text == '')
+  call find(horseshoe(0.5_DP) // '*SURFACE INTERACTION, NAME=SOFT;*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR;100.;' // &
+    GENERAL // '*CONTACT PROPERTY ASSIGNMENT;,, SOFT;' // last_step(', NLGEOM'))
+  call suite%that('a law that is not hard', size(found%pairs) == 0 .and. index(text, 'SOFT is not hard') > 0)
+  call suite%finish()
+
+contains
+
+  !> Three CPE4: a back and two arms of length 1, a slot of a width between them.
+  function horseshoe(width) result(cards)
+    real(DP), intent(in) :: width
+    character(:), allocatable :: cards
+    cards = '*NODE;1,0.,0.;2,1.,0.;3,2.,0.;4,0.,1.;5,1.,1.;6,2.,1.;7,0.,' // to_text(1 + width) // ';8,1.,' // &
+      to_text(1 + width) // ';9,2.,' // to_text(1 + width) // ';10,0.,' // to_text(2 + width) // ';11,1.,' // to_text(2 + width) &
+      // ';12,2.,' // to_text(2 + width) // ';*ELEMENT, TYPE=CPE4, ELSET=SHOE;1,2,3,6,5;2,1,2,5,4;3,8,9,12,11;4,7,8,11,10;' // &
+      '5,4,5,8,7;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*SOLID SECTION, ELSET=SHOE, MATERIAL=M;*SURFACE, NAME=SHOE_S;SHOE,;'
+  end function horseshoe
+
+
+  !> A step that moves a corner by 0.4.
+  function last_step(options) result(cards)
+    character(*), intent(in) :: options
+    character(:), allocatable :: cards
+    cards = '*STEP' // options // ';*STATIC;*BOUNDARY;1,1,2;12,2,2,-0.4;*END STEP;'
+  end function last_step
+
+
+  !> Reads a deck and finds its pairs.
+  subroutine find(cards)
+    character(*), intent(in) :: cards
+    type(model_type) :: model
+    type(diagnostic_list_type) :: diagnostics
+    type(error_type), allocatable :: error
+    type(job_options_type) :: options
+    integer :: i
+    call read_deck_text(deck_lines(cards), options, model, diagnostics, error)
+    call suite%that('deck', .not. allocated(error))
+    if (allocated(error)) then
+      do i = 1, diagnostics%n_items
+        call suite%that(diagnostics%items(i)%text, diagnostics%items(i)%is_warning)
+      end do
+      return
+    end if
+    found = general_pairs_type()
+    allocate (found%pairs(0), found%surfaces(0))
+    text = ''
+    call add_self_pairs(model, found, text)
+  end subroutine find
+
+end program test_self_contact_pairs
