@@ -16,7 +16,7 @@ module amontons_job_estimate
   use amontons_assembly, only: assemble_tangent
   use amontons_reduced_system, only: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration
   use amontons_schur_interface, only: analyse_bulk
-  use amontons_equilibrium, only: equilibrium_type
+  use amontons_equilibrium, only: equilibrium_type, n_interface_unknowns
   use amontons_newton_step, only: is_skin_chosen, configure_bulk_solver
   use amontons_job_files, only: analysis_type
   use amontons_analysis, only: start_analysis, enter_step, begin_trial
@@ -135,7 +135,7 @@ contains
         call take_costs(system%reduced_system, estimate)
         return
       end if
-      estimate%n_interface = count(system%is_interface_unknown)
+      estimate%n_interface = n_interface_unknowns(system)
       estimate%contact_solver = merge(CONTACT_SKIN, CONTACT_DENSE, is_skin_chosen(system, step))
       if (estimate%contact_solver == CONTACT_SKIN) then
         call configure_bulk_solver(system%skin%robin, step)

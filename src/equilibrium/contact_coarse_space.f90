@@ -23,7 +23,8 @@ module amontons_contact_coarse_space
   public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, apply_coarse_correction
 
   integer, parameter :: BLOCK_ROWS = 4096          !< rows of W of one product
-  integer, parameter :: BLOCK_UNKNOWNS = 64        !< unknowns whose values of all directions fit into a cache
+  integer, parameter :: BLOCK_UNKNOWNS = 64        !< unknowns whose values of a block of directions fit into a cache
+  integer, parameter :: BLOCK_DIRECTIONS = 32      !< directions of one pass: their sums fit into registers
 
   !> The coarse space.
   type :: coarse_space_type
@@ -132,29 +133,26 @@ contains
   end subroutine solve_bulk
 
 
-  !> W with the contact rows, J W and the factors of E for a tangent. Numbers are kept where J W has entries.
+  !> W with the contact rows, J W and the factors of E for a tangent, for BLOCK_DIRECTIONS directions at a time. Numbers are kept
+  !! where J W has entries.
   subroutine update_coarse_space(self, tangent)
     type(coarse_space_type), intent(inout) :: self
     type(coarse_rows_type), intent(in) :: tangent
     integer, allocatable :: unknown(:), place(:), moved(:), free_place(:)
     real(SP), allocatable :: u(:, :), f(:, :), shift(:, :), e(:, :)
-    integer :: k, low, high, status
+    integer :: status, first, n_moved
     if (self%n == 0) return
     call number_unknowns(self, tangent, place, unknown, moved)
-    allocate (u(self%n, size(unknown)), f(self%n, size(unknown)))
-    do low = 1, size(unknown), BLOCK_UNKNOWNS
-      high = min(low + BLOCK_UNKNOWNS - 1, size(unknown))
-      do k = 1, self%n
-        u(k, low:high) = self%w(unknown(low:high), k)
-      end do
-    end do
-    call project_onto_rows(tangent, place, moved, u, shift)
-    f = 0.0_SP
-    f(:, place(self%loaded)) = self%force
-    call add_stiffness_product(tangent, place, moved, shift, f)
-    call subtract_contact_forces(tangent, place, unknown, u, f)
     call number_free(self, tangent, unknown, free_place)
-    call restrict(self, tangent, place, unknown, free_place, u, f)
+    n_moved = maxval([0, moved])
+    allocate (u(BLOCK_DIRECTIONS, size(unknown)), f(BLOCK_DIRECTIONS, size(unknown)), shift(BLOCK_DIRECTIONS, n_moved))
+    do first = 1, self%n, BLOCK_DIRECTIONS
+      call gather(self, unknown, place, first, u, f)
+      call project_onto_rows(tangent, place, moved, u, shift)
+      call add_stiffness_product(tangent, place, unknown, moved, shift, f)
+      call subtract_contact_forces(tangent, place, unknown, u, f)
+      call restrict(self, tangent, place, unknown, free_place, first, u, f)
+    end do
     allocate (e(self%n, self%n))
     call sgemm('N', 'T', self%n, self%n, size(self%free), 1.0_SP, self%test, self%n, self%image, self%n, 0.0_SP, e, self%n)
     if (allocated(self%lu)) deallocate (self%lu, self%pivots)
@@ -163,6 +161,29 @@ contains
     call dgetrf(self%n, self%n, self%lu, self%n, self%pivots, status)
     self%is_ready = status == 0
   end subroutine update_coarse_space
+
+
+  !> W and K W of a block of directions at the numbered unknowns; zero beyond the last direction.
+  subroutine gather(self, unknown, place, first, u, f)
+    type(coarse_space_type), intent(in) :: self
+    integer, intent(in) :: unknown(:)
+    integer, intent(in) :: place(:)                !< (n_unknowns)
+    integer, intent(in) :: first                   !< direction
+    real(SP), intent(out), contiguous :: u(:, :), f(:, :)     !< (BLOCK_DIRECTIONS, unknowns)
+    integer :: k, n, low, high
+    n = min(BLOCK_DIRECTIONS, self%n - first + 1)
+    u(n + 1:, :) = 0.0_SP
+    do low = 1, size(unknown), BLOCK_UNKNOWNS
+      high = min(low + BLOCK_UNKNOWNS - 1, size(unknown))
+      do k = 1, n
+        u(k, low:high) = self%w(unknown(low:high), first + k - 1)
+      end do
+    end do
+    f = 0.0_SP
+    do k = 1, size(self%loaded)
+      f(:n, place(self%loaded(k))) = self%force(first:first + n - 1, k)
+    end do
+  end subroutine gather
 
 
   !> The unknowns where something is not 0: springs, rows, and all that the stiffness couples with the nodes that the rows move.
@@ -197,19 +218,19 @@ contains
 
 
   !> u = W - D A W, and the shift - D A W of the moved unknowns.
-  subroutine project_onto_rows(tangent, place, moved, u, shift)
+  pure subroutine project_onto_rows(tangent, place, moved, u, shift)
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
-    real(SP), intent(inout), contiguous :: u(:, :)             !< (n, unknowns)
-    real(SP), allocatable, intent(out) :: shift(:, :)         !< (n, moved unknowns)
-    real(SP) :: gap(size(u, 1))
+    real(SP), intent(inout) :: u(BLOCK_DIRECTIONS, *)         !< (.., unknowns)
+    real(SP), intent(out), contiguous :: shift(:, :)          !< (BLOCK_DIRECTIONS, moved unknowns)
+    real(SP) :: gap(BLOCK_DIRECTIONS)
     integer :: i, p
-    allocate (shift(size(u, 1), maxval([0, moved])), source=0.0_SP)
+    shift = 0.0_SP
     associate (A => tangent%rows, D => tangent%directions)
       do i = 1, A%n_rows
         gap = 0.0_SP
         do p = A%first(i), A%first(i + 1) - 1
-          gap = gap + real(A%value(p), SP) * u(:, place(A%column(p)))
+          call add_multiple(real(A%value(p), SP), u(:, place(A%column(p))), gap)
         end do
         do p = D%first(i), D%first(i + 1) - 1
           if (moved(D%column(p)) == 0) cycle
@@ -224,47 +245,56 @@ contains
 
 
   !> f = f + K shift at the free unknowns of the bulk.
-  subroutine add_stiffness_product(tangent, place, moved, shift, f)
+  pure subroutine add_stiffness_product(tangent, place, unknown, moved, shift, f)
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
-    real(SP), intent(in), contiguous :: shift(:, :)            !< (n, moved unknowns)
-    real(SP), intent(inout), contiguous :: f(:, :)             !< (n, unknowns)
-    integer :: i, j, p
-    associate (K => tangent%stiffness)
-      do i = 1, K%n_rows
-        do p = K%first(i), K%first(i + 1) - 1
-          j = K%column(p)
-          if (moved(j) > 0 .and. tangent%bulk_of(i) > 0) f(:, place(i)) = f(:, place(i)) + real(K%value(p), SP) * shift(:, moved(j))
-          if (moved(i) > 0 .and. tangent%bulk_of(j) > 0 .and. i /= j) &
-            f(:, place(j)) = f(:, place(j)) + real(K%value(p), SP) * shift(:, moved(i))
+    integer, intent(in) :: unknown(:)              !< all others are neither moved nor coupled with moved ones
+    real(SP), intent(in) :: shift(BLOCK_DIRECTIONS, *)        !< (.., moved unknowns)
+    real(SP), intent(inout) :: f(BLOCK_DIRECTIONS, *)         !< (.., unknowns)
+    real(SP) :: own(BLOCK_DIRECTIONS), sum(BLOCK_DIRECTIONS)
+    integer :: k, i, j, p
+    associate (K_bulk => tangent%stiffness)
+      do k = 1, size(unknown)
+        i = unknown(k)
+        sum = 0.0_SP
+        if (moved(i) > 0) own = shift(:, moved(i))
+        do p = K_bulk%first(i), K_bulk%first(i + 1) - 1
+          j = K_bulk%column(p)
+          if (moved(j) > 0) call add_multiple(real(K_bulk%value(p), SP), shift(:, moved(j)), sum)
+          if (moved(i) == 0 .or. i == j) cycle
+          if (tangent%bulk_of(j) > 0) call add_multiple(real(K_bulk%value(p), SP), own, f(:, place(j)))
         end do
+        if (tangent%bulk_of(i) > 0) f(:, k) = f(:, k) + sum
       end do
     end associate
   end subroutine add_stiffness_product
 
 
   !> f = (1 + D_R) f - D_u u.
-  subroutine subtract_contact_forces(tangent, place, unknown, u, f)
+  pure subroutine subtract_contact_forces(tangent, place, unknown, u, f)
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:)                !< (n_unknowns)
     integer, intent(in) :: unknown(:)
-    real(SP), intent(in), contiguous :: u(:, :)                !< (n, unknowns)
-    real(SP), intent(inout), contiguous :: f(:, :)             !< (n, unknowns)
+    real(SP), intent(in) :: u(BLOCK_DIRECTIONS, *)            !< (.., unknowns)
+    real(SP), intent(inout) :: f(BLOCK_DIRECTIONS, *)         !< (.., unknowns)
+    real(SP) :: sum(BLOCK_DIRECTIONS)
     real(SP), allocatable :: change(:, :)
     integer, allocatable :: changed(:)
     integer :: k, p
     associate (D_R => tangent%by_imbalance, D_u => tangent%by_displacement)
       changed = pack([(k, k=1, size(unknown))], D_R%first(unknown + 1) > D_R%first(unknown) .or. &
         D_u%first(unknown + 1) > D_u%first(unknown))
-      allocate (change(size(f, 1), size(changed)), source=0.0_SP)
+      allocate (change(BLOCK_DIRECTIONS, size(changed)))
       do k = 1, size(changed)
         associate (i => unknown(changed(k)))
+          sum = 0.0_SP
           do p = D_R%first(i), D_R%first(i + 1) - 1
-            change(:, k) = change(:, k) + real(D_R%value(p), SP) * f(:, place(D_R%column(p)))
+            call add_multiple(real(D_R%value(p), SP), f(:, place(D_R%column(p))), sum)
           end do
           do p = D_u%first(i), D_u%first(i + 1) - 1
-            change(:, k) = change(:, k) - real(D_u%value(p), SP) * u(:, place(D_u%column(p)))
+            call add_multiple(-real(D_u%value(p), SP), u(:, place(D_u%column(p))), sum)
           end do
+          change(:, k) = sum
         end associate
       end do
     end associate
@@ -272,6 +302,19 @@ contains
       f(:, changed(k)) = f(:, changed(k)) + change(:, k)
     end do
   end subroutine subtract_contact_forces
+
+
+  !> y = y + a x for the directions of a block.
+  pure subroutine add_multiple(a, x, y)
+    real(SP), intent(in) :: a
+    real(SP), intent(in) :: x(BLOCK_DIRECTIONS)
+    real(SP), intent(inout) :: y(BLOCK_DIRECTIONS)
+    integer :: k
+    !$omp simd
+    do k = 1, BLOCK_DIRECTIONS
+      y(k) = y(k) + a * x(k)
+    end do
+  end subroutine add_multiple
 
 
   !> The free unknowns on which the numbered unknowns depend.
@@ -292,35 +335,40 @@ contains
     end associate
     self%free = pack([(k, k=1, size(free_place))], free_place > 0)
     free_place(self%free) = [(k, k=1, size(self%free))]
+    if (allocated(self%test)) then
+      if (size(self%test, 2) /= size(self%free)) deallocate (self%test, self%image)
+    end if
+    if (.not. allocated(self%test)) allocate (self%test(self%n, size(self%free)), self%image(self%n, size(self%free)))
   end subroutine number_free
 
 
-  !> W and J W = T'f on the free unknowns.
-  subroutine restrict(self, tangent, place, unknown, free_place, u, f)
+  !> W and J W = T'f of a block of directions on the free unknowns.
+  pure subroutine restrict(self, tangent, place, unknown, free_place, first, u, f)
     type(coarse_space_type), intent(inout) :: self
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:)                !< (n_unknowns)
     integer, intent(in) :: unknown(:)
     integer, intent(in) :: free_place(:)           !< (n_free)
-    real(SP), intent(in), contiguous :: u(:, :), f(:, :)   !< (n, unknowns)
-    integer :: k, p, i
-    if (allocated(self%test)) deallocate (self%test, self%image)
-    allocate (self%test(self%n, size(self%free)), self%image(self%n, size(self%free)))
+    integer, intent(in) :: first                   !< direction
+    real(SP), intent(in), contiguous :: u(:, :), f(:, :)   !< (BLOCK_DIRECTIONS, unknowns)
+    integer :: k, p, i, n, last
+    n = min(BLOCK_DIRECTIONS, self%n - first + 1)
+    last = first + n - 1
     do k = 1, size(self%free)
       i = tangent%unknown_of(self%free(k))
       if (place(i) > 0) then
-        self%test(:, k) = u(:, place(i))
+        self%test(first:last, k) = u(:n, place(i))
       else
-        self%test(:, k) = self%w(i, :)
+        self%test(first:last, k) = self%w(i, first:last)
       end if
     end do
-    self%image = 0.0_SP
+    self%image(first:last, :) = 0.0_SP
     associate (T => tangent%transformation)
       do k = 1, size(unknown)
         if (tangent%bulk_of(unknown(k)) == 0) cycle
         do p = T%first(unknown(k)), T%first(unknown(k) + 1) - 1
           i = free_place(T%column(p))
-          self%image(:, i) = self%image(:, i) + real(T%value(p), SP) * f(:, k)
+          self%image(first:last, i) = self%image(first:last, i) + real(T%value(p), SP) * f(:n, k)
         end do
       end do
     end associate

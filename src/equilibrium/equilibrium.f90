@@ -47,7 +47,7 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step
-  public :: update_base_constraints, discard_bulk_factor, interface_unknowns, start_clock, stop_clock
+  public :: update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns, start_clock, stop_clock
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
 
@@ -617,6 +617,13 @@ contains
     if (allocated(system%skin%memory%is_near)) deallocate (system%skin%memory%is_near)
     if (allocated(system%bulk_factor_u)) deallocate (system%bulk_factor_u)
   end subroutine discard_bulk_factor
+
+
+  !> Free unknowns of the contact interface, those of the dense interface.
+  pure integer function n_interface_unknowns(system) result(n)
+    type(equilibrium_type), intent(in) :: system   !< with its interface and base constraints
+    n = count(system%is_interface_unknown .and. system%base%free_of > 0)
+  end function n_interface_unknowns
 
 
   !> The unknowns of the contact interface: slave nodes near their master, the nodes of their facets and of adjacent facets.

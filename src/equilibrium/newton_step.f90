@@ -36,8 +36,7 @@ module amontons_newton_step
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows
   use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
-    mean_diagonal_stiffness, &
-    start_clock, stop_clock, OUTCOME_OK, &
+    n_interface_unknowns, mean_diagonal_stiffness, start_clock, stop_clock, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
@@ -378,7 +377,7 @@ contains
     if (system%skin%memory%is_abandoned .or. step%interface == INTERFACE_DENSE) return
     is_skin_chosen = step%interface == INTERFACE_SKIN
     if (is_skin_chosen .or. .not. allocated(system%is_interface_unknown)) return
-    is_skin_chosen = count(system%is_interface_unknown) > system%controls%contact_interface%max_unknowns .or. &
+    is_skin_chosen = n_interface_unknowns(system) > system%controls%contact_interface%max_unknowns .or. &
       system%reduced_system%is_iterative .or. is_skin_cheaper(system, system%controls%contact_interface%usual_skin_iterations)
   end function is_skin_chosen
 
@@ -474,8 +473,10 @@ contains
       system%motions)
     system%n_factorisations = system%n_factorisations + system%skin%robin%n_factorised
     system%skin%is_ready = status == FACTOR_OK
-    if (system%skin%is_ready) call build_skin_coarse_space(system%skin, system%base, model%mesh%coordinates, &
-      system%controls%skin%coarse_patches)
+    associate (controls => system%controls%skin)
+      if (system%skin%is_ready) call build_skin_coarse_space(system%skin, system%base, model%mesh%coordinates, &
+        min(controls%max_coarse_patches, max(controls%min_coarse_patches, count(is_slave) / controls%slaves_per_patch)))
+    end associate
   end subroutine update_bulk_solver
 
 
@@ -575,7 +576,7 @@ contains
     system%is_schur_allowed = .false.
     if (system%base%n_free == 0) return            ! all unknowns are prescribed
     if (.not. is_analysis_valid(system%schur_interface, system%base)) then
-      if (count(system%is_interface_unknown) > system%controls%contact_interface%max_unknowns) return
+      if (n_interface_unknowns(system) > system%controls%contact_interface%max_unknowns) return
       call analyse_bulk(system%schur_interface, system%assembly%stiffness, system%base, system%is_interface_unknown, error)
       if (allocated(error) .or. .not. system%schur_interface%is_analysed) return
     end if

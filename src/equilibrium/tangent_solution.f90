@@ -21,7 +21,7 @@ module amontons_tangent_solution
   use amontons_unsymmetric_tangent, only: subtract_skew_product, combine_with_skew
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents
   use amontons_arc_length, only: close_arc
-  use amontons_equilibrium, only: equilibrium_type, discard_bulk_factor, OUTCOME_OK, OUTCOME_LINEAR_SOLVER
+  use amontons_equilibrium, only: equilibrium_type, n_interface_unknowns, discard_bulk_factor, OUTCOME_OK, OUTCOME_LINEAR_SOLVER
   implicit none
   private
   public :: solve_constrained_system, follow_path, solve_roughly, apply_unconstrained_tangent, assemble_tangent_matrix
@@ -197,8 +197,8 @@ contains
   end subroutine solve_by_skin
 
 
-  !> Recomputes the bulk solver after slow solves. Where that did not help, or no direction was found, the step continues with a
-  !! factor of the bulk in place of two levels, then with the dense interface if that is allowed and cheaper.
+  !> After slow solves, or where no direction was found, the step continues with the dense interface if that is allowed and cheaper;
+  !! else the bulk solver is recomputed, and two levels that stay slow give way to a factor.
   subroutine check_skin_convergence(system, report, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(krylov_report_type), intent(in) :: report !< of a direction
@@ -218,8 +218,8 @@ contains
         if (.not. system%skin%robin%cost%is_factor_too_large) memory%is_factor_needed = is_lost .or. &
           (is_slow_again .and. system%skin%robin%requested_solver == SOLVER_AUTO)
       else
-        memory%is_abandoned = count(system%is_interface_unknown) <= system%controls%contact_interface%max_unknowns .and. &
-          (is_lost .or. (is_slow_again .and. .not. is_skin_cheaper(system, n_iterations)))
+        memory%is_abandoned = n_interface_unknowns(system) <= system%controls%contact_interface%max_unknowns .and. &
+          (is_lost .or. .not. is_skin_cheaper(system, n_iterations))
       end if
       is_replaced = memory%is_abandoned .or. (system%skin%robin%is_iterative .and. memory%is_factor_needed)
       if (is_lost .and. .not. is_replaced) return
@@ -389,7 +389,7 @@ contains
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: n_iterations
     associate (limits => system%controls%contact_interface)
-      is_skin_cheaper = limits%dense_work_ratio * real(count(system%is_interface_unknown), DP)**3 * limits%usual_skin_iterations > &
+      is_skin_cheaper = limits%dense_work_ratio * real(n_interface_unknowns(system), DP)**3 * limits%usual_skin_iterations > &
         n_iterations * real(system%base%n_free, DP)
     end associate
   end function is_skin_cheaper

@@ -26,6 +26,8 @@ module amontons_sparse
     integer, allocatable :: first(:)           !< (n_rows + 1)
     integer, allocatable :: column(:)          !< (nnz) ascending within a row
     real(DP), allocatable :: value(:)          !< (nnz)
+    logical :: has_node_blocks = .false.       !< an upper triangle of blocks of 3 x 3: the three rows of a node have the same
+                                               !! columns, those of whole nodes
   end type sparse_type
 
   !> Plan of the summation A = C' K C: built once for a pattern of K and C, used for all values of them.
@@ -351,6 +353,7 @@ contains
       return
     end if
     start = balance_row_blocks(matrix, n_parts)
+    if (matrix%has_node_blocks) start = start - mod(start - 1, 3)
     allocate (part(matrix%n_rows, 2:n_parts))
     !$omp parallel do schedule(static, 1) num_threads(n_parts)
     do t = 1, n_parts
@@ -376,6 +379,12 @@ contains
     real(DP) :: sum
     integer :: i, p
     y(low:) = 0
+    if (matrix%has_node_blocks) then
+      do i = low, high, 3
+        call multiply_node_rows(matrix, i, x, y)
+      end do
+      return
+    end if
     do i = low, high
       p = matrix%first(i)
       sum = matrix%value(p) * x(i)
@@ -386,6 +395,37 @@ contains
       y(i) = y(i) + sum
     end do
   end subroutine multiply_rows
+
+
+  !> Contribution of the three rows of a node, by blocks of 3 x 3: a third of the indices and of the additions to y.
+  pure subroutine multiply_node_rows(matrix, i, x, y)
+    type(sparse_type), intent(in) :: matrix    !< upper triangle
+    integer, intent(in) :: i                   !< first row
+    real(DP), intent(in) :: x(:)
+    real(DP), intent(inout) :: y(:)
+    real(DP) :: own(3), sum(3), other(3)
+    integer :: n, k, j, p, q, r
+    n = matrix%first(i + 1) - matrix%first(i) - 3   ! columns of other nodes
+    p = matrix%first(i) + 2                    ! before these columns, in each of the rows
+    q = p + n + 2
+    r = q + n + 1
+    own = x(i:i + 2)
+    associate (value => matrix%value)
+      sum(1) = value(p - 2) * own(1) + value(p - 1) * own(2) + value(p) * own(3)
+      sum(2) = value(p - 1) * own(1) + value(q - 1) * own(2) + value(q) * own(3)
+      sum(3) = value(p) * own(1) + value(q) * own(2) + value(r) * own(3)
+      do k = 1, n, 3
+        j = matrix%column(p + k)
+        other = x(j:j + 2)
+        sum(1) = sum(1) + value(p + k) * other(1) + value(p + k + 1) * other(2) + value(p + k + 2) * other(3)
+        sum(2) = sum(2) + value(q + k) * other(1) + value(q + k + 1) * other(2) + value(q + k + 2) * other(3)
+        sum(3) = sum(3) + value(r + k) * other(1) + value(r + k + 1) * other(2) + value(r + k + 2) * other(3)
+        y(j:j + 2) = y(j:j + 2) + value(p + k:p + k + 2) * own(1) + value(q + k:q + k + 2) * own(2) + &
+          value(r + k:r + k + 2) * own(3)
+      end do
+    end associate
+    y(i:i + 2) = y(i:i + 2) + sum
+  end subroutine multiply_node_rows
 
 
   !> First rows of parts with about equal numbers of entries.

@@ -139,7 +139,9 @@ module amontons_controls
     real(DP) :: newton_tolerance_share = 1.0e-4_DP   !< merit over Newton's residual tolerance at which corrections stop [-] |
                                            !! contact_preconditioner
     integer :: slaves_per_tile = 64        !< slave nodes of a tile, at most | 0021
-    integer :: coarse_patches = 32         !< patches of slave nodes in the coarse space, at most; 0: no coarse space | 0021
+    integer :: max_coarse_patches = 64     !< patches of slave nodes in the coarse space, at most; 0: no coarse space | 0021
+    integer :: min_coarse_patches = 32     !< the same, at least | 0021
+    integer :: slaves_per_patch = 13       !< slave nodes of a patch, about, between these limits | 0021
     real(DP) :: spring_along = 1.0_DP      !< rho_n: Robin spring along the normal over the node's own stiffness [-] | 0021
     real(DP) :: spring_across = 0.1_DP     !< rho_t: the same across it [-] | 0021
     real(DP) :: max_motion_energy = 1.0e-2_DP   !< largest z'Kz over z'diag(K)z of a weakly restrained rigid motion [-] |

@@ -221,16 +221,11 @@ def test_shuffled_threads_twice(run: Run, tmp_path: Path, plain: Callable[[str],
 
 
 @pytest.mark.parametrize("case", ALL)
-def test_turned_and_renumbered(
-    run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str, request: pytest.FixtureRequest
-) -> None:
+def test_turned_and_renumbered(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str) -> None:
     """Turned in space, with supports along the turned axes; nodes in another order with other labels: 1e-8."""
     deck, wanted = said(case), plain(case)
     text, label = renumbered(deck, 7)
     same(solve(run, tmp_path / "renumbered", in_dialect(deck, text)), wanted, 1e-8, View(label=label))
-    if case == "capstan":
-        reason = "the contact skin finds no first direction of the turned strap and gives way to the dense interface: 3 iterations in place of 1"
-        request.applymarker(pytest.mark.xfail(reason=reason, strict=False))
     if "CAX" not in deck:
         same(solve(run, tmp_path / "turned", in_dialect(deck, turned(deck))), wanted, 1e-8, View(turn=rotation(deck)))
 

@@ -20,6 +20,9 @@ program test_sparse
   end do
   call test_reduction(6, 0)
   call test_large()
+  call test_node_blocks(1, 1)
+  call test_node_blocks(7, 3)
+  call test_node_blocks(7000, 5)
   call test_errors()
   call suite%finish()
 
@@ -231,6 +234,37 @@ contains
     call suite%that('multiply_symmetric: bitwise repeatable', all(abs(y - again) <= 0))
     call suite%near('multiply_symmetric: threads share it right', maxval(abs(y - other) / y), 0.0_DP, 1.0e-14_DP)
   end subroutine test_large
+
+
+  !> Rows of nodes with the same columns: by blocks as row by row, small and large enough for threads.
+  subroutine test_node_blocks(n_nodes, width)
+    integer, intent(in) :: n_nodes, width          ! width: nodes coupled with a node, each second one
+    type(sparse_type) :: matrix
+    type(error_type), allocatable :: error
+    real(DP), dimension(3 * n_nodes) :: x, y, by_rows
+    integer, allocatable :: row(:), column(:)
+    integer :: node, other, r, s, n
+    allocate (row(9 * n_nodes * width), column(9 * n_nodes * width))
+    n = 0
+    do node = 1, n_nodes
+      do r = 1, 3
+        do other = node, min(node + 2 * (width - 1), n_nodes), 2
+          do s = merge(r, 1, other == node), 3
+            n = n + 1
+            row(n) = 3 * (node - 1) + r
+            column(n) = 3 * (other - 1) + s
+          end do
+        end do
+      end do
+    end do
+    call sparse_from_triplets(3 * n_nodes, 3 * n_nodes, row(:n), column(:n), spread(0.0_DP, 1, n), matrix, error)
+    call random_number(matrix%value)
+    call random_number(x)
+    call multiply_symmetric(matrix, x, by_rows)
+    matrix%has_node_blocks = .true.
+    call multiply_symmetric(matrix, x, y)
+    call suite%near('multiply_symmetric: by blocks of nodes', maxval(abs(y - by_rows) / by_rows), 0.0_DP, 1.0e-14_DP)
+  end subroutine test_node_blocks
 
 
   subroutine test_errors()
