@@ -276,9 +276,7 @@ contains
     integer, intent(in) :: n_nodes
     integer :: i, r, k, n, position
     associate (K_matrix => assembly%stiffness)
-      K_matrix%n_rows = 3 * n_nodes
-      K_matrix%n_columns = 3 * n_nodes
-      K_matrix%has_node_blocks = .true.
+      K_matrix = sparse_type(n_rows=3 * n_nodes, n_columns=3 * n_nodes, has_node_blocks=.true.)
       allocate (K_matrix%first(3 * n_nodes + 1))
       n = 9 * size(assembly%graph_node) - 3 * n_nodes
       allocate (K_matrix%column(n), K_matrix%value(n))

@@ -221,7 +221,7 @@ contains
   pure subroutine project_onto_rows(tangent, place, moved, u, shift)
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
-    real(SP), intent(inout) :: u(BLOCK_DIRECTIONS, *)         !< (.., unknowns)
+    real(SP), intent(inout), contiguous :: u(:, :)   !< (BLOCK_DIRECTIONS, unknowns)
     real(SP), intent(out), contiguous :: shift(:, :)          !< (BLOCK_DIRECTIONS, moved unknowns)
     real(SP) :: gap(BLOCK_DIRECTIONS)
     integer :: i, p
@@ -249,8 +249,8 @@ contains
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:), moved(:)      !< (n_unknowns)
     integer, intent(in) :: unknown(:)              !< all others are neither moved nor coupled with moved ones
-    real(SP), intent(in) :: shift(BLOCK_DIRECTIONS, *)        !< (.., moved unknowns)
-    real(SP), intent(inout) :: f(BLOCK_DIRECTIONS, *)         !< (.., unknowns)
+    real(SP), intent(in), contiguous :: shift(:, :)   !< (BLOCK_DIRECTIONS, moved unknowns)
+    real(SP), intent(inout), contiguous :: f(:, :)   !< (BLOCK_DIRECTIONS, unknowns)
     real(SP) :: own(BLOCK_DIRECTIONS), sum(BLOCK_DIRECTIONS)
     integer :: k, i, j, p
     associate (K_bulk => tangent%stiffness)
@@ -275,8 +275,8 @@ contains
     type(coarse_rows_type), intent(in) :: tangent
     integer, intent(in) :: place(:)                !< (n_unknowns)
     integer, intent(in) :: unknown(:)
-    real(SP), intent(in) :: u(BLOCK_DIRECTIONS, *)            !< (.., unknowns)
-    real(SP), intent(inout) :: f(BLOCK_DIRECTIONS, *)         !< (.., unknowns)
+    real(SP), intent(in), contiguous :: u(:, :)   !< (BLOCK_DIRECTIONS, unknowns)
+    real(SP), intent(inout), contiguous :: f(:, :)   !< (BLOCK_DIRECTIONS, unknowns)
     real(SP) :: sum(BLOCK_DIRECTIONS)
     real(SP), allocatable :: change(:, :)
     integer, allocatable :: changed(:)
