@@ -31,11 +31,11 @@ uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner mp
 # model
 uses_analytic_profiles = kinds tensor
 uses_controls = kinds
+uses_element_kinds =
 uses_loads = kinds
 uses_user_routines = kinds text errors
 uses_materials = kinds user_routines
-uses_topology =
-uses_mesh = kinds containers topology
+uses_mesh = kinds containers element_kinds
 uses_restart_file = kinds text errors posix
 uses_surfaces = kinds analytic_profiles
 uses_mpc_data = kinds tensor
@@ -50,23 +50,23 @@ uses_hyperelasticity = kinds materials logarithmic_strain
 uses_plasticity = kinds materials
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
 uses_material_point = kinds tensor materials logarithmic_strain elasticity hyperelasticity plasticity user_material
-uses_element_integration_points = kinds tensor materials topology user_material material_point
+uses_element_integration_points = kinds tensor element_kinds materials user_material material_point
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
-uses_shape_functions = kinds topology
-uses_truss_spring_mass = kinds materials topology elasticity material_point element_integration_points zero_stress_condition shape_functions
-uses_hourglass = kinds tensor topology
-uses_plane_elements = kinds tensor materials topology logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass
-uses_incompatible_modes = kinds tensor topology
-uses_solid_shell = kinds tensor materials topology logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions incompatible_modes
-uses_solid_elements = kinds tensor materials topology logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
-uses_element = kinds tensor materials topology element_integration_points shape_functions truss_spring_mass plane_elements solid_elements
-uses_hex8_simd = kinds materials topology elasticity shape_functions
+uses_shape_functions = kinds element_kinds
+uses_truss_spring_mass = kinds element_kinds materials elasticity material_point element_integration_points zero_stress_condition shape_functions
+uses_hourglass = kinds tensor element_kinds
+uses_plane_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass
+uses_incompatible_modes = kinds tensor element_kinds
+uses_solid_shell = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions incompatible_modes
+uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
+uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass plane_elements solid_elements
+uses_hex8_simd = kinds element_kinds materials elasticity shape_functions
 
 # expansion
-uses_directors = kinds tensor topology mesh structural_data shape_functions
-uses_expanded_elements = kinds topology mesh structural_data
+uses_directors = kinds tensor element_kinds mesh structural_data shape_functions
+uses_expanded_elements = kinds element_kinds mesh structural_data
 uses_knots = kinds tensor loads mesh mpc_data structural_data model
 uses_expansion = model directors expanded_elements knots
 
@@ -75,44 +75,44 @@ uses_cards = kinds text containers errors
 uses_card_schema = kinds text containers cards
 uses_card_materials = card_schema
 uses_card_table = card_schema card_materials
-uses_deck_labels = kinds text containers topology cards
+uses_deck_labels = kinds text containers element_kinds cards
 uses_deck_reader = kinds text containers mesh model cards card_schema
-uses_deck_mesh = kinds text containers materials topology mesh model cards card_schema deck_labels deck_reader
-uses_deck_structure = kinds text controls topology structural_data model expansion cards card_schema deck_reader deck_mesh
+uses_deck_mesh = kinds text containers element_kinds materials mesh model cards card_schema deck_labels deck_reader
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema deck_reader deck_mesh
 uses_deck_initial_conditions = kinds text containers loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
-uses_deck_faces = containers topology mesh deck_reader
-uses_deck_surfaces = kinds text containers loads user_routines topology mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
-uses_deck_contact = kinds text topology mesh surfaces steps model cards card_schema deck_reader deck_surfaces
+uses_deck_faces = containers element_kinds mesh deck_reader
+uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
+uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards card_schema deck_reader deck_surfaces
 uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mesh mpc_data structural_data model cards card_schema deck_reader
-uses_deck_couplings = kinds text tensor topology mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
-uses_deck_parts = kinds text tensor topology cards
+uses_deck_couplings = kinds text tensor element_kinds mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
+uses_deck_parts = kinds text tensor element_kinds cards
 uses_deck_generate = kinds text tensor cards deck_labels
 uses_deck_parameters = kinds text containers cards
 uses_deck_restart = kinds text errors restart_file model cards card_schema
-uses_explain = text loads materials topology surfaces model cards card_schema deck_reader
-uses_deck_springs = kinds text materials topology mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
+uses_explain = text element_kinds loads materials surfaces model cards card_schema deck_reader
+uses_deck_springs = kinds text element_kinds materials mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
 uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_mesh
-uses_deck_output = kinds text topology steps model cards card_schema card_table deck_reader
+uses_deck_output = kinds text element_kinds steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds loads model
-uses_deck_loads = kinds text containers loads materials topology structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
-uses_deck_procedures = kinds text distributed_solver topology steps structural_data model cards card_schema deck_reader deck_loads
-uses_deck_steps = kinds text controls materials topology mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
+uses_deck_loads = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
+uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
+uses_deck_steps = kinds text controls element_kinds materials mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
 uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
-uses_facets = kinds containers errors tensor analytic_profiles topology mesh shape_functions
-uses_analytic_master = kinds tensor analytic_profiles topology facets
-uses_contact_constraint_rows = kinds topology shape_functions facets analytic_master
-uses_exterior_surface = kinds containers tensor topology mesh facets
+uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions
+uses_analytic_master = kinds tensor analytic_profiles element_kinds facets
+uses_contact_constraint_rows = kinds element_kinds shape_functions facets analytic_master
+uses_exterior_surface = kinds containers tensor element_kinds mesh facets
 uses_facet_search = kinds facets
-uses_surface_projection = kinds tensor topology shape_functions facets analytic_master facet_search
+uses_surface_projection = kinds tensor element_kinds shape_functions facets analytic_master facet_search
 uses_master_symmetry_planes = kinds steps model facets surface_projection
-uses_self_contact_visibility = kinds containers tensor topology facets facet_search
-uses_tributary_areas = kinds tensor topology mesh surfaces shape_functions
+uses_self_contact_visibility = kinds containers tensor element_kinds facets facet_search surface_projection
+uses_tributary_areas = kinds tensor element_kinds mesh surfaces shape_functions
 
 # contact_laws
 uses_friction_slip_scenarios = kinds
@@ -121,40 +121,40 @@ uses_slave_node_equilibrium = kinds tensor surfaces friction_slip_scenarios pres
 uses_slave_node_overrides = kinds
 
 # mortar
-uses_dual_shape_functions = kinds dense topology
-uses_polygon_clipping = kinds topology shape_functions facets
-uses_mortar_segmentation = kinds tensor topology facets facet_search dual_shape_functions polygon_clipping
-uses_face_intersection_points = kinds tensor topology shape_functions facets facet_search polygon_clipping mortar_segmentation
-uses_mortar = kinds errors topology mesh facets contact_constraint_rows facet_search surface_projection tributary_areas dual_shape_functions polygon_clipping mortar_segmentation
-uses_segment_derivatives = kinds tensor dense topology shape_functions facets dual_shape_functions polygon_clipping mortar_segmentation
-uses_mortar_linearization = kinds topology facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
+uses_dual_shape_functions = kinds dense element_kinds
+uses_polygon_clipping = kinds element_kinds shape_functions facets
+uses_mortar_segmentation = kinds tensor element_kinds facets facet_search dual_shape_functions polygon_clipping
+uses_face_intersection_points = kinds tensor element_kinds shape_functions facets facet_search polygon_clipping mortar_segmentation
+uses_mortar = kinds errors element_kinds mesh facets contact_constraint_rows facet_search surface_projection tributary_areas dual_shape_functions polygon_clipping mortar_segmentation
+uses_segment_derivatives = kinds tensor dense element_kinds shape_functions facets dual_shape_functions polygon_clipping mortar_segmentation
+uses_mortar_linearization = kinds element_kinds facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-uses_state = kinds tensor materials topology mesh steps model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
+uses_state = kinds tensor element_kinds materials mesh steps model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
 uses_model_change = mesh model state
-uses_user_state = kinds errors loads user_routines materials topology mesh model element_integration_points shape_functions element state
+uses_user_state = kinds errors element_kinds loads user_routines materials mesh model element_integration_points shape_functions element state
 
 # assembly
-uses_unsymmetric_tangent = kinds errors tensor sparse topology shape_functions
-uses_assembly = kinds containers errors sparse graph_partition mpi_ranks materials topology mesh model element hex8_simd state user_state unsymmetric_tangent
-uses_external_loads = kinds tensor loads materials topology mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
-uses_inertia = kinds tensor topology mesh steps model state assembly external_loads
+uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
+uses_assembly = kinds containers errors sparse graph_partition mpi_ranks element_kinds materials mesh model element hex8_simd state user_state unsymmetric_tangent
+uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
+uses_inertia = kinds tensor element_kinds mesh steps model state assembly external_loads
 uses_stabilization = kinds sparse mesh steps state
 
 # constraints
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly constraints
 uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
-uses_tie_generation = kinds errors tensor loads topology mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
+uses_tie_generation = kinds errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
 uses_slave_nodes = kinds surfaces slave_node_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds facets slave_node_overrides state
-uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls topology surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection self_contact_visibility tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
+uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls element_kinds surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection self_contact_visibility tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
 uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure slave_node_equilibrium slave_node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs
-uses_contact_initialization = kinds containers errors topology surfaces model facets contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
-uses_contact_integration_points = kinds topology model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
+uses_contact_initialization = kinds containers errors element_kinds surfaces model facets contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
+uses_contact_integration_points = kinds element_kinds model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
@@ -176,19 +176,19 @@ uses_newton_step = kinds errors iteration_records sparse factorization woodbury_
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
-uses_model_check_bodies = kinds text errors topology mesh model element
-uses_model_check_contact = kinds text containers errors loads topology surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
+uses_model_check_bodies = kinds text errors element_kinds mesh model element
+uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
-uses_model_check_motion = kinds text containers errors tensor null_space topology surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
+uses_model_check_motion = kinds text containers errors tensor null_space element_kinds surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_balanced_bodies = kinds text model state assembly external_loads model_check_bodies model_check_motion
-uses_model_check_unpaired = kinds text containers errors topology surfaces model facets exterior_surface facet_search general_contact model_check_bodies
-uses_model_check = kinds text containers errors loads topology steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
+uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
+uses_model_check = kinds text containers errors element_kinds loads steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear
 uses_active_set_history = kinds state
 uses_active_set_cycling = kinds controls surfaces surface_projection slave_node_overrides state contact_pairs active_set_history
 uses_convergence = kinds controls
-uses_tunnelling_check = kinds tensor topology model facets analytic_master contact_constraint_rows facet_search slave_node_overrides state contact_pairs
+uses_tunnelling_check = kinds tensor element_kinds model facets analytic_master contact_constraint_rows facet_search slave_node_overrides state contact_pairs
 uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios slave_node_overrides state equilibrium tangent_solution tunnelling_check
 uses_nonlinear_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios slave_node_overrides state contact_pairs equilibrium conjugate_gradient_preconditioner
 uses_contact_rounds = kinds errors iteration_records anderson_acceleration controls surfaces steps model slave_node_overrides state contact_pairs equilibrium newton_step conjugate_gradient_preconditioner convergence line_search nonlinear_conjugate_gradients
@@ -203,13 +203,13 @@ uses_increment_control = kinds steps convergence
 # output
 uses_hdf5_file = kinds errors posix
 uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_preconditioner equilibrium newton increment_control hdf5_file
-uses_postprocess = kinds tensor materials topology mesh surfaces model material_point shape_functions element dual_shape_functions state
-uses_dat_contact_output = kinds text tensor topology steps model state postprocess
-uses_dat_output = kinds text tensor materials topology mesh steps model state postprocess dat_contact_output
-uses_frd_output = kinds text containers errors iteration_records posix version dense topology mesh steps model shape_functions state postprocess dat_contact_output dat_output
+uses_postprocess = kinds tensor element_kinds materials mesh surfaces model material_point shape_functions element dual_shape_functions state
+uses_dat_contact_output = kinds text tensor element_kinds steps model state postprocess
+uses_dat_output = kinds text tensor element_kinds materials mesh steps model state postprocess dat_contact_output
+uses_frd_output = kinds text containers errors iteration_records posix version dense element_kinds mesh steps model shape_functions state postprocess dat_contact_output dat_output
 uses_result_cells = errors mesh hdf5_file
 uses_result_schema = kinds errors iteration_records hdf5_file
-uses_result_model = kinds errors iteration_records version analytic_profiles materials topology mesh surfaces steps model analytic_master hdf5_file result_schema
+uses_result_model = kinds errors iteration_records version analytic_profiles element_kinds materials mesh surfaces steps model analytic_master hdf5_file result_schema
 uses_results = kinds errors iteration_records tensor materials mesh steps model state hdf5_file postprocess result_cells result_schema result_model
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
@@ -219,7 +219,7 @@ uses_model_setup = kinds text errors logger loads model tie_generation contact_i
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
 uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
-uses_job_query = kinds text containers errors materials topology mesh state constraints postprocess result_schema results driven_loads analysis
+uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
 uses_job_estimate = kinds text errors posix logger blas_lapack steps model assembly reduced_system schur_interface equilibrium newton_step job_files analysis

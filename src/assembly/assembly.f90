@@ -11,7 +11,7 @@ module amontons_assembly
   use amontons_kinds, only: DP
   use amontons_containers, only: sort_ascending
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, is_out, material_in_step

@@ -19,7 +19,7 @@ module amontons_external_loads
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
-  use amontons_topology, only: element_kind, element_kind_type, KIND_MASS, FAMILY_SOLID, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, FAMILY_SOLID, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
     MAX_ELEMENT_POINTS, &
     KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX8R, KIND_SPRINGA
   use amontons_user_state, only: evaluate_dload

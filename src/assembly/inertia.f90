@@ -16,7 +16,7 @@ module amontons_inertia
   use amontons_state, only: state_type, fields_type
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY
-  use amontons_topology, only: MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
   public :: begin_motion, assemble_mass, add_inertia_force, add_inertia_stiffness, conclude_inertia, implicit_loss

@@ -18,7 +18,7 @@ module amontons_unsymmetric_tangent
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_sum, sparse_transpose
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_tensor, only: IDENTITY, invert
-  use amontons_topology, only: element_kind, element_kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS4R, KIND_CPE4R, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS4R, KIND_CPE4R, &
     KIND_CAX4R, KIND_CPE4_FULL, FAMILY_SOLID, FAMILY_AXISYMMETRIC, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS
   implicit none

@@ -4,7 +4,7 @@ module amontons_tie_generation
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert, IDENTITY
-  use amontons_topology, only: element_kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
+  use amontons_element_kinds, only: element_kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
   use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
   use amontons_loads, only: equation_type
   use amontons_mpc_data, only: tie_type, distributing_coupling_type

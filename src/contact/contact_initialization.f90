@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_contact_initialization
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, BEHAVIOR_TIED
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP, state_type, create_state

@@ -6,7 +6,7 @@
 !! the start of an increment; a new point takes the state of the nearest old one of its face.
 module amontons_contact_integration_points
   use amontons_kinds, only: DP
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, facet_nodes
   use amontons_model, only: model_type

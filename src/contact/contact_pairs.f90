@@ -6,7 +6,7 @@ module amontons_contact_pairs
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_topology, only: N_SOLID_KINDS
+  use amontons_element_kinds, only: N_SOLID_KINDS
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, is_self_contact, pair_interactions
   use amontons_slave_nodes, only: detach_slave

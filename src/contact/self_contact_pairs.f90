@@ -17,7 +17,7 @@ module amontons_self_contact_pairs
   private
   public :: add_self_pairs
 
-  integer, parameter :: MAX_SAMPLES = 2000           !< faces of a body that each of its faces is compared with
+  integer, parameter :: MAX_COMPARED_FACES = 2000           !< faces of a body that each of its faces is compared with
 
 contains
 
@@ -55,7 +55,7 @@ contains
     integer, allocatable, intent(out) :: interaction(:)   !< of the faces of the body
     integer :: i, k, stride
     allocate (interaction(size(own)), source=0)
-    stride = 1 + size(own) / MAX_SAMPLES
+    stride = 1 + size(own) / MAX_COMPARED_FACES
     do i = 1, size(own)
       do k = 1 + modulo(i, stride), size(own), stride
         if (.not. face_each_other(exterior, own(i), own(k), motion)) cycle

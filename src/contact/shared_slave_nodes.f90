@@ -101,7 +101,7 @@ contains
     type(shared_slaves_type), intent(inout) :: shared
     integer, allocatable :: list(:), mark(:), stack(:), queue(:)
     integer :: s, n, pass, n_queue
-    logical, allocatable :: is_kept(:), was_asked(:)   ! (n_slaves)
+    logical, allocatable :: is_kept(:), was_tested(:)   ! (n_slaves)
     shared%level = 1
     shared%n_levels = 1
     slaves%overrides%side = NODE_OVERRIDE_NONE
@@ -109,7 +109,7 @@ contains
     is_kept = .not. shared%is_hard_pair
     allocate (mark(size(slaves)), source=0)
     allocate (stack(size(slaves)), queue(size(slaves)))
-    was_asked = .not. shared%is_hard_pair .or. is_secondary(slaves%pair)
+    was_tested = .not. shared%is_hard_pair .or. is_secondary(slaves%pair)
     do pass = merge(1, 2, allocated(reach%side)), 2
       do s = 1, size(slaves)
         if (pass == 1) then
@@ -127,10 +127,10 @@ contains
     subroutine choose_sides(s)
       integer, intent(in) :: s
       integer :: k, next
-      if (was_asked(s)) return
+      if (was_tested(s)) return
       n_queue = 1
       queue(1) = s
-      was_asked(s) = .true.
+      was_tested(s) = .true.
       next = 1
       do while (next <= n_queue)
         associate (q => queue(next))
@@ -138,8 +138,8 @@ contains
           is_kept(q) = .not. is_reaction_circular(q)
           if (is_kept(q) .and. slaves(q)%facet > 0 .and. allocated(reach%side)) then
             do k = reach%side_first(q), reach%side_first(q + 1) - 1
-              if (was_asked(reach%side(k))) cycle
-              was_asked(reach%side(k)) = .true.
+              if (was_tested(reach%side(k))) cycle
+              was_tested(reach%side(k)) = .true.
               n_queue = n_queue + 1
               queue(n_queue) = reach%side(k)
             end do

@@ -15,7 +15,7 @@
 module amontons_analytic_master
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, invert, IDENTITY
-  use amontons_topology, only: FACET_LINE2, FACET_QUAD4, MAX_FACE_NODES
+  use amontons_element_kinds, only: FACET_LINE2, FACET_QUAD4, MAX_FACE_NODES
   use amontons_facets, only: facets_type
   use amontons_analytic_profiles, only: analytic_profile_type, profile_point_type, project_to_profile, evaluate_profile_point, &
     profile_coordinates, PROFILE_PLANAR

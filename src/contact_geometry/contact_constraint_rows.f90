@@ -11,7 +11,7 @@
 !! formulation enters the contact evaluation.
 module amontons_contact_constraint_rows
   use amontons_kinds, only: DP
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: evaluate_profile_weights

@@ -8,7 +8,7 @@ module amontons_exterior_surface
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
   use amontons_containers, only: find_root, unite_trees
-  use amontons_topology, only: element_kind, element_kind_type, facet_kind, facet_kind_type, MAX_FACE_NODES
+  use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_facets, only: facets_type, facet_nodes, n_facet_corners
   implicit none

@@ -14,7 +14,7 @@ module amontons_facets
   use amontons_kinds, only: DP, PI
   use amontons_containers, only: sort_ascending
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FACET_LINE2, FACET_LINE3, &
+  use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FACET_LINE2, FACET_LINE3, &
     MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_tensor, only: cross_product
@@ -37,7 +37,7 @@ module amontons_facets
   !! Unused edges (the 4th of a triangle, the 3rd and 4th of a line) are free.
   type :: facets_type
     integer :: n = 0
-    integer, allocatable :: kind(:)           !< (n) FACET_... of topology
+    integer, allocatable :: kind(:)           !< (n) FACET_... of element_kinds
     integer, allocatable :: first(:)          !< (n + 1) start of a facet's nodes in nodes(:) and vertex(:)
     integer, allocatable :: nodes(:)          !< mesh nodes of all facets: corners, then mid-sides, right-handed outward
     integer, allocatable :: element(:)        !< (n) element index of each facet

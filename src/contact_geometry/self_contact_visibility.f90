@@ -9,10 +9,11 @@
 module amontons_self_contact_visibility
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_containers, only: integer_list_type
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, facet_centre, n_facet_corners
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
+  use amontons_surface_projection, only: MIN_OPPOSED_COSINE
   implicit none
   private
   public :: find_unseen_facets, current_node_normal
@@ -21,7 +22,6 @@ module amontons_self_contact_visibility
   real(DP), parameter :: MIN_DETOUR = 3.0_DP           !< least geodesic over straight distance of nodes that see each other [-]
   real(DP), parameter :: MIN_MATERIAL_SHARE = 0.3_DP   !< a facet that lies behind by less, over the depth of its element, overlaps
   real(DP), parameter :: MAX_MATERIAL_SHARE = 2.0_DP   !< deeper facets are hidden by their depth alone [-]
-  real(DP), parameter :: MIN_OPPOSED_COSINE = 0.2_DP   !< as of facets that face each other [-]
 
 contains
 

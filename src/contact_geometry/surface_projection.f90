@@ -12,7 +12,7 @@
 module amontons_surface_projection
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product, skew_matrix, invert
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
+  use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen, EDGE_FREE, &
     EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
@@ -23,6 +23,7 @@ module amontons_surface_projection
   implicit none
   private
   public :: projection_type, gap_derivatives_type
+  public :: MIN_OPPOSED_COSINE
   public :: track_projection, find_projection, evaluate_gap_derivatives, evaluate_facet_point, evaluate_vertex_normal, &
     evaluate_vertex_derivative, find_edge_excess
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED

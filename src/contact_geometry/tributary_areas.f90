@@ -3,7 +3,8 @@
 module amontons_tributary_areas
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, FACET_LINE2, &
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, &
+    FACET_LINE2, &
     FACET_TRI3, FACET_QUAD4, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_surfaces, only: surface_type

@@ -9,7 +9,7 @@ module amontons_job_query
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   use amontons_containers, only: name_table_type
   use amontons_text, only: plural, verb, name_key, to_text, parse_integer, NUMBER_OK
-  use amontons_topology, only: element_kind_type, facet_kind_type, element_kind, facet_kind
+  use amontons_element_kinds, only: element_kind_type, facet_kind_type, element_kind, facet_kind
   use amontons_mesh, only: mesh_extent
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
   use amontons_state, only: history_variable

@@ -16,7 +16,7 @@ module amontons_element
     ELEMENT_DEGENERATE
   use amontons_shape_functions, only: facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_tensor, only: cross_product, skew_matrix
-  use amontons_topology, only: facet_kind_type, topology_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
+  use amontons_element_kinds, only: facet_kind_type, kind_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
     KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, N_SOLID_KINDS
   implicit none
@@ -168,7 +168,7 @@ contains
     real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS)
     real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), along(3, 2), turn_matrix(3, 3)
     integer :: n_rule, p, a, b
-    facet = topology_of_facet(facet_kind)
+    facet = kind_of_facet(facet_kind)
     force = 0
     stiffness = 0
     if (present(rule)) then

@@ -16,7 +16,7 @@ module amontons_hex8_simd
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_elasticity, only: MAX_DISPLACEMENT_GRADIENT
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, evaluate_batch_forces, &

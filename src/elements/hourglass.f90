@@ -23,7 +23,7 @@
 module amontons_hourglass
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, invert, VOIGT_ROW, VOIGT_COLUMN
-  use amontons_topology, only: MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
   public :: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces

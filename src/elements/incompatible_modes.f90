@@ -15,7 +15,7 @@
 module amontons_incompatible_modes
   use amontons_kinds, only: DP
   use amontons_tensor, only: invert
-  use amontons_topology, only: MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
   public :: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, halve_mode_correction, &

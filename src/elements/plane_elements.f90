@@ -24,7 +24,7 @@ module amontons_plane_elements
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_logarithmic_strain, only: log1p
   use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_topology, only: element_kind, element_kind_type, KIND_CPE4_FULL, KIND_CAX4R, KIND_CPS4R, KIND_CPE4R, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_CPE4_FULL, KIND_CAX4R, KIND_CPS4R, KIND_CPE4R, &
     FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, &
     N_CIRCLE_SECTORS
   implicit none

@@ -6,7 +6,7 @@
 !! zero. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
 module amontons_shape_functions
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
     KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &

@@ -21,17 +21,18 @@ module amontons_solid_elements
   use amontons_logarithmic_strain, only: log1p
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_solid_shell, only: evaluate_solid_shell, set_layer_temperature_weights
-  use amontons_topology, only: KIND_CSS8, KIND_CSS6
+  use amontons_element_kinds, only: KIND_CSS8, KIND_CSS6
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
     MAX_DISPLACEMENT_GRADIENT
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, determinant_minus_one, invert, pack_voigt
-  use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, &
+    KIND_C3D8I, &
     KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_SOLID_KINDS
   implicit none
   private
   public :: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, set_solid_temperature_weights
 
-  ! The table of module topology once more, as constants: so the loops have known lengths. The unit test notices if
+  ! The table of module element_kinds once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
   integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6]
   integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15]

@@ -38,7 +38,7 @@ module amontons_solid_shell
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_tensor, only: IDENTITY, VOIGT_ROW, VOIGT_COLUMN, determinant_minus_one, invert, outer_product, pack_voigt, &
     symmetric_eigen
-  use amontons_topology, only: KIND_CSS6, KIND_CSS8, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_CSS6, KIND_CSS8, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use amontons_zero_stress_condition, only: solve_zero_stress, CONDITION_NONE
   implicit none
   private

@@ -16,7 +16,7 @@ module amontons_truss_spring_mass
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_elasticity, only: STRESS_OK, MAX_DISPLACEMENT_GRADIENT
-  use amontons_topology, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, evaluate_spring_element

@@ -11,7 +11,8 @@ module amontons_directors
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind_type, element_kind, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FAMILY_BEAM, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+    FAMILY_BEAM, &
     MAX_FACE_NODES
   implicit none
   private

@@ -13,7 +13,7 @@ module amontons_expanded_elements
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
   use amontons_structural_data, only: structure_type, director_type
-  use amontons_topology, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, &
+  use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, &
     KIND_M3D6, KIND_M3D8, KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, &
     KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R
   implicit none

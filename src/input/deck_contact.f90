@@ -8,7 +8,7 @@ module amontons_deck_contact
     is_card, check_name, VALUES_PER_LINE
   use amontons_deck_surfaces, only: find_slave_surface
   use amontons_mesh, only: mesh_type
-  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, is_self_contact, &

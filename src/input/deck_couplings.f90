@@ -20,7 +20,7 @@ module amontons_deck_couplings
   use amontons_text, only: parse_real, parse_integer, plural, verb, name_key, NUMBER_OK
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at, &
     MPC_RIGID_BODY
-  use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
   implicit none
   private
   public :: read_transforms, read_couplings, find_orientation

@@ -4,7 +4,7 @@ module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
   use amontons_containers, only: integer_list_type
   use amontons_mesh, only: mesh_type
-  use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
   public :: node_elements_type, find_free_faces, find_omitted_faces, find_side_elements, count_shared_faces

@@ -6,7 +6,7 @@ module amontons_deck_labels
     field_integer, field_real
   use amontons_containers, only: integer_list_type, name_table_type
   use amontons_text, only: name_key, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name
+  use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
   implicit none
   private
   public :: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, add_element, &

@@ -21,7 +21,7 @@ module amontons_deck_loads
     is_same_region, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
+  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
   implicit none
   private
   public :: read_boundary, read_cload, read_dload, map_dof

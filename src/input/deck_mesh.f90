@@ -16,7 +16,7 @@ module amontons_deck_mesh
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_CPE4, &
     KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family

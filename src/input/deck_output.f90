@@ -10,7 +10,7 @@ module amontons_deck_output
   use amontons_steps, only: step_type, print_request_type, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, &
     frd_request_type, N_FRD, FRD_ERROR
   use amontons_text, only: to_text, name_key, parse_integer, is_one_of, joined_words, NUMBER_OK
-  use amontons_topology, only: element_kind, FAMILY_AXISYMMETRIC
+  use amontons_element_kinds, only: element_kind, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: output_requests_type, begin_output, read_output_card, set_output_times, read_time_points

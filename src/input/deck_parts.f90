@@ -12,7 +12,7 @@ module amontons_deck_parts
     read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
   use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, element_kind_by_name
+  use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
   implicit none
   private
   public :: flatten_parts

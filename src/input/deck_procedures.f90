@@ -13,7 +13,7 @@ module amontons_deck_procedures
     SOLVER_MUMPS
   use amontons_structural_data, only: find_node_directors
   use amontons_text, only: to_text, parse_real, NUMBER_OK
-  use amontons_topology, only: KIND_SPRINGA
+  use amontons_element_kinds, only: KIND_SPRINGA
   implicit none
   private
   public :: read_static, read_riks, read_dynamic, read_damping, check_path_step

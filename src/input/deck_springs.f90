@@ -16,7 +16,7 @@ module amontons_deck_springs
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: to_text
   use amontons_mpc_data, only: coordinate_system_type, axes_at
-  use amontons_topology, only: KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, FAMILY_MASS, KIND_SPRINGA
+  use amontons_element_kinds, only: KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, FAMILY_MASS, KIND_SPRINGA
   use amontons_deck_mpc, only: read_next_mpc, unique_nodes
   implicit none
   private

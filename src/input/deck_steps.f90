@@ -27,7 +27,7 @@ module amontons_deck_steps
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
   use amontons_materials, only: material_type
-  use amontons_topology, only: KIND_SPRINGA
+  use amontons_element_kinds, only: KIND_SPRINGA
   implicit none
   private
   public :: read_steps

@@ -12,7 +12,7 @@ module amontons_deck_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, parse_real, name_key, NUMBER_OK
-  use amontons_topology, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
     is_structural_family
   implicit none
   private

@@ -18,7 +18,7 @@ module amontons_deck_surfaces
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, verb, NUMBER_OK, NEWLINE
-  use amontons_topology, only: element_kind_type, element_kind, facet_kind_type, facet_kind
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
   public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface

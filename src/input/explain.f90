@@ -15,7 +15,7 @@ module amontons_explain
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
   use amontons_text, only: name_key, upper_case, to_text, plural, is_one_of, NEWLINE
-  use amontons_topology, only: element_kind_type, element_kind, N_KINDS
+  use amontons_element_kinds, only: element_kind_type, element_kind, N_KINDS
   implicit none
   private
   public :: explain_cards

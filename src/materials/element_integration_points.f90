@@ -5,7 +5,7 @@ module amontons_element_integration_points
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: spring_type, material_type, MAX_HISTORY
   use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_topology, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use amontons_user_material, only: umat_point_type
   implicit none
   private

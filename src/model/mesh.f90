@@ -3,7 +3,7 @@
 module amontons_mesh
   use amontons_kinds, only: DP
   use amontons_containers, only: find_root, unite_trees
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
@@ -24,7 +24,7 @@ module amontons_mesh
     integer, allocatable :: node_label(:)          !< (n_nodes)
     real(DP), allocatable :: coordinates(:, :)     !< (3, n_nodes) reference coordinates X [length]
     integer, allocatable :: element_label(:)       !< (n_elements)
-    integer, allocatable :: kind(:)                !< (n_elements) KIND_... of topology
+    integer, allocatable :: kind(:)                !< (n_elements) KIND_... of element_kinds
     integer, allocatable :: first(:)               !< (n_elements + 1) start of an element's nodes in nodes(:)
     integer, allocatable :: nodes(:)               !< node indices of all elements, one after the other
     integer, allocatable :: point_first(:)         !< (n_elements + 1) start of an element's integration points

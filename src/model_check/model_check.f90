@@ -12,7 +12,7 @@ module amontons_model_check
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_SETUP
   use amontons_text, only: to_text, plural, NEWLINE
   use amontons_containers, only: integer_list_type
-  use amontons_topology, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: evaluate_element_volume, ELEMENT_OK
   use amontons_loads, only: equation_type, load_value, integrated_velocity, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, &
     DISTRIBUTED_CENTRIFUGAL, &

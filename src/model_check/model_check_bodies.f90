@@ -5,7 +5,7 @@ module amontons_model_check_bodies
   use amontons_text, only: to_text, plural
   use amontons_element, only: evaluate_element_volume
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
-  use amontons_topology, only: KIND_MASS
+  use amontons_element_kinds, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
   use amontons_mesh, only: find_connected_nodes
   implicit none

@@ -5,7 +5,7 @@ module amontons_model_check_contact
   use amontons_errors, only: diagnostic_list_type
   use amontons_text, only: to_text, plural, verb
   use amontons_containers, only: integer_list_type
-  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, is_self_contact

@@ -12,7 +12,7 @@ module amontons_model_check_motion
   use amontons_text, only: to_text
   use amontons_containers, only: integer_list_type
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, element_kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
   use amontons_null_space, only: find_null_space, find_null_vectors
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type

@@ -11,7 +11,7 @@ module amontons_model_check_unpaired
   use amontons_errors, only: diagnostic_list_type
   use amontons_text, only: to_text, plural, verb, NEWLINE
   use amontons_containers, only: integer_list_type, find_root, unite_trees, ascending_order, sort_integers
-  use amontons_topology, only: element_kind, element_kind_type
+  use amontons_element_kinds, only: element_kind, element_kind_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_surfaces, only: surface_type
   use amontons_exterior_surface, only: exterior_type

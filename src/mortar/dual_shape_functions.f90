@@ -11,7 +11,7 @@
 !! x^_mid = (x_mid - alpha (x_a + x_b))/(1 - 2 alpha).
 module amontons_dual_shape_functions
   use amontons_kinds, only: DP
-  use amontons_topology, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_TRI6, FACET_QUAD4, FACET_QUAD8, &
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_TRI6, FACET_QUAD4, FACET_QUAD8, &
     FACET_LINE2, FACET_LINE3, MAX_FACE_NODES
   use amontons_dense, only: solve_small, DENSE_OK
   implicit none

@@ -12,7 +12,7 @@
 module amontons_face_intersection_points
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, MAX_FACE_NODES, N_CIRCLE_SECTORS
+  use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, MAX_FACE_NODES, N_CIRCLE_SECTORS
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet
   use amontons_facet_search, only: facet_search_type, find_near_facets

@@ -9,7 +9,7 @@
 module amontons_mortar
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line_facet
   use amontons_tributary_areas, only: out_of_plane_depth

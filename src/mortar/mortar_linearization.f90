@@ -4,7 +4,7 @@
 !! Theory: doc/theory/contact.md, section 7.
 module amontons_mortar_linearization
   use amontons_kinds, only: DP
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_facets, only: facets_type, facet_nodes
   use amontons_mortar_segmentation, only: projection_plane_type, build_projection_plane, project_on_plane
   use amontons_contact_constraint_rows, only: contact_row_type

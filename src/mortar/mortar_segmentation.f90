@@ -6,7 +6,7 @@
 module amontons_mortar_segmentation
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen
   use amontons_facet_search, only: facet_search_type, find_near_facets

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_polygon_clipping
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
+  use amontons_element_kinds, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_quadrature, facet_shapes, MAX_FACET_POINTS
   use amontons_facets, only: is_line_facet
   implicit none

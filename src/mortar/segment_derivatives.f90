@@ -9,7 +9,7 @@
 module amontons_segment_derivatives
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet
   use amontons_polygon_clipping, only: clip_polygon, signed_polygon_area, set_polygon_quadrature, MAX_POLYGON_CORNERS, &

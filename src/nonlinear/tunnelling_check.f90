@@ -11,7 +11,7 @@ module amontons_tunnelling_check
   use amontons_tensor, only: cross_product
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet, is_unseen
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
-  use amontons_topology, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
+  use amontons_element_kinds, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
   implicit none
   private
   public :: largest_sliding, find_tunnelled_slave

@@ -6,7 +6,7 @@ module amontons_dat_contact_output
   use amontons_kinds, only: DP
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: N_SOLID_KINDS
+  use amontons_element_kinds, only: N_SOLID_KINDS
   use amontons_postprocess, only: integrate_section, pair_sums_type, section_type, sector_share, printed_contact_energy, &
     printed_slip, sum_pair_forces
   use amontons_steps, only: print_request_type

@@ -7,7 +7,7 @@ module amontons_dat_output
   use amontons_kinds, only: DP
   use amontons_text, only: upper_case
   use amontons_tensor, only: pack_voigt, unpack_voigt
-  use amontons_topology, only: MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: MAX_ELEMENT_POINTS
   use amontons_postprocess, only: bar_points, mechanical_strain, integration_point_positions, integration_point_volumes, &
     sector_share, printed_energy_density, &
     convert_to_sector, rotate_truss_tensors

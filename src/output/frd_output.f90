@@ -17,7 +17,8 @@ module amontons_frd_output
   use amontons_posix, only: truncate_file, sync_file
   use amontons_text, only: format_value_rows, to_text
   use amontons_containers, only: sort_integers
-  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, FACET_TRI3, &
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, &
+    FACET_TRI3, &
     FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes

@@ -14,7 +14,8 @@
 !! CalculiX expands trusses to bars of 8 points, of 27 with a middle node, with tensors in global axes.
 module amontons_postprocess
   use amontons_kinds, only: DP, PI
-  use amontons_topology, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
+  use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, &
+    FAMILY_SOLID, &
     FAMILY_SPRING, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
     KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &

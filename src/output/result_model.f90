@@ -7,7 +7,7 @@ module amontons_result_model
   use amontons_kinds, only: DP, PI, NAME_LENGTH
   use amontons_errors, only: error_type
   use amontons_version, only: VERSION
-  use amontons_topology, only: element_kind, element_kind_type, MAX_FACE_NODES, KIND_T3D2, KIND_CPS4
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_FACE_NODES, KIND_T3D2, KIND_CPS4
   use amontons_mesh, only: mesh_type, set_type
   use amontons_surfaces, only: surface_type
   use amontons_steps, only: step_type

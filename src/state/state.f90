@@ -13,7 +13,7 @@ module amontons_state
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
-  use amontons_topology, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables

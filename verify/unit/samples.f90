@@ -8,7 +8,7 @@ module samples
   use amontons_facets, only: facets_type, facet_nodes
   use amontons_shape_functions, only: facet_shapes
   use amontons_surface_projection, only: evaluate_vertex_normal
-  use amontons_topology, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, eliminate_constraints
   implicit none

@@ -29,7 +29,7 @@ WIDTHS = {
     "CSHEARF": 3, "PEEQ": 1, "NT": 1, "CSTATUS": 1, "CSCENARIO": 1,
 }  # fmt: skip
 TIMES = [0.0, 0.5, 1.0]
-#: VTK cell type, nodes and volume of the parent element of each kind, in the order of topology.f90: the solids
+#: VTK cell type, nodes and volume of the parent element of each kind, in the order of element_kinds.f90: the solids
 KINDS = [
     (10, 4, 1 / 6), (13, 6, 1.0), (12, 8, 8.0), (12, 8, 8.0), (24, 10, 1 / 6), (25, 20, 8.0), (25, 20, 8.0), (12, 8, 8.0),
     (12, 8, 8.0), (26, 15, 1.0), (12, 8, 8.0), (13, 6, 1.0),

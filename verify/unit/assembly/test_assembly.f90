@@ -8,7 +8,7 @@ program test_assembly
   use amontons_model, only: model_type
   use amontons_sparse, only: multiply_symmetric
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8I
+  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I
   use check, only: suite_type
   implicit none
   real(DP), parameter :: E = 200.0_DP, NU = 0.3_DP

@@ -10,7 +10,7 @@ program test_contact_evaluation
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_surfaces, only: BEHAVIOR_LINEAR
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   real(DP), parameter :: TOL = 1.0e-12_DP

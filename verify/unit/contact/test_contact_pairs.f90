@@ -12,7 +12,7 @@ program test_contact_pairs
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
   use amontons_steps, only: step_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   real(DP), parameter :: TOL = 1.0e-13_DP            ! rounding of coordinates of size 1 over a projection

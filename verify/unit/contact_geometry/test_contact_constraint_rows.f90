@@ -7,7 +7,8 @@ program test_contact_constraint_rows
   use amontons_facets, only: facets_type, build_facets
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh
-  use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+  use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+    FACET_QUAD8, &
     MAX_FACE_NODES
   use check, only: suite_type
   implicit none

@@ -3,7 +3,7 @@
 program test_exterior_surface
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8, KIND_CPE4
+  use amontons_element_kinds, only: KIND_C3D8, KIND_CPE4
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets
   use amontons_exterior_surface, only: exterior_type, build_exterior, measure_faces, depths_below

@@ -3,7 +3,7 @@
 program test_line_facets
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_CPE4, KIND_CPE8, KIND_T3D2, element_kind, element_kind_type
+  use amontons_element_kinds, only: KIND_CPE4, KIND_CPE8, KIND_T3D2, element_kind, element_kind_type
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets, EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
   use amontons_facet_search, only: facet_search_type, build_facet_search

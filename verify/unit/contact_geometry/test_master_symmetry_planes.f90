@@ -10,7 +10,7 @@ program test_master_symmetry_planes
   use amontons_model, only: model_type
   use amontons_state, only: state_type
   use amontons_steps, only: step_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   integer, parameter :: CORNER = 10, SIDE = 13, OTHER_CORNER = 16, MIDDLE = 14   ! nodes of the master; the first three on x = -1.2

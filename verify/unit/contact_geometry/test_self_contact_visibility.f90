@@ -3,7 +3,7 @@
 program test_self_contact_visibility
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_CPE4
+  use amontons_element_kinds, only: KIND_CPE4
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets, is_unseen
   use amontons_exterior_surface, only: depths_below

@@ -3,7 +3,7 @@
 program test_surface_projection
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
+  use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, KIND_C3D6, KIND_C3D8, KIND_C3D10, &
     KIND_C3D20
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets

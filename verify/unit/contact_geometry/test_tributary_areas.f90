@@ -4,7 +4,8 @@ program test_tributary_areas
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_surfaces, only: surface_type
-  use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+  use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+    FACET_QUAD8, &
     FACET_LINE2, FACET_LINE3, element_kind, element_kind_type, facet_kind, facet_kind_type
   use amontons_tributary_areas, only: find_mean_edge_length, nodal_area_fractions, element_faces_type, add_nodal_face_areas, &
     integrate_face_area, integrate_nodal_areas, out_of_plane_depth, find_slave_faces, sum_nodal_areas

@@ -9,7 +9,8 @@ program test_element
   use amontons_shape_functions, only: node_coordinates, shape_functions
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, determinant
-  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
+    MAX_FACE_NODES, &
     N_SOLID_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, &
     KIND_C3D20R, KIND_CSS8, KIND_CSS6, FACET_TRI3, FACET_QUAD8
   use check, only: suite_type

@@ -8,7 +8,7 @@ program test_hex8_simd
     evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH
   use amontons_element, only: evaluate_element_forces, integration_points_type, ELEMENT_OK
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
   real(DP), parameter :: CUBE(3, 8) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, &

@@ -6,7 +6,7 @@ program test_hourglass
     add_thickness_stabilization
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
-  use amontons_topology, only: MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

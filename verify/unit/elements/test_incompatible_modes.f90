@@ -4,7 +4,7 @@ program test_incompatible_modes
   use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
     condense_mode_amplitudes, add_mode_skew_part, N_MODES
   use amontons_kinds, only: DP
-  use amontons_topology, only: MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

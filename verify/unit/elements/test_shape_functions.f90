@@ -4,7 +4,7 @@ program test_shape_functions
   use amontons_kinds, only: DP
   use amontons_shape_functions, only: shape_functions, quadrature, node_coordinates, extrapolation_matrix, facet_shapes, &
     facet_quadrature, facet_node_coordinates, choose_face_rule, MAX_FACET_POINTS
-  use amontons_topology, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_CSS6, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
@@ -91,7 +91,7 @@ contains
   end subroutine check_element
 
 
-  !> The number of points is that of the topology, they lie inside, and all monomials of the rule's degree are exact.
+  !> The number of points is that of the kind, they lie inside, and all monomials of the rule's degree are exact.
   subroutine check_rule(kind)
     integer, intent(in) :: kind
     type(element_kind_type) :: entry

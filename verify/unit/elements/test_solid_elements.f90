@@ -7,7 +7,7 @@ program test_solid_elements
   use amontons_shape_functions, only: node_coordinates, shape_functions, quadrature
   use amontons_solid_elements, only: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, &
     set_solid_temperature_weights
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS, &
     KIND_CSS8, KIND_CSS6
   use check, only: suite_type
   implicit none

@@ -8,7 +8,7 @@ program test_solid_shell
   use amontons_materials, only: material_type
   use amontons_shape_functions, only: quadrature
   use amontons_solid_shell, only: evaluate_solid_shell, set_layer_temperature_weights
-  use amontons_topology, only: KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use check, only: suite_type
   implicit none
   real(DP), parameter :: E = 210000.0_DP, NU = 0.3_DP, THICKNESS = 0.01_DP, CURVATURE = 0.02_DP

@@ -6,7 +6,8 @@ program test_truss_spring_mass
     integrate_body_force, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_materials, only: spring_type, material_type, LAW_HENCKY, LAW_SAINT_VENANT
-  use amontons_topology, only: element_kind, element_kind_type, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, &
+    KIND_SPRING2, &
     KIND_GAPUNI, KIND_MASS, MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none

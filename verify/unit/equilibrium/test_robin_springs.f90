@@ -14,7 +14,7 @@ program test_robin_springs
   use amontons_sparse, only: sparse_type
   use amontons_state, only: state_type, STATUS_STICK
   use amontons_steps, only: step_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   integer, parameter :: N_SLAVES = 16

@@ -8,7 +8,7 @@ program test_expanded_elements
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_tensor, only: determinant
-  use amontons_topology, only: element_kind, element_kind_type, KIND_S4R, KIND_S8R, KIND_C3D4, KIND_C3D8R, KIND_CSS8, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_S4R, KIND_S8R, KIND_C3D4, KIND_C3D8R, KIND_CSS8, &
     KIND_C3D20R, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use check, only: suite_type
   use samples, only: deck_lines

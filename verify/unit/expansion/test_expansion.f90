@@ -4,7 +4,7 @@ program test_expansion
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
-  use amontons_topology, only: KIND_C3D8, KIND_CSS8
+  use amontons_element_kinds, only: KIND_C3D8, KIND_CSS8
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none

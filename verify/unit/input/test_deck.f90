@@ -12,7 +12,8 @@ program test_deck
     PRINT_CONTACT, &
     N_FRD, FRD_DISP, FRD_STRESS, FRD_TOSTRAIN, FRD_CONTACT, FRD_SDV, FRD_ERROR
   use amontons_text, only: NEWLINE, to_text
-  use amontons_topology, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D20, KIND_CPS4, &
+  use amontons_element_kinds, only: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D20, &
+    KIND_CPS4, &
     KIND_CPE4, KIND_T3D3, KIND_SPRINGA, KIND_SPRING2, KIND_MASS
   use check, only: suite_type
   use samples, only: deck_lines

@@ -5,7 +5,7 @@ program test_deck_faces
     count_shared_faces
   use amontons_deck_reader, only: reader_type
   use amontons_mesh, only: mesh_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

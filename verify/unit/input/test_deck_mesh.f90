@@ -6,7 +6,7 @@ program test_deck_mesh
   use amontons_deck_mesh, only: is_in_family
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
-  use amontons_topology, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_C3D10, KIND_CPE4, KIND_CPE4_FULL, &
+  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_C3D10, KIND_CPE4, KIND_CPE4_FULL, &
     KIND_CPS4, &
     KIND_T3D2, FAMILY_SOLID, FAMILY_TRUSS
   use check, only: suite_type

@@ -5,7 +5,7 @@ program test_deck_springs
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
-  use amontons_topology, only: KIND_SPRINGA, KIND_GAPUNI
+  use amontons_element_kinds, only: KIND_SPRINGA, KIND_GAPUNI
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none

@@ -4,7 +4,7 @@ program test_mesh
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh, element_nodes, append_node, append_node_copies, mesh_extent, &
     find_connected_nodes
-  use amontons_topology, only: KIND_C3D4, KIND_CPS3, KIND_T3D2, KIND_SPRING1, KIND_MASS, MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: KIND_C3D4, KIND_CPS3, KIND_T3D2, KIND_SPRING1, KIND_MASS, MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

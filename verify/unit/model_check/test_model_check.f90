@@ -3,7 +3,7 @@
 program test_model_check
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, diagnostic_list_type, EXIT_SETUP
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use amontons_mesh, only: finalize_mesh
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type
   use amontons_loads, only: prescribed_type, concentrated_type, distributed_type, equation_type, &

@@ -9,7 +9,7 @@ program test_model_check_contact
   use amontons_model_check_contact, only: check_contact, is_closed, can_close_later
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK
   use amontons_steps, only: step_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -10,7 +10,7 @@ program test_model_check_motion
   use amontons_model_check_motion, only: check_rigid_motions, find_free_motion
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   integer, parameter :: BOTTOM = 27                ! supports of the lower block

@@ -6,7 +6,7 @@ program test_dual_shape_functions
   use amontons_kinds, only: DP
   use amontons_polygon_clipping, only: set_polygon_quadrature, MAX_CUT_POINTS
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
     FACET_LINE2, FACET_LINE3
   use check, only: suite_type
   implicit none

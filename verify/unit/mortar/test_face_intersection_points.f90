@@ -3,7 +3,7 @@
 program test_face_intersection_points
   use amontons_kinds, only: DP, PI
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, KIND_CAX4, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+  use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, KIND_CAX4, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_shape_functions, only: facet_shapes

@@ -3,7 +3,7 @@
 program test_mortar
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: facet_kind, facet_kind_type, KIND_C3D8, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, KIND_C3D8, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates, node_coordinates

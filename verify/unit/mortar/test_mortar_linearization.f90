@@ -9,7 +9,7 @@ program test_mortar_linearization
   use amontons_mortar, only: mortar_type, create_mortar, integrate_mortar
   use amontons_mortar_linearization, only: row_derivatives_type, differentiate_mortar_row
   use amontons_segment_derivatives, only: facet_derivatives_type
-  use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8
+  use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

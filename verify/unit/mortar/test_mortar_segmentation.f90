@@ -10,7 +10,8 @@ program test_mortar_segmentation
     build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, find_depth, integrate_segments, &
     choose_quadrature_order, find_natural_coordinates
   use amontons_polygon_clipping, only: signed_polygon_area
-  use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+  use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+    FACET_QUAD8, &
     MAX_FACE_NODES
   use check, only: suite_type
   implicit none

@@ -5,7 +5,7 @@ program test_polygon_clipping
   use amontons_polygon_clipping, only: clip_polygon, signed_polygon_area, set_polygon_quadrature, find_polygon_excess, &
     find_flat_coordinates, MAX_POLYGON_CORNERS, MAX_CUT_POINTS
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_topology, only: facet_kind, facet_kind_type, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD8
+  use amontons_element_kinds, only: facet_kind, facet_kind_type, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD8
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -10,7 +10,8 @@ program test_segment_derivatives
   use amontons_polygon_clipping, only: signed_polygon_area
   use amontons_segment_derivatives, only: facet_derivatives_type, facet_outline_type, differentiate_segmentation, &
     differentiate_plane_normal, build_facet_outline, differentiate_edge, MAX_CUT_COORDINATES
-  use amontons_topology, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
+  use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
+    FACET_QUAD8, &
     MAX_FACE_NODES
   use check, only: suite_type
   implicit none

@@ -3,7 +3,7 @@
 program test_contact_subproblem
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_loads, only: concentrated_type

@@ -4,7 +4,7 @@
 program test_nonlinear_conjugate_gradients
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_controls, only: PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR

@@ -3,7 +3,7 @@
 program test_stick_after_search
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_steps, only: step_type, LINE_SEARCH_NODAL

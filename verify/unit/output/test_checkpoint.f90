@@ -12,7 +12,7 @@ program test_checkpoint
   use amontons_newton, only: newton_type
   use amontons_state, only: state_type
   use amontons_steps, only: step_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
   character(*), parameter :: PATH = 'test_checkpoint.restart'

@@ -9,7 +9,7 @@ program test_dat_contact_output
   use amontons_shape_functions, only: node_coordinates
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
   use amontons_steps, only: print_request_type
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

@@ -10,7 +10,7 @@ program test_frd_output
   use amontons_shape_functions, only: node_coordinates
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
   use amontons_steps, only: FRD_DISP, FRD_STRESS, FRD_CONTACT, FRD_FORC
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS, KIND_C3D20
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS, KIND_C3D20
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite

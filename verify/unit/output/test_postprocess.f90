@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_postprocess
   use amontons_kinds, only: DP
-  use amontons_topology, only: element_kind, element_kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
     KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS
   use amontons_mesh, only: element_nodes, finalize_mesh, mesh_type
   use amontons_shape_functions, only: node_coordinates, quadrature, shape_functions

@@ -14,7 +14,7 @@ program test_result_model
   use amontons_result_model, only: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
   use amontons_shape_functions, only: node_coordinates
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
   use check, only: suite_type
   use hdf5, only: HID_T, H5F_ACC_RDONLY_F, H5T_NATIVE_INTEGER, h5open_f, h5fopen_f, h5fclose_f, h5dopen_f, h5dread_f, h5dclose_f
   implicit none

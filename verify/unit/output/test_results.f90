@@ -4,7 +4,7 @@ program test_results
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL, EXIT_IO
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
   use amontons_mesh, only: finalize_mesh, mesh_type, set_type
   use amontons_model, only: job_options_type, model_type
   use amontons_iteration_records, only: increment_record_type, iteration_record_type

@@ -3,7 +3,7 @@
 program test_text_output
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_topology, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
   use amontons_mesh, only: finalize_mesh, mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE
   use amontons_model, only: job_options_type, model_type, DIALECT_CALCULIX

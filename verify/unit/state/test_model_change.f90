@@ -4,7 +4,7 @@ program test_model_change
   use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_state, only: state_type, create_state, slave_state_type
-  use amontons_topology, only: KIND_C3D8
+  use amontons_element_kinds, only: KIND_C3D8
   use amontons_mesh, only: finalize_mesh
   use amontons_model_change, only: activate_elements, find_unconnected_unknowns
   use check, only: suite_type

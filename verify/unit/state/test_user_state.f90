@@ -9,7 +9,7 @@ program test_user_state
   use amontons_mesh, only: finalize_mesh
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
-  use amontons_topology, only: KIND_C3D8, KIND_CPE4, KIND_CPS4, KIND_T3D2, FACET_QUAD4
+  use amontons_element_kinds, only: KIND_C3D8, KIND_CPE4, KIND_CPS4, KIND_T3D2, FACET_QUAD4
   use amontons_user_routines, only: open_routines, close_routines
   use amontons_user_state, only: max_stress_components, initialize_state_variables, load_umat_points, store_umat_points, &
     evaluate_dload, evaluate_disp

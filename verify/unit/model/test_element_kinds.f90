@@ -1,10 +1,10 @@
-!> Unit test of amontons_topology: the tables of elements and faces against each other and against the shape functions.
+!> Unit test of amontons_element_kinds: the tables of elements and faces against each other and against the shape functions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
-program test_topology
+program test_element_kinds
   use amontons_kinds, only: DP
   use amontons_shape_functions, only: node_coordinates
   use amontons_tensor, only: cross_product
-  use amontons_topology, only: element_kind, element_kind_type, facet_kind, facet_kind_type, element_kind_by_name, N_KINDS, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind, facet_kind_type, element_kind_by_name, N_KINDS, &
     N_SOLID_KINDS, KIND_C3D8, KIND_C3D8_FULL, KIND_CPE4, KIND_CAX4, KIND_CAX4_FULL, KIND_CPE4_FULL, FAMILY_SOLID, &
     MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, FACET_TRI3, FACET_LINE3
   use check, only: suite_type
@@ -102,4 +102,4 @@ contains
     end do
   end subroutine check_facets
 
-end program test_topology
+end program test_element_kinds

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Node and face numbering follow Abaqus and CalculiX; VTK uses the same node order for all kinds here.
-module amontons_topology
+module amontons_element_kinds
   implicit none
   private
   public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name
@@ -285,4 +285,4 @@ contains
       10, 19, 14, 18, 11, 20, 15, 19, 12, 17, 16, 20], [4, 6])
   end function hexahedron_kind
 
-end module amontons_topology
+end module amontons_element_kinds
