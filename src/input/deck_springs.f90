@@ -438,6 +438,7 @@ contains
     draft%section_card = [draft%section_card(:draft%n), 0]
     draft%section_value = [draft%section_value(:draft%n), 1.0_DP]
     draft%spring = [draft%spring(:draft%n), spring]
+    draft%n_layers = [draft%n_layers(:draft%n), 1]
     draft%n = n
   end subroutine append_draft
 
