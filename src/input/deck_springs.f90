@@ -439,6 +439,8 @@ contains
     draft%section_value = [draft%section_value(:draft%n), 1.0_DP]
     draft%spring = [draft%spring(:draft%n), spring]
     draft%n_layers = [draft%n_layers(:draft%n), 1]
+    draft%is_in_plane = [draft%is_in_plane(:draft%n), .false.]
+    draft%is_rigid = [draft%is_rigid(:draft%n), .false.]
     draft%n = n
   end subroutine append_draft
 
