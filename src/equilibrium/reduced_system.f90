@@ -17,7 +17,7 @@ module amontons_reduced_system
   use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
     nodes_by_first_use, separator_size
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, factorise_two_level, &
-    apply_preconditioner, choose_n_parts, elements_of_part, &
+    apply_preconditioner, discard_preconditioner, choose_n_parts, elements_of_part, &
     two_level_megabytes
   use amontons_mpi_ranks, only: n_ranks, min_over_ranks
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
@@ -408,7 +408,7 @@ contains
     call acquire_lock(turn)
     self%is_iteration_abandoned = .true.
     self%is_iterative = .false.
-    self%iterative = two_level_preconditioner_type()
+    call discard_preconditioner(self%iterative)
     self%distributed = distributed_solver_type()
     self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
     call discard_analysis(self)

@@ -21,7 +21,7 @@ module amontons_two_level_preconditioner
   implicit none
   private
   public :: two_level_preconditioner_type, build_coarse_space, factorise_two_level, apply_preconditioner, choose_n_parts, &
-    elements_of_part, two_level_megabytes
+    elements_of_part, two_level_megabytes, discard_preconditioner
   public :: rigid_motion
 
   integer, parameter :: NODES_PER_PART = 60   !< fewer iterations with smaller parts, but a larger coarse factor | 0012
@@ -46,7 +46,7 @@ module amontons_two_level_preconditioner
     real(DP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
     logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
     type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
-    type(cholesky_type) :: coarse_factor               !< of Z'AZ, in single precision
+    type(cholesky_type), allocatable :: coarse_factor  !< of Z'AZ, in single precision
   end type two_level_preconditioner_type
 
 contains
@@ -210,6 +210,22 @@ contains
   end subroutine divide_into_domains
 
 
+  !> Frees the memory of the preconditioner.
+  subroutine discard_preconditioner(self)
+    type(two_level_preconditioner_type), intent(inout) :: self
+    self%n = 0
+    self%n_parts = 0
+    self%n_domains = 1
+    self%has_coarse_space = .false.
+    if (allocated(self%coarse_factor)) deallocate (self%coarse_factor)
+    if (allocated(self%coarse_pattern%first)) deallocate (self%coarse_pattern%first, self%coarse_pattern%column)
+    if (allocated(self%value)) deallocate (self%value)
+    if (allocated(self%inner%first)) deallocate (self%inner%first, self%inner%column)
+    if (allocated(self%domain_first)) deallocate (self%domain_first, self%domain_unknown)
+    if (allocated(self%part)) deallocate (self%part, self%motion)
+  end subroutine discard_preconditioner
+
+
   !> U with the pattern of a matrix, so that U'U = A + shift diag(A) on it; domains do not depend on one another.
   subroutine factorise_incomplete(self, matrix, domain_first, is_broken)
     type(two_level_preconditioner_type), intent(inout) :: self
@@ -287,6 +303,7 @@ contains
     do i = 1, coarse%n_rows
       if (.not. abs(coarse%value(coarse%first(i))) > 0.0_DP) coarse%value(coarse%first(i)) = 1
     end do
+    if (.not. allocated(self%coarse_factor)) allocate (self%coarse_factor)
     if (.not. is_same_pattern(coarse, self%coarse_pattern)) then
       call analyse(self%coarse_factor, coarse, error=error)
       if (allocated(error)) return

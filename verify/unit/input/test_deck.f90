@@ -520,9 +520,7 @@ contains
     call expect_error(suite, BASE // PAIR // ',TYPE=SURFACE TO SURFACE;points,low;' // STEP_PART, 'needs element faces')
     call expect_error(suite, BASE // PAIR // ';high,nix;' // STEP_PART, 'no surface ''nix''')
     call expect_error(suite, BASE // PAIR // ';nix,low;' // STEP_PART, 'no surface ''nix''')
-    call expect_error(suite, BASE // PAIR // ';high;' // STEP_PART, 'two surfaces')
     call expect_error(suite, BASE // PAIR // NL // STEP_PART, 'needs a data line')
-    call expect_error(suite, BASE // PAIR // ';low,low;' // STEP_PART, 'with itself')
     call expect_error(suite, BASE // PAIR // ';low,points;' // STEP_PART, 'a master needs element faces')
     call expect_error(suite, BASE // PAIR // ',ADJUST=-1.;high,low;' // STEP_PART, 'must be a distance')
   end subroutine test_pairs

@@ -107,7 +107,7 @@ contains
     model%steps(1)%solver = SOLVER_GRADIENTS
     controls = round_controls(model%steps(1))
     call suite%that('controls: rounds', controls%i_c == model%steps(1)%controls%gradients%max_rounds .and. &
-      controls%i_0 < controls%i_r)
+      controls%i_0 == controls%i_c)                ! no test of divergence
     call suite%that('controls: a full attempt', comparable_iterations(model%steps(1), &
       model%steps(1)%controls%gradients%max_rounds) == model%steps(1)%controls%i_c)
     model%steps(1)%controls%gradients%max_iterations = 3
