@@ -9,7 +9,7 @@
 !! points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
-  use amontons_containers, only: sort_ascending
+  use amontons_containers, only: list_groups, sort_ascending
   use amontons_errors, only: error_type
   use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes
@@ -119,7 +119,7 @@ contains
     call colour_elements(mesh, assembly%n_parts, group, assembly%n_groups)
     call divide_elements(assembly, mesh, group, error)
     if (allocated(error)) return
-    call sort_groups(group, assembly%n_groups, assembly%group_first, assembly%element_order)
+    call list_groups(group, assembly%n_groups, assembly%group_first, assembly%element_order)
   end subroutine order_elements
 
 
@@ -170,31 +170,6 @@ contains
       n_groups = max(n_groups, group(e))
     end do
   end subroutine colour_elements
-
-
-  !> Counting sort of the elements by group; stable within a group.
-  pure subroutine sort_groups(group, n_groups, first, order)
-    integer, intent(in) :: group(:)
-    integer, intent(in) :: n_groups
-    integer, allocatable, intent(out) :: first(:), order(:)
-    integer, allocatable :: next(:)
-    integer :: e, g
-    allocate (first(n_groups + 1), order(count(group > 0)))
-    first = 0
-    do e = 1, size(group)
-      first(group(e) + 1) = first(group(e) + 1) + 1
-    end do
-    first(1) = 1
-    do g = 1, n_groups
-      first(g + 1) = first(g) + first(g + 1)
-    end do
-    next = first
-    do e = 1, size(group)
-      if (group(e) == 0) cycle
-      order(next(group(e))) = e
-      next(group(e)) = next(group(e)) + 1
-    end do
-  end subroutine sort_groups
 
 
   !> Neighbours j >= i of each node, ascending. Cost: linear in the node pairs of all elements.

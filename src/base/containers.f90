@@ -1,12 +1,12 @@
-!> Hash table of names, table of labels, growing list of integers, disjoint sets, and orders.
+!> Hash table of names, table of labels, growing list of integers, members of groups, disjoint sets, and orders.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_containers
   use amontons_kinds, only: DP, NAME_LENGTH, I64
   use amontons_text, only: name_key
   implicit none
   private
-  public :: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, ascending_order, &
-    find_root, unite_trees, edit_distance
+  public :: name_table_type, label_table_type, integer_list_type, list_groups, sort_ascending, sort_integers, &
+    ascending_order, find_root, unite_trees, edit_distance
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
 
@@ -265,6 +265,32 @@ contains
       items = self%items(:self%n)
     end if
   end function trimmed_integers
+
+
+  !> The members of each group, ascending: those of group g are members(first(g):first(g + 1) - 1). Cost: linear.
+  pure subroutine list_groups(group, n_groups, first, members)
+    integer, intent(in) :: group(:)                        !< (n) group of each member, 1 to n_groups; 0: in no group
+    integer, intent(in) :: n_groups
+    integer, allocatable, intent(out) :: first(:)          !< (n_groups + 1)
+    integer, allocatable, intent(out) :: members(:)
+    integer, allocatable :: next(:)
+    integer :: k
+    allocate (first(n_groups + 1), members(count(group > 0)))
+    first = 0
+    do k = 1, size(group)
+      first(group(k) + 1) = first(group(k) + 1) + 1
+    end do
+    first(1) = 1
+    do k = 1, n_groups
+      first(k + 1) = first(k) + first(k + 1)
+    end do
+    next = first(:n_groups)
+    do k = 1, size(group)
+      if (group(k) == 0) cycle
+      members(next(group(k))) = k
+      next(group(k)) = next(group(k)) + 1
+    end do
+  end subroutine list_groups
 
 
   !> Sorts a short list in place by insertion.

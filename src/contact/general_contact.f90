@@ -12,7 +12,7 @@
 module amontons_general_contact
   use amontons_kinds, only: DP, I64
   use amontons_text, only: to_text, plural, NEWLINE
-  use amontons_containers, only: integer_list_type, sort_integers, ascending_order
+  use amontons_containers, only: integer_list_type, list_groups, ascending_order
   use amontons_mesh, only: mesh_extent
   use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_loads, only: prescribed_type, amplitude_type
@@ -544,8 +544,8 @@ contains
     real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
     real(DP) :: box(3, 2, data%n_groups)
-    integer, allocatable :: key(:), order(:)
-    integer :: first(data%n_groups + 1), g, h, i
+    integer, allocatable :: first(:), members(:)
+    integer :: g, h, i
     box(:, 1, :) = huge(1.0_DP)
     box(:, 2, :) = -huge(1.0_DP)
     do i = 1, size(active)
@@ -553,17 +553,7 @@ contains
       box(:, 1, g) = min(box(:, 1, g), exterior%box(:, 1, active(i)))
       box(:, 2, g) = max(box(:, 2, g), exterior%box(:, 2, active(i)))
     end do
-    order = active
-    key = data%group(active)
-    call sort_integers(key, order)                 ! the active faces, group by group
-    first = 0
-    do i = 1, size(key)
-      first(key(i) + 1) = first(key(i) + 1) + 1
-    end do
-    first(1) = 1
-    do g = 1, data%n_groups
-      first(g + 1) = first(g) + first(g + 1)
-    end do
+    call list_groups(data%group(active), data%n_groups, first, members)
     do g = 1, data%n_groups
       do h = 1, data%n_groups
         if (first(g) == first(g + 1) .or. first(h) == first(h + 1)) cycle
@@ -571,8 +561,8 @@ contains
         if (data%is_rigid(data%member(g)) .and. data%is_rigid(data%member(h))) cycle
         if (box_distance(box(:, :, g), box(:, :, h)) > motion) cycle
         if (find_interaction(rules, data, g, h, 0) == 0) cycle
-        call add_opposing_faces(exterior, order(first(g):first(g + 1) - 1), order(first(h):first(h + 1) - 1), box(:, :, h), h, &
-          motion, near)
+        call add_opposing_faces(exterior, active(members(first(g):first(g + 1) - 1)), active(members(first(h):first(h + 1) - 1)), &
+          box(:, :, h), h, motion, near)
       end do
     end do
   end subroutine add_reachable_faces

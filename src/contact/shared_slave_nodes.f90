@@ -7,6 +7,7 @@
 !! several pairs, the other closed pairs act as supports.
 module amontons_shared_slave_nodes
   use amontons_kinds, only: DP
+  use amontons_containers, only: list_groups
   use amontons_facets, only: facets_type
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_slave_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
@@ -49,26 +50,11 @@ contains
     type(facets_type), intent(in) :: facets(:)     !< (n_pairs) masters
     logical, intent(in) :: is_exact(:)             !< (n_pairs)
     type(shared_slaves_type), intent(out) :: shared
-    integer, allocatable :: next(:)
-    integer :: s, p, n
+    integer :: s, p
     allocate (shared%level(size(slaves)), source=1)
     shared%is_hard_pair = is_exact(slaves%pair)
-    allocate (shared%first(n_nodes + 1), source=0)
-    do s = 1, size(slaves)
-      if (shared%is_hard_pair(s)) shared%first(slaves(s)%node + 1) = shared%first(slaves(s)%node + 1) + 1
-    end do
-    shared%has_multi_pair_nodes = any(shared%first > 1)
-    shared%first(1) = 1
-    do n = 1, n_nodes
-      shared%first(n + 1) = shared%first(n + 1) + shared%first(n)
-    end do
-    next = shared%first(:n_nodes)
-    allocate (shared%member(shared%first(n_nodes + 1) - 1))
-    do s = 1, size(slaves)
-      if (.not. shared%is_hard_pair(s)) cycle
-      shared%member(next(slaves(s)%node)) = s
-      next(slaves(s)%node) = next(slaves(s)%node) + 1
-    end do
+    call list_groups(merge(slaves%node, 0, shared%is_hard_pair), n_nodes, shared%first, shared%member)
+    shared%has_multi_pair_nodes = any(shared%first(2:) > shared%first(:n_nodes) + 1)
     do p = 1, size(facets)
       shared%has_reaction_chains = shared%has_reaction_chains .or. any(shared%first(facets(p)%nodes &
         + 1) > shared%first(facets(p)%nodes))

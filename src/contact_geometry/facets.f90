@@ -12,7 +12,7 @@
 !! else is as in space.
 module amontons_facets
   use amontons_kinds, only: DP, PI
-  use amontons_containers, only: sort_ascending
+  use amontons_containers, only: list_groups, sort_ascending
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FACET_LINE2, FACET_LINE3, &
     MAX_FACE_NODES
@@ -252,25 +252,11 @@ contains
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: n_nodes                   !< number of mesh nodes
     type(incidence_type), intent(out) :: incidence
-    integer :: f, k, node
-    integer, allocatable :: next(:)
-    allocate (incidence%first(n_nodes + 1), source=0)
-    allocate (incidence%entry(size(facets%nodes)), incidence%owner(size(facets%nodes)))
-    do k = 1, size(facets%nodes)
-      incidence%first(facets%nodes(k) + 1) = incidence%first(facets%nodes(k) + 1) + 1
-    end do
-    incidence%first(1) = 1
-    do node = 1, n_nodes
-      incidence%first(node + 1) = incidence%first(node + 1) + incidence%first(node)
-    end do
-    next = incidence%first(:n_nodes)
+    integer :: f
+    call list_groups(facets%nodes, n_nodes, incidence%first, incidence%entry)
+    allocate (incidence%owner(size(facets%nodes)))
     do f = 1, facets%n
-      do k = facets%first(f), facets%first(f + 1) - 1
-        node = facets%nodes(k)
-        incidence%entry(next(node)) = k
-        incidence%owner(k) = f
-        next(node) = next(node) + 1
-      end do
+      incidence%owner(facets%first(f):facets%first(f + 1) - 1) = f
     end do
   end subroutine find_incidence
 
@@ -446,25 +432,10 @@ contains
   subroutine collect_stars(incidence, facets)
     type(incidence_type), intent(in) :: incidence
     type(facets_type), intent(inout) :: facets
-    integer, allocatable :: next(:)
-    integer :: k, v
-    allocate (facets%star_first(facets%n_vertices + 1), source=0)
-    allocate (facets%star_facet(size(facets%nodes)), facets%star_local(size(facets%nodes)))
-    do k = 1, size(facets%nodes)
-      v = facets%vertex(k)
-      facets%star_first(v + 1) = facets%star_first(v + 1) + 1
-    end do
-    facets%star_first(1) = 1
-    do v = 1, facets%n_vertices
-      facets%star_first(v + 1) = facets%star_first(v + 1) + facets%star_first(v)
-    end do
-    next = facets%star_first(:facets%n_vertices)
-    do k = 1, size(facets%nodes)
-      v = facets%vertex(k)
-      facets%star_facet(next(v)) = incidence%owner(k)
-      facets%star_local(next(v)) = k - facets%first(incidence%owner(k)) + 1
-      next(v) = next(v) + 1
-    end do
+    integer, allocatable :: entry(:)
+    call list_groups(facets%vertex, facets%n_vertices, facets%star_first, entry)
+    facets%star_facet = incidence%owner(entry)
+    facets%star_local = entry - facets%first(facets%star_facet) + 1
   end subroutine collect_stars
 
 

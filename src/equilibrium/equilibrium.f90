@@ -43,7 +43,7 @@ module amontons_equilibrium
   implicit none
   private
   public :: equilibrium_type, create_equilibrium, begin_step, plan_solver, begin_increment, evaluate_equilibrium, &
-    directional_residual, residuals_above_rounding, residual_above_rounding
+    directional_residual, residual_sizes, largest_above_rounding
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step
@@ -436,17 +436,17 @@ contains
 
 
   !> The largest component of the residual, and of the residual at the present gaps, above rounding level.
-  pure function residuals_above_rounding(system, u) result(largest)
+  pure function residual_sizes(system, u) result(largest)
     type(equilibrium_type), intent(in) :: system        !< K was assembled
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP) :: largest(2)                         !< [force]
-    largest = [residual_above_rounding(system, system%residual, u), residual_above_rounding(system, system%residual_at_gap, u)]
-  end function residuals_above_rounding
+    largest = [largest_above_rounding(system, system%residual, u), largest_above_rounding(system, system%residual_at_gap, u)]
+  end function residual_sizes
 
 
   !> The largest component of a residual above its rounding level: the diagonal stiffness times the last digit of the largest
   !! displacement. A stress-free rigid motion gives a residual at this level.
-  pure real(DP) function residual_above_rounding(system, field, u) result(largest)
+  pure real(DP) function largest_above_rounding(system, field, u) result(largest)
     type(equilibrium_type), intent(in) :: system        !< K was assembled
     real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) R or the residual at the present gaps [force]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -462,7 +462,7 @@ contains
     end associate
     if (size(system%rotation_length) > 0) of_node = of_node / system%rotation_length
     largest = max(0.0_DP, maxval(of_node))
-  end function residual_above_rounding
+  end function largest_above_rounding
 
 
   !> The diagonal entries of K of a node: of the matrix, or of its nodal blocks.

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
-  use amontons_containers, only: integer_list_type
+  use amontons_containers, only: integer_list_type, list_groups
   use amontons_mesh, only: mesh_type
   use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
@@ -21,25 +21,13 @@ contains
   subroutine index_faces(faces, mesh)
     type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
-    integer, allocatable :: next(:)
-    integer :: e, i, n
+    integer :: owner(size(mesh%nodes)), e
     if (allocated(faces%first)) return
-    allocate (faces%first(mesh%n_nodes + 1), source=0)
-    allocate (faces%elements(size(mesh%nodes)))
-    do i = 1, size(mesh%nodes)
-      faces%first(mesh%nodes(i) + 1) = faces%first(mesh%nodes(i) + 1) + 1
-    end do
-    faces%first(1) = 1
-    do n = 1, mesh%n_nodes
-      faces%first(n + 1) = faces%first(n) + faces%first(n + 1)
-    end do
-    next = faces%first
     do e = 1, mesh%n_elements
-      do i = mesh%first(e), mesh%first(e + 1) - 1
-        faces%elements(next(mesh%nodes(i))) = e
-        next(mesh%nodes(i)) = next(mesh%nodes(i)) + 1
-      end do
+      owner(mesh%first(e):mesh%first(e + 1) - 1) = e
     end do
+    call list_groups(mesh%nodes, mesh%n_nodes, faces%first, faces%elements)
+    faces%elements = owner(faces%elements)
   end subroutine index_faces
 
 

@@ -8,9 +8,10 @@ module amontons_deck_generate
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
     find_cards, &
     line_text, read_parameters, start_rows, next_row, field_text, field_integer, field_real
+  use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_deck_labels, only: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, &
     add_element, add_members, &
-    sort_unique, find_label_index, find_element, has_key, key_value
+    sort_unique, find_label_index, find_element
   use amontons_tensor, only: cross_product
   use amontons_text, only: to_text, name_key, is_one_of, joined_words, parse_real, NUMBER_OK
   implicit none
@@ -97,19 +98,19 @@ contains
     select case (cards%cards(c)%key)
     case ('NGEN')
       call generate_line(cards, c, parameters, scope, messages, generated)
-      call write_nodes(cards, c, key_value(parameters, 'NSET'), generated, scope, expanded)
+      call write_nodes(cards, c, parameter_text(parameters, 'NSET'), generated, scope, expanded)
     case ('NFILL')
       call fill_between(cards, c, parameters, scope, messages, generated)
-      call write_nodes(cards, c, key_value(parameters, 'NSET'), generated, scope, expanded)
+      call write_nodes(cards, c, parameter_text(parameters, 'NSET'), generated, scope, expanded)
     case ('NCOPY')
       call copy_nodes(cards, c, parameters, scope, messages, generated)
-      call write_nodes(cards, c, key_value(parameters, 'NEWSET'), generated, scope, expanded)
+      call write_nodes(cards, c, parameter_text(parameters, 'NEWSET'), generated, scope, expanded)
     case ('ELGEN')
       call generate_elements(cards, c, scope, messages, generated)
-      call write_elements(cards, c, key_value(parameters, 'ELSET'), generated, scope, expanded)
+      call write_elements(cards, c, parameter_text(parameters, 'ELSET'), generated, scope, expanded)
     case ('ELCOPY')
       call copy_elements(cards, c, parameters, scope, messages, generated)
-      call write_elements(cards, c, key_value(parameters, 'NEWSET'), generated, scope, expanded)
+      call write_elements(cards, c, parameter_text(parameters, 'NEWSET'), generated, scope, expanded)
     end select
   end subroutine generate
 
@@ -155,7 +156,7 @@ contains
     real(DP) :: ends(3, 3), normal(3)
     integer :: first, last, step, i, n
     logical :: is_ok
-    line = name_key(key_value(parameters, 'LINE'))
+    line = name_key(parameter_text(parameters, 'LINE'))
     if (.not. is_one_of(line, 'C|P') .and. line /= '') call messages%add(cards%cards(c)%line, 'LINE must be C (circle) or P ' // &
       '(parabola).')
     call start_rows(cards%cards(c), row)
@@ -295,14 +296,14 @@ contains
     real(DP) :: x(3), shift(7), turn(7), number, n_copies
     integer :: set, i, k
     logical :: is_ok
-    set = scope%node_names%find(key_value(parameters, 'OLDSET'))
+    set = scope%node_names%find(parameter_text(parameters, 'OLDSET'))
     call read_value(cards, c, parameters, 'CHANGENUMBER', 0.0_DP, messages, number)
     call read_value(cards, c, parameters, 'MULTIPLE', 1.0_DP, messages, n_copies)
-    if (set == 0) call messages%add(cards%cards(c)%line, 'There is no node set ''' // key_value(parameters, 'OLDSET') // &
+    if (set == 0) call messages%add(cards%cards(c)%line, 'There is no node set ''' // parameter_text(parameters, 'OLDSET') // &
       ''' before this card.')
     if (nint(number) == 0) call messages%add(cards%cards(c)%line, '*NCOPY needs CHANGE NUMBER, which is not zero.')
-    if (.not. has_key(parameters, 'SHIFT')) call messages%add(cards%cards(c)%line, '*NCOPY needs SHIFT.')
-    if (set == 0 .or. nint(number) == 0 .or. .not. has_key(parameters, 'SHIFT')) return
+    if (.not. has_parameter(parameters, 'SHIFT')) call messages%add(cards%cards(c)%line, '*NCOPY needs SHIFT.')
+    if (set == 0 .or. nint(number) == 0 .or. .not. has_parameter(parameters, 'SHIFT')) return
     shift = 0
     turn = 0
     call start_rows(cards%cards(c), row)
@@ -404,10 +405,10 @@ contains
     type(deck_element_type) :: element
     real(DP) :: element_shift, node_shift
     integer :: set, i, m
-    set = scope%element_names%find(key_value(parameters, 'OLDSET'))
+    set = scope%element_names%find(parameter_text(parameters, 'OLDSET'))
     call read_value(cards, c, parameters, 'ELEMENTSHIFT', 0.0_DP, messages, element_shift)
     call read_value(cards, c, parameters, 'SHIFTNODES', 0.0_DP, messages, node_shift)
-    if (set == 0) call messages%add(cards%cards(c)%line, 'There is no element set ''' // key_value(parameters, 'OLDSET') // &
+    if (set == 0) call messages%add(cards%cards(c)%line, 'There is no element set ''' // parameter_text(parameters, 'OLDSET') // &
       ''' before this card.')
     if (nint(element_shift) == 0) call messages%add(cards%cards(c)%line, '*ELCOPY needs ELEMENT SHIFT, which is not zero.')
     if (set == 0 .or. nint(element_shift) == 0) return
@@ -555,8 +556,8 @@ contains
     real(DP), intent(out) :: value
     integer :: status
     value = default
-    if (.not. has_key(parameters, key)) return
-    call parse_real(key_value(parameters, key), value, status)
+    if (.not. has_parameter(parameters, key)) return
+    call parse_real(parameter_text(parameters, key), value, status)
     if (status == NUMBER_OK .and. abs(value) < 1.0e9_DP) return
     value = default
     call messages%add(cards%cards(c)%line, 'The parameter ' // key // ' must be a number.')

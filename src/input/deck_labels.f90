@@ -4,6 +4,7 @@ module amontons_deck_labels
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, data_row_type, parameter_type, read_parameters, start_rows, next_row, field_text, &
     field_integer, field_real
+  use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_containers, only: integer_list_type, name_table_type
   use amontons_text, only: name_key, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
@@ -11,7 +12,7 @@ module amontons_deck_labels
   private
   public :: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, add_element, &
     add_members, sort_unique, find_label_index, &
-    find_element, to_cartesian, has_key, key_value
+    find_element, to_cartesian
 
   !> One element as written in the deck.
   type :: deck_element_type
@@ -56,27 +57,27 @@ contains
     call start_rows(cards%cards(c), row)
     select case (cards%cards(c)%key)
     case ('NODE')
-      set = find_or_add_set(key_value(parameters, 'NSET'), scope%node_names, scope%node_sets)
+      set = find_or_add_set(parameter_text(parameters, 'NSET'), scope%node_names, scope%node_sets)
       do while (next_row(cards, row))
-        call read_node_row(cards, row, name_key(key_value(parameters, 'SYSTEM')), set, scope)
+        call read_node_row(cards, row, name_key(parameter_text(parameters, 'SYSTEM')), set, scope)
       end do
       if (set > 0) call sort_unique(scope%node_sets(set))   ! sets are in the order of the numbers, but for UNSORTED
     case ('ELEMENT')
-      set = find_or_add_set(key_value(parameters, 'ELSET'), scope%element_names, scope%element_sets)
-      kind = element_kind_by_name(name_key(key_value(parameters, 'TYPE')))
+      set = find_or_add_set(parameter_text(parameters, 'ELSET'), scope%element_names, scope%element_sets)
+      kind = element_kind_by_name(name_key(parameter_text(parameters, 'TYPE')))
       if (kind == 0) return
       entry = element_kind(kind)
       do while (next_row(cards, row))
-        call read_element_rows(cards, row, key_value(parameters, 'TYPE'), entry%n_nodes, set, scope)
+        call read_element_rows(cards, row, parameter_text(parameters, 'TYPE'), entry%n_nodes, set, scope)
       end do
     case ('NSET')
-      if (has_key(parameters, 'ELSET')) return
-      set = find_or_add_set(key_value(parameters, 'NSET'), scope%node_names, scope%node_sets)
-      call read_set_members(cards, row, has_key(parameters, 'GENERATE'), set, scope%node_names, scope%node_sets)
-      if (set > 0 .and. .not. has_key(parameters, 'UNSORTED')) call sort_unique(scope%node_sets(set))
+      if (has_parameter(parameters, 'ELSET')) return
+      set = find_or_add_set(parameter_text(parameters, 'NSET'), scope%node_names, scope%node_sets)
+      call read_set_members(cards, row, has_parameter(parameters, 'GENERATE'), set, scope%node_names, scope%node_sets)
+      if (set > 0 .and. .not. has_parameter(parameters, 'UNSORTED')) call sort_unique(scope%node_sets(set))
     case ('ELSET')
-      set = find_or_add_set(key_value(parameters, 'ELSET'), scope%element_names, scope%element_sets)
-      call read_set_members(cards, row, has_key(parameters, 'GENERATE'), set, scope%element_names, scope%element_sets)
+      set = find_or_add_set(parameter_text(parameters, 'ELSET'), scope%element_names, scope%element_sets)
+      call read_set_members(cards, row, has_parameter(parameters, 'GENERATE'), set, scope%element_names, scope%element_sets)
       if (set > 0) call sort_unique(scope%element_sets(set))
     end select
   end subroutine read_mesh_card
@@ -301,34 +302,5 @@ contains
       if (is_there(i)) call list%add(i)
     end do
   end subroutine sort_unique
-
-
-  !> The parameter of a key; 0: none.
-  pure integer function find_parameter(parameters, key)
-    type(parameter_type), intent(in) :: parameters(:)
-    character(*), intent(in) :: key
-    do find_parameter = 1, size(parameters)
-      if (parameters(find_parameter)%key == key) return
-    end do
-    find_parameter = 0
-  end function find_parameter
-
-
-  !> Whether a card has a parameter.
-  pure logical function has_key(parameters, key)
-    type(parameter_type), intent(in) :: parameters(:)
-    character(*), intent(in) :: key
-    has_key = find_parameter(parameters, key) > 0
-  end function has_key
-
-
-  !> The text of a parameter, empty if it is not there.
-  pure function key_value(parameters, key) result(text)
-    type(parameter_type), intent(in) :: parameters(:)
-    character(*), intent(in) :: key
-    character(:), allocatable :: text
-    text = ''
-    if (has_key(parameters, key)) text = parameters(find_parameter(parameters, key))%text
-  end function key_value
 
 end module amontons_deck_labels

@@ -8,8 +8,8 @@
 module amontons_deck_parts
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
-    find_cards, &
-    read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
+    find_cards, read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
+  use amontons_card_schema, only: has_parameter
   use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
@@ -517,9 +517,9 @@ contains
       case ('ELEMENT')
         call element_row(cards, work, row, scope, n_nodes_of_type(parameter_value(cards, c, 'TYPE')), n_left, text)
       case ('NSET')
-        text = set_row(cards, work, row, scope, has_key(cards, c, 'GENERATE'), scope%node_shift)
+        text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%node_shift)
       case ('ELSET')
-        text = set_row(cards, work, row, scope, has_key(cards, c, 'GENERATE'), scope%element_shift)
+        text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%element_shift)
       case ('SURFACE')
         if (is_one_of(name_key(parameter_value(cards, c, 'TYPE')), 'SEGMENTS|CYLINDER|REVOLUTION')) then
           if (row%n <= 1 .and. field_text(cards, row, 1) == '') n = n - 1   ! a blank line for the axes
@@ -577,18 +577,14 @@ contains
 
 
   !> Whether a card has a parameter.
-  logical function has_key(cards, c, name)
+  logical function card_has_parameter(cards, c, name) result(is_given)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
     character(*), intent(in) :: name
     type(parameter_type), allocatable :: parameters(:)
-    integer :: i
     call read_parameters(cards, cards%cards(c), parameters)
-    has_key = .false.
-    do i = 1, size(parameters)
-      has_key = has_key .or. parameters(i)%key == name
-    end do
-  end function has_key
+    is_given = has_parameter(parameters, name)
+  end function card_has_parameter
 
 
   !> The number of nodes of an element type; 0: unknown type.

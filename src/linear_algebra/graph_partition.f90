@@ -6,6 +6,7 @@
 !! Reference: Karypis and Kumar, SIAM J. Scientific Computing 20 (1998) 359.
 module amontons_graph_partition
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int32_t, c_null_ptr, c_ptr
+  use amontons_containers, only: list_groups
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
   use amontons_sparse, only: sparse_type
   implicit none
@@ -322,7 +323,7 @@ contains
       call set_error(error, EXIT_INTERNAL, 'The groups of the unknowns do not fit the matrix.')
       return
     end if
-    call gather_members(group, n_groups, first, members)
+    call list_groups(group, n_groups, first, members)
     call group_graph(matrix, group, n_groups, first, members, graph)
     call order_nodes(graph, group_order, max(1, first(2:) - first(:n_groups)), error)
     if (allocated(error)) return
@@ -350,7 +351,7 @@ contains
     integer(c_int32_t) :: part(n_groups), weight(n_groups)
     integer :: status
     n_separating = 0
-    call gather_members(group, n_groups, members_first, members)
+    call list_groups(group, n_groups, members_first, members)
     call group_graph(matrix, group, n_groups, members_first, members, graph)
     call symmetrize_graph(graph, first, neighbours)
     if (size(neighbours) == 0) return
@@ -360,30 +361,6 @@ contains
     !$omp end critical (metis)
     call check_status(status, error)
   end subroutine separator_size
-
-
-  !> The members of each group, ascending.
-  pure subroutine gather_members(group, n_groups, first, members)
-    integer, intent(in) :: group(:)                    !< (n)
-    integer, intent(in) :: n_groups
-    integer, allocatable, intent(out) :: first(:)      !< (n_groups + 1)
-    integer, allocatable, intent(out) :: members(:)    !< (n)
-    integer :: next(n_groups), k
-    allocate (first(n_groups + 1), members(size(group)))
-    first = 0
-    first(1) = 1
-    do k = 1, size(group)
-      first(group(k) + 1) = first(group(k) + 1) + 1
-    end do
-    do k = 1, n_groups
-      first(k + 1) = first(k) + first(k + 1)
-    end do
-    next = first(:n_groups)
-    do k = 1, size(group)
-      members(next(group(k))) = k
-      next(group(k)) = next(group(k)) + 1
-    end do
-  end subroutine gather_members
 
 
   !> The graph of groups coupled by a matrix of their members. A pair may occur from either side, or from both.

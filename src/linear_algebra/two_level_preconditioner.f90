@@ -13,6 +13,7 @@
 !! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts).
 module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP
+  use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
@@ -188,9 +189,7 @@ contains
     self%n_domains = max(1, min(n_threads, self%n / MIN_UNKNOWNS_PER_DOMAIN, self%n_parts))
     if (self%n_domains == 1) return
     domain = 1 + int(real(self%n_domains, DP) * (real(self%part, DP) - 1.0_DP) / real(self%n_parts, DP))
-    self%domain_first = spread(0, 1, self%n_domains + 1)
-    self%domain_unknown = spread(0, 1, self%n)
-    call group_unknowns(domain, self%domain_first, self%domain_unknown)
+    call list_groups(domain, self%n_domains, self%domain_first, self%domain_unknown)
     row_of(self%domain_unknown) = [(i, i=1, self%n)]
     self%inner = sparse_type(self%n, self%n)
     allocate (self%inner%first(self%n + 1), self%inner%column(size(matrix%column)), self%inner%value(size(matrix%column)))
@@ -325,11 +324,11 @@ contains
     type(sparse_type), intent(in) :: matrix
     type(sparse_type), intent(out) :: coarse
     type(error_type), allocatable, intent(out) :: error
-    integer :: first(self%n_parts + 1), members(self%n), block_of(self%n_parts), touched(self%n_parts)
-    integer, allocatable :: row(:), column(:)
+    integer :: block_of(self%n_parts), touched(self%n_parts)
+    integer, allocatable :: first(:), members(:), row(:), column(:)
     real(DP), allocatable :: value(:), block_row(:, :, :)
     integer :: a, k, n_touched, n_triplets
-    call group_unknowns(self%part, first, members)
+    call list_groups(self%part, self%n_parts, first, members)
     allocate (row(0), column(0), value(0), block_row(6, 6, 64))
     block_of = 0
     n_triplets = 0
@@ -346,28 +345,6 @@ contains
     call sparse_from_triplets(6 * self%n_parts, 6 * self%n_parts, row(:n_triplets), column(:n_triplets), value(:n_triplets), &
       coarse, error)
   end subroutine assemble_coarse_matrix
-
-
-  !> The unknowns of each group, ascending: those of group g are members(first(g):first(g + 1) - 1).
-  pure subroutine group_unknowns(group, first, members)
-    integer, intent(in) :: group(:)                    !< (n) of each unknown, from 1
-    integer, intent(out) :: first(:)                   !< (number of groups + 1)
-    integer, intent(out) :: members(:)                 !< (n)
-    integer :: next(size(first) - 1), i, g
-    first = 0
-    first(1) = 1
-    do i = 1, size(group)
-      first(group(i) + 1) = first(group(i) + 1) + 1
-    end do
-    do g = 1, size(next)
-      first(g + 1) = first(g) + first(g + 1)
-    end do
-    next = first(:size(next))
-    do i = 1, size(group)
-      members(next(group(i))) = i
-      next(group(i)) = next(group(i)) + 1
-    end do
-  end subroutine group_unknowns
 
 
   !> Adds the contribution of row i of B to the blocks of its part: its motions times (B Z)_i.

@@ -8,6 +8,7 @@
 !!     d_j = x^_j - sum M_ji x_i / D_j,    D_j = integral of N~_j,    M_ji = integral of phi_j N_i (at the master)
 module amontons_mortar
   use amontons_kinds, only: DP, PI
+  use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
   use amontons_element_kinds, only: facet_kind, facet_kind_type, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
@@ -164,26 +165,11 @@ contains
   subroutine collect_vertices(mortar, of_node)
     type(mortar_type), intent(inout) :: mortar
     integer, intent(in) :: of_node(:)              !< (n_nodes) position among the slave nodes
-    integer :: node_of(mortar%slave%n_vertices), k, v, n
-    integer, allocatable :: next(:)
+    integer :: node_of(mortar%slave%n_vertices), k
     do k = 1, size(mortar%slave%nodes)
       node_of(mortar%slave%vertex(k)) = of_node(mortar%slave%nodes(k))
     end do
-    n = size(mortar%nodes)
-    allocate (mortar%first(n + 1), source=0)
-    allocate (mortar%vertices(size(node_of)))
-    do v = 1, size(node_of)
-      mortar%first(node_of(v) + 1) = mortar%first(node_of(v) + 1) + 1
-    end do
-    mortar%first(1) = 1
-    do k = 1, n
-      mortar%first(k + 1) = mortar%first(k + 1) + mortar%first(k)
-    end do
-    next = mortar%first
-    do v = 1, size(node_of)
-      mortar%vertices(next(node_of(v))) = v
-      next(node_of(v)) = next(node_of(v)) + 1
-    end do
+    call list_groups(node_of, size(mortar%nodes), mortar%first, mortar%vertices)
   end subroutine collect_vertices
 
 

@@ -5,9 +5,9 @@ module amontons_active_set_history
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK
   implicit none
   private
-  public :: active_set_history_type, record_active_set, find_cycle, cycling_slaves, is_stick_slip_flip, slaves_off_master, &
-    suddenly_deep_slaves, status_trace, &
-    find_least_merit, last_facet, count_changed_statuses, most_constrained_status, HISTORY_DEPTH
+  public :: active_set_history_type, record_active_set, find_cycle, is_cycle_repeated, cycling_slaves, is_stick_slip_flip, &
+    slaves_off_master, suddenly_deep_slaves, status_trace, find_least_merit, last_facet, count_changed_statuses, &
+    most_constrained_status, HISTORY_DEPTH
 
   integer, parameter :: HISTORY_DEPTH = 8                  !< iterations with stored nodes
   integer, parameter :: MAX_HASHES = 128                 !< iterations with stored hashes
@@ -81,6 +81,18 @@ contains
     end do
     if (k < min(history%n, MAX_HASHES)) length = k
   end function find_cycle
+
+
+  !> Whether the last iterations passed twice through the same cycle without a smaller merit.
+  pure logical function is_cycle_repeated(history, stagnation_ratio)
+    type(active_set_history_type), intent(in) :: history
+    real(DP), intent(in) :: stagnation_ratio       !< least ratio of the merits that is no decrease [-]
+    integer :: k
+    k = find_cycle(history)
+    is_cycle_repeated = k > 0 .and. 2 * k < min(history%n, HISTORY_DEPTH)
+    if (is_cycle_repeated) is_cycle_repeated = history%hash(1 + 2 * k) == history%hash(1) .and. &
+      history%merit(1) >= stagnation_ratio * history%merit(1 + 2 * k)
+  end function is_cycle_repeated
 
 
   !> The slave nodes whose status or facet changed in the last iterations: indices into the slaves.

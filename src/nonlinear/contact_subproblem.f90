@@ -12,10 +12,9 @@ module amontons_contact_subproblem
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
-  use amontons_controls, only: subproblem_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type
-  use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, HISTORY_DEPTH
+  use amontons_active_set_history, only: active_set_history_type, record_active_set, is_cycle_repeated
   use amontons_active_set_cycling, only: extend_master_edges, facet_track_type
   use amontons_equilibrium, only: equilibrium_type, configuration_type, save_configuration, evaluate_linearized, &
     restore_configuration, OUTCOME_OK
@@ -122,7 +121,7 @@ contains
       call record_active_set(active_set_history, state%new%slaves, system%merit)
       largest_merit = max(largest_merit, system%merit)
       if (has_subproblem_converged(system, step, start, largest_merit)) exit
-      is_cycle_found = is_cycling(step%controls%subproblem, active_set_history)
+      is_cycle_found = is_cycle_repeated(active_set_history, step%controls%subproblem%stagnation_ratio)
       if (best%n_subproblem_iterations == step%controls%subproblem%max_iterations .or. is_cycle_found) exit
       best%n_subproblem_iterations = best%n_subproblem_iterations + 1
       call solve_correction(system, model, step, state, 1.0_DP, correction, best%outcome, error, d_correction)
@@ -213,7 +212,8 @@ contains
       largest_merit = max(largest_merit, system%merit)
       call record_active_set(active_set_history, state%new%slaves, system%merit)
       candidate%is_subproblem_solved = has_subproblem_converged(system, step, start, largest_merit) .or. all(correction == 0.0_DP)
-      if (candidate%is_subproblem_solved .or. is_cycling(step%controls%subproblem, active_set_history)) exit
+      if (candidate%is_subproblem_solved) exit
+      if (is_cycle_repeated(active_set_history, step%controls%subproblem%stagnation_ratio)) exit
     end do
     candidate%slaves = state%new%slaves
   end subroutine solve_substep
@@ -236,18 +236,6 @@ contains
       step%controls%subproblem%rounding * largest_merit, &
       negligible_force, system%force_rounding * sqrt(real(size(start%u), DP)))
   end function has_subproblem_converged
-
-
-  !> Active-set cycling: two passes through the same cycle of statuses without a smaller merit.
-  pure logical function is_cycling(controls, active_set_history)
-    type(subproblem_controls_type), intent(in) :: controls
-    type(active_set_history_type), intent(in) :: active_set_history
-    integer :: k
-    k = find_cycle(active_set_history)
-    is_cycling = k > 0 .and. 2 * k < min(active_set_history%n, HISTORY_DEPTH)
-    if (is_cycling) is_cycling = active_set_history%hash(1 + 2 * k) == active_set_history%hash(1) .and. &
-      active_set_history%merit(1) >= controls%stagnation_ratio * active_set_history%merit(1 + 2 * k)
-  end function is_cycling
 
 
   !> Records the iterate if its merit is the least so far; of equal ones the first.

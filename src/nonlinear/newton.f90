@@ -20,7 +20,7 @@ module amontons_newton
   use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_PROXIMAL, &
     STEP_KIND_SNAP_THROUGH
   use amontons_contact_rounds, only: contact_rounds_type, perform_round, round_controls
-  use amontons_equilibrium, only: equilibrium_type, begin_increment, evaluate_equilibrium, residuals_above_rounding, &
+  use amontons_equilibrium, only: equilibrium_type, begin_increment, evaluate_equilibrium, residual_sizes, &
     max_components, &
     OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   use amontons_newton_step, only: set_proximal_shift
@@ -159,7 +159,7 @@ contains
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     call check_displacements(newton, system, model, step%controls%newton, state)
     if (newton%outcome /= OUTCOME_OK) return
-    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
+    call record_residual(newton, system, residual_sizes(system, state%new%u), step%controls)
     call record_step(newton, system, state, report)
   end subroutine apply_trial_step
 
@@ -187,7 +187,7 @@ contains
     call record_active_set(newton%active_set_history, state%new%slaves, system%merit)
     call check_displacements(newton, system, model, step%controls%newton, state)
     if (newton%outcome /= OUTCOME_OK) return
-    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
+    call record_residual(newton, system, residual_sizes(system, state%new%u), step%controls)
     call record_step(newton, system, state, report)
   end subroutine apply_round
 
@@ -256,7 +256,7 @@ contains
     if (.not. is_changed) return
     newton%rounds%is_unchanged = .false.
     call evaluate_equilibrium(system, model, step, state, newton%outcome, is_frozen=.false.)
-    call record_residual(newton, system, residuals_above_rounding(system, state%new%u), step%controls)
+    call record_residual(newton, system, residual_sizes(system, state%new%u), step%controls)
     if (newton%outcome /= OUTCOME_OK) then
       verdict = VERDICT_DIVERGES
     else if (verdict == VERDICT_CONVERGED .and. (system%contact%n_changed > 0 .or. &

@@ -22,7 +22,7 @@ module amontons_nonlinear_conjugate_gradients
   use amontons_sparse, only: multiply, multiply_transpose
   use amontons_friction_slip_scenarios, only: slip_state_type, slip_result_type, slip_controls_type, classify_slip_scenarios, &
     find_bounded_step_length
-  use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, residual_above_rounding, OUTCOME_OK, OUTCOME_ELEMENT, &
+  use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, largest_above_rounding, OUTCOME_OK, OUTCOME_ELEMENT, &
     OUTCOME_NOT_FINITE
   use amontons_conjugate_gradient_preconditioner, only: gradient_preconditioner_type, apply_gradient_preconditioner
   implicit none
@@ -112,7 +112,7 @@ contains
     real(DP), intent(in) :: least_force            !< [force]
     real(DP) :: flat(size(u))
     flat = unpack(r, system%constraints%free_of > 0, 0.0_DP)
-    is_solved = residual_above_rounding(system, reshape(flat, shape(u)), u) <= max(reduction * max(system%largest_force, &
+    is_solved = largest_above_rounding(system, reshape(flat, shape(u)), u) <= max(reduction * max(system%largest_force, &
       least_force), system%force_rounding)
   end function is_solved
 

@@ -1,8 +1,8 @@
 !> Unit test of amontons_containers: names, labels, lists, order, disjoint sets and the distance of words.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_containers
-  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_ascending, sort_integers, &
-    ascending_order, find_root, unite_trees, edit_distance
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, list_groups, sort_ascending, &
+    sort_integers, ascending_order, find_root, unite_trees, edit_distance
   use amontons_kinds, only: DP
   use check, only: suite_type
   implicit none
@@ -10,6 +10,7 @@ program test_containers
   call check_names()
   call check_labels()
   call check_list()
+  call check_groups()
   call check_sort()
   call check_order()
   call check_trees()
@@ -66,6 +67,18 @@ contains
     end do
     call suite%that('all', all(list%trimmed() == [(i * i, i=1, 300)]))
   end subroutine check_list
+
+
+  !> Members ascending, an empty group, members of no group, no members at all.
+  subroutine check_groups()
+    integer, allocatable :: first(:), members(:)
+    call list_groups([3, 1, 0, 3, 1, 4], 5, first, members)
+    call suite%that('starts', all(first == [1, 3, 3, 5, 6, 6]))
+    call suite%that('members', size(members) == 5)
+    call suite%that('ascending', all(members == [2, 5, 1, 4, 6]))
+    call list_groups([integer ::], 2, first, members)
+    call suite%that('no members', all(first == 1) .and. size(members) == 0)
+  end subroutine check_groups
 
 
   !> Sorted, and stable: of equal keys the companion keeps its order.

@@ -9,7 +9,7 @@ program test_equilibrium
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, STATUS_OPEN
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
-    directional_residual, residuals_above_rounding, max_components, nodal_norms, configuration_type, save_configuration, &
+    directional_residual, residual_sizes, max_components, nodal_norms, configuration_type, save_configuration, &
     evaluate_linearized, restore_configuration, discard_bulk_factor, interface_unknowns, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_NOT_FINITE
   use amontons_newton_step, only: linearize_equilibrium
@@ -94,11 +94,11 @@ contains
     system%residual(1, 20) = 1.0e-14_DP
     system%residual_at_gap(1, 20) = 1.0_DP
     field = 1.0_DP
-    largest = residuals_above_rounding(system, field)
+    largest = residual_sizes(system, field)
     call suite%near('norms: rounding alone', largest(1), 0.0_DP, 0.0_DP)
     call suite%near('norms: a residual', largest(2), 1.0_DP, 1.0e-11_DP)
     field = 0.0_DP
-    largest = residuals_above_rounding(system, field)
+    largest = residual_sizes(system, field)
     call suite%near('norms: no displacement, no rounding', largest(1), 1.0e-14_DP, 0.0_DP)
     system%rotation_length = spread(2.0_DP, 1, model%mesh%n_nodes)
     field(:, 2) = [3.0_DP, -4.0_DP, 0.0_DP]

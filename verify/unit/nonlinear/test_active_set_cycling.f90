@@ -11,7 +11,7 @@ program test_active_set_cycling
   use amontons_slave_node_overrides, only: NODE_OVERRIDE_NONE, NODE_OVERRIDE_EXTENDED, NODE_OVERRIDE_OFF_MASTER, &
     NODE_OVERRIDE_FROZEN, NODE_OVERRIDE_RELEASED, NODE_OVERRIDE_FRICTIONLESS, NODE_OVERRIDE_RETRY
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_active_set_history, only: active_set_history_type, record_active_set
+  use amontons_active_set_history, only: active_set_history_type, record_active_set, HISTORY_DEPTH
   use amontons_active_set_cycling, only: break_cycle, release_frozen_nodes, extend_master_edges, facet_track_type
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
   use check, only: suite_type
@@ -80,6 +80,7 @@ contains
     type(active_set_history_type) :: history
     type(slave_state_type), allocatable :: slaves(:)
     logical :: is_found, is_changed
+    integer :: length, i
     call write_history([STATUS_SLIP, STATUS_STICK], [1, 1], [16.0_DP, 8.0_DP, 4.0_DP, 2.0_DP], history, slaves)
     call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('no cycle: the merit falls', .not. (is_found .or. is_changed))
@@ -90,6 +91,19 @@ contains
     call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
     call suite%that('no cycle: too short', .not. (is_found .or. is_changed))
     call suite%that('no cycle: no override', all(slaves%overrides%status == NODE_OVERRIDE_NONE))
+    do length = HISTORY_DEPTH - 1, HISTORY_DEPTH   ! the longer one has iterations that are not stored
+      history = active_set_history_type()
+      slaves%overrides%status = NODE_OVERRIDE_NONE
+      do i = 0, 2 * length
+        slaves%status = STATUS_STICK
+        slaves(5)%status = merge(STATUS_SLIP, STATUS_STICK, mod(i, length) == 0)
+        slaves(5)%facet = 1 + min(1, mod(i, length))
+        slaves(6)%facet = 1 + mod(i, length)
+        call record_active_set(history, slaves, 1.0_DP)
+      end do
+      call break_cycle(system%contact, history, cycling_controls_type(), slaves, is_found, is_changed)
+      call suite%that('no cycle: longer than the iterations stored', is_found .eqv. length < HISTORY_DEPTH)
+    end do
   end subroutine check_no_cycle
 
 

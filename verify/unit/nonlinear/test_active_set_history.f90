@@ -3,13 +3,13 @@
 program test_active_set_history
   use amontons_kinds, only: DP
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
-  use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, cycling_slaves, &
-    is_stick_slip_flip, slaves_off_master, suddenly_deep_slaves, &
-    status_trace
+  use amontons_active_set_history, only: active_set_history_type, record_active_set, find_cycle, is_cycle_repeated, &
+    cycling_slaves, is_stick_slip_flip, slaves_off_master, suddenly_deep_slaves, status_trace
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   call check_cycle()
+  call check_repeated_cycle()
   call check_converged_set()
   call check_nodes()
   call suite%finish()
@@ -45,6 +45,32 @@ contains
     call suite%that('cycle: the third node', all(cycling_slaves(history, 3) == 3))
     call suite%that('cycle: no flip', .not. is_stick_slip_flip(history, 3, [3]))
   end subroutine check_cycle
+
+
+  !> Twice through a cycle of two or three iterations with a merit that does not fall; not once, and not with a merit that falls.
+  subroutine check_repeated_cycle()
+    type(active_set_history_type) :: history
+    type(slave_state_type) :: slaves(2)
+    integer :: length, i
+    slaves%pair = 1
+    slaves%status = STATUS_STICK
+    do length = 2, 4
+      history = active_set_history_type()
+      do i = 0, 2 * length
+        slaves%facet = 1 + mod(i, length)
+        call record_active_set(history, slaves, 1.0_DP)
+        call suite%that('repeated: after two cycles, if they are stored', is_cycle_repeated(history, 0.9_DP) .eqv. &
+          (i == 2 * length .and. length < 4))
+      end do
+    end do
+    history = active_set_history_type()
+    do i = 0, 4
+      slaves%facet = 1 + mod(i, 2)
+      call record_active_set(history, slaves, 0.9_DP**i)
+    end do
+    call suite%that('repeated: the merit falls', .not. is_cycle_repeated(history, 0.9_DP))
+    call suite%that('repeated: it falls by less', is_cycle_repeated(history, 0.6_DP))
+  end subroutine check_repeated_cycle
 
 
   !> Neither a constant active set nor one that never recurs is a cycle; the facet of an open node does not count.

@@ -172,6 +172,7 @@ contains
       call solve_contact_subproblem(system, model, model%steps(1), state, du, slaves, error)
       call suite%that('substeps: solved', system%is_subproblem_solved .and. .not. allocated(error))
       call suite%near('substeps: the same solution', norm2(du - whole), 0.0_DP, 1.0e-3_DP * norm2(whole))
+      call suite%that('substeps: so many corrections', system%n_subproblem_iterations == merge(8, 4, limit == 1))
       call suite%near('substeps: the supports have arrived', maxval(abs(state%new%u(3, 35:) + du(3, 35:) + 0.02_DP)), 0.0_DP, &
         1.0e-12_DP)
     end do
