@@ -11,6 +11,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import importlib
+import os
 import re
 from collections.abc import Callable
 from functools import partial
@@ -201,8 +202,13 @@ ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for
 WITH_OTHERS = [*ALL, *(pytest.param(case, marks=[] if case.startswith("example") else [pytest.mark.slow]) for case in OTHERS)]
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
-@pytest.mark.parametrize("case", WITH_OTHERS)
+def case_and_system() -> list[tuple[str, str]]:
+    """Each case in one of the systems of units, by turns; with AMONTONS_EVERY_CASE in all of them."""
+    every = bool(os.environ.get("AMONTONS_EVERY_CASE"))
+    return [(case, system) for i, case in enumerate(WITH_OTHERS) for j, system in enumerate(SYSTEMS) if every or i % len(SYSTEMS) == j]
+
+
+@pytest.mark.parametrize(("case", "system"), case_and_system())
 def test_units(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str, system: str) -> None:
     """N and mm as N and m, kN and m, pound and inch: 1e-8."""
     units = SYSTEMS[system]

@@ -1,7 +1,7 @@
 """Every deck of every case of the verification in three systems of units: fields to 1e-8, iterations of each step within one.
 
 The cases run as they are, but for their jobs: each deck is run with tight controls in its own units and in the other ones, and with its own
-controls in inch and pound, where the iterations are compared. All cases take half an hour, so every tenth of them runs unless AMONTONS_EVERY_CASE is set.
+controls in inch and pound, where the iterations are compared. All cases take half an hour, so every twentieth of them runs unless AMONTONS_EVERY_CASE is set.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -77,7 +77,7 @@ def sets_of_values(function: Callable[..., None]) -> Iterator[dict[str, object]]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("case", "values"), list(cases())[:: 1 if os.environ.get("AMONTONS_EVERY_CASE") else 10])
+@pytest.mark.parametrize(("case", "values"), list(cases())[:: 1 if os.environ.get("AMONTONS_EVERY_CASE") else 20])
 def test_case(
     run: Run, tmp_path: Path, case: Callable[..., None], values: dict[str, object], request: pytest.FixtureRequest
 ) -> None:
