@@ -31,7 +31,7 @@ module amontons_general_contact
   public :: general_pairs_type, find_general_pairs, find_unpaired_contact
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
   public :: are_near, list_facets, exterior_positions, body_name, small_strain_modulus
-  public :: TOUCHING_RADIUS, collect_face_data, estimate_motion, find_interaction, make_surface
+  public :: TOUCHING_RADIUS, collect_face_data, estimate_motion, find_interaction, make_surface, displacement_span
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]

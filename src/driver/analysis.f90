@@ -24,6 +24,7 @@ module amontons_analysis
   use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
   use amontons_general_contact, only: find_unpaired_contact
+  use amontons_self_contact_pairs, only: find_unpaired_self_contact
   use amontons_model_change, only: activate_elements
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
@@ -407,14 +408,20 @@ contains
   end subroutine commit_analysis
 
 
-  !> Ends the job where bodies under NLGEOM have come together that general contact does not know to be near.
+  !> Ends the job where faces have come together that general contact does not know to be near: of two bodies under NLGEOM, or of
+  !! one.
   subroutine check_unpaired_contact(analysis, error)
     type(analysis_type), intent(in) :: analysis
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
-    if (.not. analysis%model%steps(max(1, analysis%stepping%step))%is_nlgeom) return
+    message = ''
     associate (now => analysis%state%old)
-      call find_unpaired_contact(analysis%model, now%u, now%time_increment * now%v, message)
+      if (analysis%model%steps(max(1, analysis%stepping%step))%is_nlgeom) then
+        call find_unpaired_contact(analysis%model, now%u, now%time_increment * now%v, message)
+        if (message == '') call find_unpaired_self_contact(analysis%model, now%u, now%time_increment * now%v, message)
+      else
+        call find_unpaired_self_contact(analysis%model, now%u, 0 * now%v, message)
+      end if
     end associate
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
   end subroutine check_unpaired_contact

@@ -8,7 +8,7 @@ module amontons_deck_contact
     is_card, check_name, VALUES_PER_LINE
   use amontons_deck_surfaces, only: find_slave_surface
   use amontons_mesh, only: mesh_type
-  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type
+  use amontons_element_kinds, only: has_midsides
   use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, is_compliant, is_self_contact, &
@@ -502,19 +502,6 @@ contains
         'TYPE=SURFACE TO SURFACE.')
     end associate
   end subroutine check_self_contact
-
-
-  !> Whether elements of a kind have nodes beside their corners.
-  elemental logical function has_midsides(kind)
-    integer, intent(in) :: kind
-    type(element_kind_type) :: element
-    type(facet_kind_type) :: face
-    element = element_kind(kind)
-    has_midsides = .false.
-    if (element%n_faces == 0) return
-    face = facet_kind(element%face_kind(1))
-    has_midsides = face%n_nodes > face%n_corners
-  end function has_midsides
 
 
   !> One row of CONTACT PAIR.

@@ -5,7 +5,7 @@
 module amontons_element_kinds
   implicit none
   private
-  public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name
+  public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name, has_midsides
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
   public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS8, KIND_CSS6
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
@@ -284,5 +284,18 @@ contains
     if (n_nodes == 20) entry%face_nodes(5:8, :6) = reshape([12, 11, 10, 9, 13, 14, 15, 16, 9, 18, 13, 17, &
       10, 19, 14, 18, 11, 20, 15, 19, 12, 17, 16, 20], [4, 6])
   end function hexahedron_kind
+
+
+  !> Whether elements of a kind have nodes beside their corners.
+  elemental logical function has_midsides(kind)
+    integer, intent(in) :: kind
+    type(element_kind_type) :: element
+    type(facet_kind_type) :: face
+    element = element_kind(kind)
+    has_midsides = .false.
+    if (element%n_faces == 0) return
+    face = facet_kind(element%face_kind(1))
+    has_midsides = face%n_nodes > face%n_corners
+  end function has_midsides
 
 end module amontons_element_kinds

@@ -199,6 +199,70 @@ def test_friction_in_the_slot(run: Run, tmp_path: Path, form: str) -> None:
     assert np.abs(shear - mu * pressed)[slipping].max() <= 1e-6 * pressed.max()
 
 
+def test_slot_without_nlgeom(run: Run, tmp_path: Path) -> None:
+    """Within small displacements general contact finds a slot narrower than an edge; the pair by hand gives the same."""
+    decks = [c_block(4, "CPE4", contact, PRESS).replace(", NLGEOM", "") for contact in (self_pair("SURFACE"), general())]
+    by_hand, found = (displacements(solve(run, tmp_path, deck)) for deck in decks)
+    assert np.abs(found - by_hand).max() <= EQUAL * np.abs(by_hand).max()
+
+
+# A bent strip whose arms meet: their faces do not face each other at the start
+
+THICK, BEND, ARM = 0.05, 0.1, 0.9  #: of the strip: thickness, radius of the middle line, length of the straight arms
+
+
+def bent_strip(contact: str, load: str, n: int, kind: str = "CPE8R") -> str:
+    """A strip bent by a right angle, clamped at one end; BOTTOM is its inside."""
+    bend = BEND * np.pi / 2
+
+    def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        theta = np.clip((s - ARM) / BEND, 0, np.pi / 2)
+        out = (t - 0.5) * THICK
+        x = BEND - (BEND + out) * np.sin(theta) + np.maximum(ARM - s, 0)
+        return x, BEND - (BEND + out) * np.cos(theta) + np.maximum(s - ARM - bend, 0)
+
+    ends = [between(0, ARM, n), between(ARM, ARM + bend, n // 2)[1:], between(ARM + bend, 2 * ARM + bend, n)[1:]]
+    strip = flatten(sheet("A", np.concatenate(ends), between(0, 1, 1), place), kind[3] in "68")
+    return flat_deck([(strip, (1000.0, 0.3))], kind, contact + step(fix("A_LEFT, 1, 2") + load, 40, is_nlgeom=True))
+
+
+def deepest_overlap(path: Path) -> float:
+    """How far nodes of the free arm lie below the inside of the clamped arm, which is nearly straight where they are."""
+    with h5py.File(path) as file:
+        n = int(file["VTKHDF/NumberOfPoints"][-1])
+        place = np.asarray(file["VTKHDF/Points"])[-n:]
+        now = place + np.asarray(file["VTKHDF/PointData/U"])[-n:]
+    inside = np.flatnonzero((np.abs(place[:, 1] - THICK / 2) < 1e-9) & (place[:, 0] > BEND))
+    inside = inside[np.argsort(now[inside, 0])]
+    free = now[place[:, 1] > 2 * BEND]
+    free = free[free[:, 0] < now[inside[-1], 0]]
+    return float(np.max(np.interp(free[:, 0], now[inside, 0], now[inside, 1]) - free[:, 1]))
+
+
+FOLD = "*BOUNDARY\nA_RIGHT, 1, 1, 0.85\nA_RIGHT, 2, 2, -0.95\n"
+ROLL = "*DSLOAD\nA_TOP, P, 0.1\n"
+
+
+@pytest.mark.parametrize("n", [10, 20])
+def test_fold(run: Run, tmp_path: Path, n: int) -> None:
+    """A strip that is folded by more than its thickness has a pair without a word in the deck; without contact it overlaps."""
+    free = solve(run, tmp_path, bent_strip("", FOLD, n))
+    assert deepest_overlap(free) > 0.1 * THICK
+    path = solve(run, tmp_path, bent_strip(general(), FOLD, n))
+    assert deepest_overlap(path) <= 0.25 * THICK / n, "gaps are closed in the mean over a face: the overlap shrinks with it"
+    with h5py.File(path) as file:
+        assert np.abs(contact_forces(file)[1][-1]).max() > 0
+
+
+def test_roll_beyond_the_reach(run: Run, tmp_path: Path) -> None:
+    """A pressure rolls the strip up farther than general contact looks: a sentence, before the arms overlap."""
+    (tmp_path / "job.inp").write_text(bent_strip(general(), ROLL, 10))
+    done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
+    assert done.returncode == 5
+    assert "of the same body" in done.stdout + done.stderr
+    assert "REACH of 0.07" in done.stdout + done.stderr
+
+
 # Messages
 
 
@@ -213,6 +277,19 @@ def test_wrong_input(run: Run, tmp_path: Path, contact: str, message: str) -> No
     done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
     assert done.returncode == 3
     assert message in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    (("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n"), "Give *CONTACT, TYPE=SURFACE TO SURFACE"),
+    (("NAME=I\n", "NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1000.\n"), "the interaction I is not hard"),
+])  # fmt: skip
+def test_bodies_without_self_contact(run: Run, tmp_path: Path, change: tuple[str, str], message: str) -> None:
+    """General contact by nodes of quadratic elements, or by a law: the job ends where the tube meets itself."""
+    (tmp_path / "job.inp").write_text(tube(24, "CPE8R", general().replace(*change), 8.0))
+    done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
+    assert done.returncode == 5, done.stdout + done.stderr
+    assert "may touch itself, but has no pair" in done.stdout
+    assert message in done.stderr + done.stdout
 
 
 def test_mid_side_nodes(run: Run, tmp_path: Path) -> None:
