@@ -159,7 +159,7 @@ uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
 uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
-uses_self_contact_pairs = kinds text element_kinds surfaces model facets exterior_surface facet_search mortar_segmentation contact_pairs general_contact
+uses_self_contact_pairs = kinds text element_kinds materials surfaces model facets exterior_surface facet_search mortar_segmentation contact_pairs general_contact
 
 # equilibrium
 uses_arc_length = kinds steps model state

@@ -164,7 +164,7 @@ contains
       nodes = [integer ::]
       associate (slave => slaves(s), f => contact%facets(slaves(s)%pair))
         if (slave%facet == 0) return
-        nodes = f%stencil(f%stencil_first(slave%facet):f%stencil_first(slave%facet + 1) - 1)
+        if (allocated(f%stencil)) nodes = f%stencil(f%stencil_first(slave%facet):f%stencil_first(slave%facet + 1) - 1)
         if (is_compliant(contact%laws(slave%pair))) nodes = [nodes, slave%node]
         if (slave%row == 0) return
         own = 0

@@ -2,9 +2,9 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two faces of a body *face each other* if their normals oppose and each is in front of the other, as across a slot. The pair of a
-!! body has the faces that face each other within the way that the nodes can move in the steps, and an edge more. A body *folds* if
-!! that way is as long as the half circle around its thickness, 2 V/A: then all its faces can meet. One pair for each body has these
-!! faces, as slave and as master (amontons_self_contact_visibility).
+!! body has the faces that face each other within the way that the nodes can move in the steps, and an edge more. A body of rubber or
+!! foam, or with REACH any body, *folds* if that way is as long as the half circle around its thickness, 2 V/A: then all its faces
+!! can meet. One pair for each body has these faces, as slave and as master (amontons_self_contact_visibility).
 !!
 !! Faces that met against this estimate are found after each increment; neighbours on the surface and the two sides of the same
 !! material do not count.
@@ -12,6 +12,7 @@ module amontons_self_contact_pairs
   use amontons_kinds, only: DP, PI
   use amontons_text, only: to_text, plural, NEWLINE
   use amontons_model, only: model_type
+  use amontons_materials, only: ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_element_kinds, only: has_midsides
   use amontons_surfaces, only: surface_type, contact_pair_type, is_compliant
   use amontons_facets, only: facets_type
@@ -48,7 +49,8 @@ contains
     do b = 1, exterior%n_bodies
       own = pack([(f, f=1, exterior%n)], exterior%body == b .and. .not. data%is_rigid)
       if (size(own) == 0) cycle
-      if (motion >= FOLD_RATIO * body_thickness(exterior, own)) then
+      if (motion >= FOLD_RATIO * body_thickness(exterior, own) .and. (model%general_contact%reach > 0.0_DP .or. &
+        all(is_rubber(exterior%element(own))))) then
         interaction = [(find_interaction(model%general_contact, data, data%group(own(i)), data%group(own(i)), 0), i=1, size(own))]
       else
         call find_facing_faces(model, exterior, data, own, motion, interaction)
@@ -57,6 +59,17 @@ contains
         call append_self_pair(model, exterior, data, own, interaction, found, text)
       end do
     end do
+
+  contains
+
+    !> Whether the material of an element is rubber or foam.
+    elemental logical function is_rubber(e)
+      integer, intent(in) :: e
+      is_rubber = .false.
+      if (model%mesh%material(e) > 0) is_rubber = any(model%materials(model%mesh%material(e))%elastic_kind == &
+        [ELASTIC_HYPER, ELASTIC_FOAM])
+    end function is_rubber
+
   end subroutine add_self_pairs
 
 

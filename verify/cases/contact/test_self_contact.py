@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import h5py
@@ -211,7 +212,10 @@ def test_slot_without_nlgeom(run: Run, tmp_path: Path) -> None:
 THICK, BEND, ARM = 0.05, 0.1, 0.9  #: of the strip: thickness, radius of the middle line, length of the straight arms
 
 
-def bent_strip(contact: str, load: str, n: int, kind: str = "CPE8R") -> str:
+RUBBER = "*HYPERELASTIC, NEO HOOKE\n192.3, 0.0024"  #: E = 1000, nu = 0.3 at small strain
+
+
+def bent_strip(contact: str, load: str, n: int, kind: str = "CPE8R", is_rubber: bool = False) -> str:
     """A strip bent by a right angle, clamped at one end; BOTTOM is its inside."""
     bend = BEND * np.pi / 2
 
@@ -223,7 +227,8 @@ def bent_strip(contact: str, load: str, n: int, kind: str = "CPE8R") -> str:
 
     ends = [between(0, ARM, n), between(ARM, ARM + bend, n // 2)[1:], between(ARM + bend, 2 * ARM + bend, n)[1:]]
     strip = flatten(sheet("A", np.concatenate(ends), between(0, 1, 1), place), kind[3] in "68")
-    return flat_deck([(strip, (1000.0, 0.3))], kind, contact + step(fix("A_LEFT, 1, 2") + load, 40, is_nlgeom=True))
+    deck = flat_deck([(strip, (1000.0, 0.3))], kind, contact + step(fix("A_LEFT, 1, 2") + load, 40, is_nlgeom=True))
+    return re.sub(r"\*ELASTIC\n[^\n]*", RUBBER, deck) if is_rubber else deck
 
 
 def deepest_overlap(path: Path) -> float:
@@ -243,12 +248,13 @@ FOLD = "*BOUNDARY\nA_RIGHT, 1, 1, 0.85\nA_RIGHT, 2, 2, -0.95\n"
 ROLL = "*DSLOAD\nA_TOP, P, 0.1\n"
 
 
-@pytest.mark.parametrize("n", [10, 20])
-def test_fold(run: Run, tmp_path: Path, n: int) -> None:
-    """A strip that is folded by more than its thickness has a pair without a word in the deck; without contact it overlaps."""
-    free = solve(run, tmp_path, bent_strip("", FOLD, n))
-    assert deepest_overlap(free) > 0.1 * THICK
-    path = solve(run, tmp_path, bent_strip(general(), FOLD, n))
+@pytest.mark.parametrize(("n", "is_rubber"), [(10, True), (20, True), (10, False)])
+def test_fold(run: Run, tmp_path: Path, n: int, is_rubber: bool) -> None:
+    """Rubber that is folded by more than its thickness has a pair without a word in the deck; other strips with REACH."""
+    free = solve(run, tmp_path, bent_strip("", FOLD, n, is_rubber=is_rubber))
+    assert deepest_overlap(free) > 0.1 * THICK, "without contact it overlaps"
+    contact = general() if is_rubber else general().replace("*CONTACT\n", "*CONTACT, REACH=0.1\n")
+    path = solve(run, tmp_path, bent_strip(contact, FOLD, n, is_rubber=is_rubber))
     assert deepest_overlap(path) <= 0.25 * THICK / n, "gaps are closed in the mean over a face: the overlap shrinks with it"
     with h5py.File(path) as file:
         assert np.abs(contact_forces(file)[1][-1]).max() > 0
@@ -261,6 +267,15 @@ def test_roll_beyond_the_reach(run: Run, tmp_path: Path) -> None:
     assert done.returncode == 5
     assert "of the same body" in done.stdout + done.stderr
     assert "REACH of 0.07" in done.stdout + done.stderr
+
+
+def test_analytic_tool_beside_a_slot(run: Run, root: Path, tmp_path: Path) -> None:
+    """An arm that is in a pair with itself and slides on an analytic surface: the snap fit of the manual without a named pair."""
+    deck = (root / "input" / "snap_fit.inp").read_text()
+    rules = "*CONTACT, REACH=20.\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT PROPERTY ASSIGNMENT\n, , DRY\n"
+    by_hand = displacements(solve(run, tmp_path, deck))
+    found = displacements(solve(run, tmp_path, re.sub(r"\*CONTACT PAIR[^\n]*\n[^\n]*\n", rules, deck)))
+    assert np.abs(found - by_hand).max() <= EQUAL * np.abs(by_hand).max()
 
 
 # Messages
