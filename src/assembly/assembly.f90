@@ -646,6 +646,12 @@ contains
     points%temperature(:n) = state%new%temperature(nodes(:n))
     points%initial_temperature(:n) = 0.0_DP
     if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
+    k = model%materials(element_material(model, state%new%step, e))%table_variable * model%mesh%n_nodes
+    if (k > 0) then
+      points%field(:n) = state%new%temperature(k + nodes(:n))
+      points%initial_field(:n) = 0.0_DP
+      if (allocated(model%initial_temperature)) points%initial_field(:n) = model%initial_temperature(k + nodes(:n))
+    end if
     points%time = state%new%total_time
     points%time_increment = state%new%creep_time - state%old%creep_time
     points%has_frame = allocated(state%new%frame)

@@ -20,7 +20,7 @@ contains
       'density, temperature')
     call table%add_dialect_note('A density over the temperature: abaqus that of the temperature at the start, calculix of ' // &
       'the present one.')
-    call reject_field_variables(table)
+    call describe_field_variables(table)
     call describe_expansion(table)
     call describe_inelastic(table)
     call describe_hyperelastic(table)
@@ -31,10 +31,11 @@ contains
 
 
   !> Field variables.
-  subroutine reject_field_variables(table)
+  subroutine describe_field_variables(table)
     type(card_table_type), intent(inout) :: table
-    call table%option('DEPENDENCIES', VALUE_TEXT, 'Properties cannot depend on field variables.', status=ENTRY_REJECTED)
-  end subroutine reject_field_variables
+    call table%option('DEPENDENCIES', VALUE_INTEGER, 'Number of field variables behind the temperature; one column may ' // &
+      'change in a table.', default='0')
+  end subroutine describe_field_variables
 
 
   !> ELASTIC.
@@ -50,7 +51,7 @@ contains
       'ENGINEERING CONSTANTS|LAMINA|ANISO|ANISOTROPIC', default='ISOTROPIC')
     call table%reject_words('TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids and laminae is.')
     call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
-    call reject_field_variables(table)
+    call describe_field_variables(table)
   end subroutine describe_elastic
 
 
@@ -64,7 +65,7 @@ contains
     call table%reject_words('SHORT FIBER', 'Give ORTHO.')
     call table%option('ZERO', VALUE_REAL, 'Temperature at which the coefficients start.', default='0')
     call table%option('USER', VALUE_NONE, 'Give a table.', status=ENTRY_REJECTED)
-    call reject_field_variables(table)
+    call describe_field_variables(table)
   end subroutine describe_expansion
 
 
@@ -83,11 +84,11 @@ contains
     call table%option('NUMBER BACKSTRESSES', VALUE_TEXT, 'The curve is followed piece by piece.', status=ENTRY_IGNORED)
     call table%option('RATE|EXTRAPOLATION|PROPERTIES', VALUE_TEXT, 'Only constant stress beyond the last point.', &
       status=ENTRY_REJECTED)
-    call reject_field_variables(table)
+    call describe_field_variables(table)
     call table%card('CYCLIC HARDENING', SCOPE_MODEL, 'Size of the yield surface of PLASTIC, HARDENING=COMBINED.', &
       parent='MATERIAL', data='yield stress, equivalent plastic strain (the first 0), temperature')
     call table%option('PARAMETERS|USER|PROPERTIES', VALUE_TEXT, 'Give a table.', status=ENTRY_REJECTED)
-    call reject_field_variables(table)
+    call describe_field_variables(table)
     call table%card('DEFORMATION PLASTICITY', SCOPE_MODEL, 'Ramberg and Osgood''s law, in place of ELASTIC: E e = s + ' // &
       'a s (s/s0)^(n-1).', parent='MATERIAL', data='E, nu, s0, n, a, temperature')
     call table%add_dialect_note('It turns NLGEOM on for all steps under calculix, with Almansi''s strain.')
@@ -100,7 +101,7 @@ contains
       'Use TIME, STRAIN or NORTON.')
     call table%option('TIME', VALUE_WORD, 'Time of LAW=TIME.', allowed='TOTAL', default='TOTAL')
     call table%reject_words('CREEP', 'Time counts from the start of the job.')
-    call reject_field_variables(table)
+    call describe_field_variables(table)
   end subroutine describe_inelastic
 
 
@@ -145,13 +146,13 @@ contains
       status=ENTRY_REJECTED)
     call table%option('TEST DATA INPUT|BETA|POISSON|PROPERTIES|TYPE', VALUE_TEXT, 'Give the constants.', &
       status=ENTRY_REJECTED)
-    call reject_field_variables(table)
+    call describe_field_variables(table)
     call table%card('HYPERFOAM', SCOPE_MODEL, 'Compressible foam.', parent='MATERIAL', data= &
       'mu1, alpha1, mu2, alpha2, ..., nu1, nu2, ..., temperature; in lines of eight values')
     call table%option('N', VALUE_INTEGER, 'Order, 1 to 6.', default='1')
     call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
     call table%option('TEST DATA INPUT|POISSON', VALUE_TEXT, 'Give the constants.', status=ENTRY_REJECTED)
-    call reject_field_variables(table)
+    call describe_field_variables(table)
     call table%add_dialect_note('It turns NLGEOM on for all steps under calculix.')
   end subroutine describe_hyperelastic
 
@@ -258,16 +259,17 @@ contains
   !> Initial conditions and temperatures.
   subroutine describe_initial_conditions(table)
     type(card_table_type), intent(inout) :: table
-    call table%card('INITIAL CONDITIONS', SCOPE_MODEL, 'What the bodies start with.', data='TEMPERATURE: node or node ' // &
-      'set, temperature. STRESS, PLASTIC STRAIN: element or element set, in the calculix dialect integration point, ' // &
+    call table%card('INITIAL CONDITIONS', SCOPE_MODEL, 'What the bodies start with.', data='TEMPERATURE, FIELD: node or node ' // &
+      'set, temperature or value. STRESS, PLASTIC STRAIN: element or element set, in the calculix dialect integration point, ' // &
       'six components 11 22 33 12 13 23. HARDENING: element or element set, equivalent plastic strain, six back ' // &
       'stresses. SOLUTION: element or element set, the STATEV of its points, in further lines of eight')
     call table%option('TYPE', VALUE_WORD, 'What is given. DISPLACEMENT, which CalculiX takes too, changes nothing in a static ' // &
-      'step.', allowed='TEMPERATURE|STRESS|PLASTIC STRAIN|HARDENING|SOLUTION|DISPLACEMENT', default='required')
-    call table%reject_words('VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|FIELD|' // &
+      'step.', allowed='TEMPERATURE|FIELD|STRESS|PLASTIC STRAIN|HARDENING|SOLUTION|DISPLACEMENT', default='required')
+    call table%reject_words('VELOCITY|FLUID VELOCITY|PRESSURE|MASS FLOW|TOTAL PRESSURE|' // &
       'RATIO|SATURATION|PORE PRESSURE|SPECIFIC ENERGY|SPUD EMBEDMENT|SPUD PRELOAD|RELATIVE DENSITY|CONCENTRATION|' // &
       'ENRICHMENT|FLUID PRESSURE|ROTATING VELOCITY|NODE REF COORDINATE|REF COORDINATE|REBAR STRESS|POROSITY|' // &
       'INITIAL GAP|ACOUSTIC STATIC PRESSURE', 'A quasi-static job starts at rest and undeformed.')
+    call table%option('VARIABLE', VALUE_INTEGER, 'FIELD: number of the field variable.', default='1')
     call table%option('USER', VALUE_NONE, 'SOLUTION: the routine SDVINI of the user gives the STATEV.')
     call table%option('FILE|INPUT|STEP|INC|GEOSTATIC|SECTION POINTS|UNBALANCED STRESS|MIDSIDE|INTERPOLATE|NUMBER ' // &
       'BACKSTRESSES|DRIVING ELSETS|REBAR', VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
@@ -276,9 +278,23 @@ contains
     call table%option('AMPLITUDE', VALUE_NAME, 'The temperature is the value times the amplitude.')
     call table%option('OP', VALUE_WORD, 'NEW: nodes not given again go back to their initial temperature.', &
       allowed='MOD|NEW', default='MOD')
-    call table%option('USER', VALUE_NONE, 'There are no user subroutines; give the values.', status=ENTRY_REJECTED)
-    call table%option('FILE|BSTEP|BINC|ESTEP|EINC|INPUT|MIDSIDE|INTERPOLATE|SUBMODEL|STEP|DATA SET|TIME DELAY', &
-      VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
+    call reject_fields_of_files(table)
+    call table%card('FIELD', SCOPE_STEP, 'Prescribes a field variable at nodes, on which material properties depend ' // &
+      '(DEPENDENCIES); it goes to its values over the step.', data='node or node set, value')
+    call table%option('VARIABLE', VALUE_INTEGER, 'Number of the field variable.', default='1')
+    call table%option('AMPLITUDE', VALUE_NAME, 'The field variable is the value times the amplitude.')
+    call table%option('OP', VALUE_WORD, 'NEW: nodes not given again go back to their initial value.', &
+      allowed='MOD|NEW', default='MOD')
+    call reject_fields_of_files(table)
   end subroutine describe_initial_conditions
+
+
+  !> Temperatures and field variables by a routine, or from files.
+  subroutine reject_fields_of_files(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('USER', VALUE_NONE, 'Give the values.', status=ENTRY_REJECTED)
+    call table%option('FILE|BSTEP|BINC|ESTEP|EINC|INPUT|MIDSIDE|INTERPOLATE|SUBMODEL|STEP|DATA SET|TIME DELAY|OUTPUT VARIABLE', &
+      VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
+  end subroutine reject_fields_of_files
 
 end module amontons_card_materials

@@ -796,7 +796,7 @@ contains
       'Of the user subroutines there are UMAT, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
-    call table%cards_with(ENTRY_REJECTED, 'FIELD|PRESSURE STRESS|MASS FLOW RATE', &
+    call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', &
       'Give *INITIAL CONDITIONS and *TEMPERATURE.')
     call table%cards_with(ENTRY_REJECTED, 'SYSTEM', 'Give the coordinates of nodes in the global axes; *NODE, SYSTEM=C or S ' // &
       'takes cylindrical and spherical ones.')

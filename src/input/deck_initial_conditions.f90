@@ -1,4 +1,4 @@
-!> ORIENTATION, INITIAL CONDITIONS and TEMPERATURE over the steps.
+!> ORIENTATION, INITIAL CONDITIONS, and TEMPERATURE and FIELD over the steps.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
@@ -13,7 +13,7 @@ module amontons_deck_initial_conditions
     HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC
   use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
   use amontons_structural_data, only: n_section_layers
-  use amontons_text, only: to_text, name_key, NUMBER_OK, NUMBER_EMPTY
+  use amontons_text, only: to_text, name_key, parse_integer, NUMBER_OK, NUMBER_EMPTY
   implicit none
   private
   public :: read_orientations, read_initial_conditions
@@ -310,7 +310,8 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: what
-    integer :: c
+    integer :: c, variable
+    if (any(model%materials%table_variable > 0)) allocate (model%initial_temperature(n_predefined(model)), source=0.0_DP)
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'INITIALCONDITIONS')) cycle
       call open_card(reader, c, parameters, row)
@@ -319,7 +320,9 @@ contains
         'Initial displacements have no effect in a ' // &
         'static step: the loads and supports of the first increment decide where it ends, as in CalculiX.')
       if (what == 'TEMPERATURE' .and. .not. allocated(model%initial_temperature)) &
-        allocate (model%initial_temperature(model%mesh%n_nodes), source=0.0_DP)
+        allocate (model%initial_temperature(n_predefined(model)), source=0.0_DP)
+      variable = 0
+      if (what == 'FIELD') call read_variable(reader, c, parameters, model, variable)
       if (what == 'STRESS' .and. .not. allocated(model%initial_stress)) &
         allocate (model%initial_stress(6, model%mesh%n_points), source=0.0_DP)
       if ((what == 'PLASTICSTRAIN' .or. what == 'HARDENING') .and. .not. allocated(model%initial_history)) &
@@ -332,8 +335,8 @@ contains
       end if
       do while (next_row(reader%cards, row))
         select case (what)
-        case ('TEMPERATURE')
-          call read_initial_temperature(reader, row, model)
+        case ('TEMPERATURE', 'FIELD')
+          if (variable >= 0) call read_initial_temperature(reader, row, variable, model)
         case ('STRESS', 'PLASTICSTRAIN', 'HARDENING')
           call read_initial_points(reader, row, what, model)
         end select
@@ -387,17 +390,45 @@ contains
   end subroutine read_initial_variables
 
 
+  !> The number of temperatures and of values of field variables at the nodes, as far as tables are over them.
+  pure integer function n_predefined(model)
+    type(model_type), intent(in) :: model
+    n_predefined = model%mesh%n_nodes * (1 + maxval([0, model%materials%table_variable]))
+  end function n_predefined
+
+
+  !> The number of a field variable; -1: no table is over it, so that its values have no effect.
+  subroutine read_variable(reader, c, parameters, model, variable)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(model_type), intent(in) :: model
+    integer, intent(out) :: variable
+    integer :: status
+    call parse_integer(parameter_word(parameters, 'VARIABLE', '1'), variable, status)
+    if (status /= NUMBER_OK .or. variable < 1) then
+      call report_error(reader, reader%cards%cards(c)%line, 'VARIABLE must be the number of a field variable: 1, 2, ...')
+      variable = -1
+    else if (all(model%materials%table_variable /= variable)) then
+      call report_note(reader, reader%cards%cards(c)%line, 'No property of a material depends on field variable ' // &
+        to_text(variable) // '; its values have no effect.')
+      variable = -1
+    end if
+  end subroutine read_variable
+
+
   !> Row: node or node set, temperature; gradients of shells may follow and are ignored.
-  subroutine read_initial_temperature(reader, row, model)
+  subroutine read_initial_temperature(reader, row, variable, model)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
+    integer, intent(in) :: variable              !< field variable, or 0: the temperature
     type(model_type), intent(inout) :: model
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: values(:)
     logical :: is_ok
     is_ok = .true.
     call read_node_temperatures(reader, row, model, nodes, values, is_ok)
-    if (is_ok) model%initial_temperature(nodes) = values
+    if (is_ok) model%initial_temperature(variable * model%mesh%n_nodes + nodes) = values
   end subroutine read_initial_temperature
 
 
@@ -475,9 +506,9 @@ contains
   subroutine init_temperatures(model, thermal)
     type(model_type), intent(in) :: model
     type(active_temperatures_type), intent(out) :: thermal
-    allocate (thermal%before(model%mesh%n_nodes), source=0.0_DP)
+    allocate (thermal%before(n_predefined(model)), source=0.0_DP)
     if (allocated(model%initial_temperature)) thermal%before = model%initial_temperature
-    allocate (thermal%at(model%mesh%n_nodes), source=0)
+    allocate (thermal%at(n_predefined(model)), source=0)
     allocate (thermal%loads(0))
   end subroutine init_temperatures
 
@@ -522,7 +553,7 @@ contains
   end subroutine truncate_temperatures
 
 
-  !> TEMPERATURE in the current step.
+  !> TEMPERATURE or FIELD in the current step.
   subroutine read_temperature(reader, model, c, thermal)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -533,12 +564,16 @@ contains
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: values(:)
     real(DP) :: value
-    integer :: amplitude, i
+    integer :: amplitude, i, variable, first
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     call find_amplitude(reader, c, parameters, amplitude)
+    variable = 0
+    if (is_card(reader, c, 'FIELD')) call read_variable(reader, c, parameters, model, variable)
+    if (variable < 0) return
+    first = variable * model%mesh%n_nodes
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
-      do i = 1, model%mesh%n_nodes
+      do i = first + 1, first + model%mesh%n_nodes
         value = 0
         if (allocated(model%initial_temperature)) value = model%initial_temperature(i)
         if (abs(value - thermal%before(i)) > 0 .or. thermal%at(i) > 0) call set_temperature(i, value, 0, thermal)
@@ -549,7 +584,7 @@ contains
       call read_node_temperatures(reader, row, model, nodes, values, is_ok)
       if (.not. is_ok) cycle
       do i = 1, size(nodes)
-        call set_temperature(nodes(i), values(i), amplitude, thermal)
+        call set_temperature(first + nodes(i), values(i), amplitude, thermal)
       end do
     end do
   end subroutine read_temperature

@@ -153,6 +153,7 @@ contains
       'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
     if (material%is_user .and. len(material%name) > USER_NAME_LENGTH) call report_error(reader, line, who // 'has a name of ' // &
       'more than ' // to_text(USER_NAME_LENGTH) // ' letters, which UMAT cannot be given.')
+    call find_table_variable(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
     is_rubber = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
     if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (is_rubber .or. material%has_deformation_plasticity)) &
@@ -167,6 +168,44 @@ contains
         'is rubber or foam with anisotropic expansion, which is not supported.')
     end if
   end subroutine check_material
+
+
+  !> What the tables of a material are over: the temperature or one field variable.
+  subroutine find_table_variable(reader, line, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the MATERIAL card
+    type(material_type), intent(inout) :: material
+    integer, allocatable :: variables(:)
+    allocate (variables(0))
+    call add_table(material%elastic)
+    call add_table(material%expansion)
+    call add_table(material%deformation_plasticity)
+    call add_table(material%creep)
+    if (allocated(material%isotropic_hardening)) call add_curves(material%isotropic_hardening)
+    if (allocated(material%kinematic_hardening)) call add_curves(material%kinematic_hardening)
+    if (material%density_table%variable > 0) call report_error(reader, line, 'The material ''' // material%name // &
+      ''' has a density over a field variable; it may depend on the temperature alone.')
+    if (size(variables) == 0) return
+    material%table_variable = variables(1)
+    if (any(variables /= variables(1))) call report_error(reader, line, 'The material ''' // material%name // &
+      ''' has tables over the temperature and over field variables, or over different ones; all must be over the same.')
+
+  contains
+
+    !> Adds what a table of several records is over.
+    subroutine add_table(table)
+      type(property_table_type), intent(in) :: table
+      if (.not. allocated(table%temperature)) return
+      if (size(table%temperature) > 1) variables = [variables, table%variable]
+    end subroutine add_table
+
+    !> The same of hardening curves.
+    subroutine add_curves(curves)
+      type(hardening_curve_type), intent(in) :: curves(:)
+      if (size(curves) > 1) variables = [variables, curves(2)%variable]
+    end subroutine add_curves
+
+  end subroutine find_table_variable
 
 
   !> USER MATERIAL: the PROPS of UMAT.
@@ -243,7 +282,8 @@ contains
   end subroutine finalize_materials
 
 
-  !> Values over the temperature: a record is the values and a temperature, in lines of eight.
+  !> Values over the temperature or a field variable: a record is the values, a temperature and DEPENDENCIES field variables, in
+  !! lines of eight.
   subroutine read_table(reader, c, n, table, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -252,21 +292,23 @@ contains
     logical, intent(out) :: is_ok
     type(parameter_type), allocatable :: parameters(:)
     type(data_row_type) :: row
-    real(DP) :: record(n + 1)
-    integer :: i, k
+    real(DP), allocatable :: record(:), before(:)
+    integer :: i, k, m
     allocate (table%temperature(0), table%value(n, 0))
     is_ok = .true.
     call open_card(reader, c, parameters, row)
+    m = n + 1 + n_dependencies(reader, c, parameters)
+    allocate (record(m))
     do while (next_row(reader%cards, row))
       i = 0
       do
-        call check_n_fields(reader, row, min(VALUES_PER_LINE, n + 1 - i))
-        do k = 1, min(VALUES_PER_LINE, n + 1 - i)
+        call check_n_fields(reader, row, min(VALUES_PER_LINE, m - i))
+        do k = 1, min(VALUES_PER_LINE, m - i)
           call read_real(reader, row, k, trim(merge('temperature', 'constant   ', i + k > n)), record(i + k), is_ok, &
             0.0_DP)
         end do
-        i = i + min(VALUES_PER_LINE, n + 1 - i)
-        if (i > n) exit
+        i = i + min(VALUES_PER_LINE, m - i)
+        if (i == m .or. (i > n .and. m == n + 1)) exit
         if (next_row(reader%cards, row)) cycle
         record(i + 1:) = 0
         if (i < n) call report_error(reader, row%line, 'Of ' // to_text(n) // ' constants only ' // to_text(i) // &
@@ -274,7 +316,9 @@ contains
         if (i < n) is_ok = .false.
         exit
       end do
-      if (is_ok) call add_record(reader, row%line, record, table, is_ok)
+      if (.not. allocated(before)) before = record(n + 1:)
+      if (is_ok) call add_record(reader, row%line, record, before, table, is_ok)
+      before = record(n + 1:)
       if (.not. is_ok) exit
     end do
     if (size(table%temperature) == 0 .and. is_ok) then
@@ -286,25 +330,64 @@ contains
   end subroutine read_table
 
 
-  !> Adds a record to a table; the temperatures ascend.
-  subroutine add_record(reader, line, record, table, is_ok)
+  !> The number of field variables behind the temperature in the data of a card.
+  integer function n_dependencies(reader, c, parameters) result(n)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    integer :: status
+    n = 0
+    if (.not. has_parameter(parameters, 'DEPENDENCIES')) return
+    call parse_integer(parameter_text(parameters, 'DEPENDENCIES'), n, status)
+    if (status == NUMBER_OK .and. n >= 1) return
+    n = 0
+    call report_error(reader, reader%cards%cards(c)%line, 'DEPENDENCIES must be the number of field variables: 1, 2, ...')
+  end function n_dependencies
+
+
+  !> Finds what a table is over, from the arguments (temperature and field variables) of a record and of the one before it: the one
+  !! that changes, 0 the temperature, k field variable k. Several that change in one table are reported.
+  subroutine find_variable(reader, line, before, now, is_first, variable, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
-    real(DP), intent(in) :: record(:)            !< values, temperature
+    real(DP), intent(in) :: before(:), now(:)
+    logical, intent(in) :: is_first              !< it is the second record: the variable is not known yet
+    integer, intent(inout) :: variable
+    logical, intent(inout) :: is_ok
+    integer :: found
+    if (.not. any(abs(now - before) > 0)) return
+    found = findloc(abs(now - before) > 0, .true., dim=1) - 1
+    if (is_first) variable = found
+    if (count(abs(now - before) > 0) == 1 .and. found == variable) return
+    call report_error(reader, line, 'The properties of a material may depend on the temperature or on one field variable, not on ' &
+      // 'several of them: one column of the table may change.')
+    is_ok = .false.
+  end subroutine find_variable
+
+
+  !> Adds a record to a table; the temperatures or values of the field variable ascend.
+  subroutine add_record(reader, line, record, before, table, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    real(DP), intent(in) :: record(:)            !< values, temperature, field variables
+    real(DP), intent(in) :: before(:)            !< temperature and field variables of the record before
     type(property_table_type), intent(inout) :: table
     logical, intent(inout) :: is_ok
     integer :: n, m
-    n = size(record) - 1
+    n = size(table%value, 1)
     m = size(table%temperature)
     if (m > 0) then
-      if (record(n + 1) <= table%temperature(m)) then
+      call find_variable(reader, line, before, record(n + 1:), m == 1, table%variable, is_ok)
+      if (.not. is_ok) return
+      if (m == 1) table%temperature(1) = before(1 + table%variable)
+      if (record(n + 1 + table%variable) <= table%temperature(m)) then
         call report_error(reader, line, 'The temperatures of a property must ascend; the last value of each record is ' // &
-          'its temperature.')
+          'its temperature, or with DEPENDENCIES its field variable.')
         is_ok = .false.
         return
       end if
     end if
-    table%temperature = [table%temperature, record(n + 1)]
+    table%temperature = [table%temperature, record(n + 1 + table%variable)]
     table%value = reshape([table%value, record(:n)], [n, m + 1])
   end subroutine add_record
 
@@ -505,21 +588,34 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(hardening_curve_type) :: curve
-    real(DP) :: values(3)
-    integer :: i
+    real(DP) :: values(2)
+    real(DP), allocatable :: arguments(:), before(:)
+    integer :: i, n
     logical :: is_ok
     if (allocated(curves)) deallocate (curves)
     allocate (curves(0), curve%strain(0), curve%stress(0))
     is_ok = .true.
     call open_card(reader, c, parameters, row)
+    n = n_dependencies(reader, c, parameters)
+    allocate (arguments(1 + n))
     do while (next_row(reader%cards, row))
-      call check_n_fields(reader, row, 3)
+      call check_n_fields(reader, row, 3 + n)
       call read_real(reader, row, 1, 'yield stress', values(1), is_ok)
       call read_real(reader, row, 2, 'plastic strain', values(2), is_ok, 0.0_DP)
-      call read_real(reader, row, 3, 'temperature', values(3), is_ok, 0.0_DP)
+      do i = 1, 1 + n
+        call read_real(reader, row, 2 + i, 'temperature', arguments(i), is_ok, 0.0_DP)
+      end do
       if (.not. is_ok) return
-      if (size(curve%strain) > 0 .and. abs(values(3) - curve%temperature) > 0) call close_curve()
-      curve%temperature = values(3)
+      if (size(curve%strain) > 0) then
+        if (any(abs(arguments - before) > 0)) then
+          call find_variable(reader, row%line, before, arguments, size(curves) == 0, curve%variable, is_ok)
+          if (.not. is_ok) return
+          curve%temperature = before(1 + curve%variable)
+          call close_curve()
+        end if
+      end if
+      before = arguments
+      curve%temperature = arguments(1 + curve%variable)
       curve%stress = [curve%stress, values(1)]
       curve%strain = [curve%strain, values(2)]
     end do
@@ -629,6 +725,7 @@ contains
     if (.not. is_ok) return
     k = maxval(place)
     material%elastic%temperature = given%temperature
+    material%elastic%variable = given%variable
     allocate (material%elastic%value(k, size(given%temperature)), source=0.0_DP)
     material%elastic%value(place, :) = given%value
     do i = 1, size(given%temperature)

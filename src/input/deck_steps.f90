@@ -285,7 +285,7 @@ contains
       case ('CLOAD')
         call read_cload(reader, model, c, progress%active_loads)
         call note_follower(reader, c, progress%follower_line)
-      case ('TEMPERATURE')
+      case ('TEMPERATURE', 'FIELD')
         call read_temperature(reader, model, c, progress%thermal)
       case ('DLOAD', 'DSLOAD')
         call read_dload(reader, model, c, progress%active_loads)

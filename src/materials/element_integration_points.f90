@@ -32,6 +32,8 @@ module amontons_element_integration_points
     real(DP) :: history_old(MAX_HISTORY, MAX_ELEMENT_POINTS)      !< committed history
     real(DP) :: temperature(MAX_ELEMENT_NODES)             !< of the nodes, at the end of the increment [temperature]
     real(DP) :: initial_temperature(MAX_ELEMENT_NODES)     !< of the nodes [temperature]
+    real(DP) :: field(MAX_ELEMENT_NODES)           !< of the nodes: field variable that the tables are over
+    real(DP) :: initial_field(MAX_ELEMENT_NODES)   !< the same at the start
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< [time]
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
@@ -63,6 +65,10 @@ contains
     point%time_increment = points%time_increment
     point%temperature = dot_product(weight, points%temperature(:size(weight)))
     point%initial_temperature = dot_product(weight, points%initial_temperature(:size(weight)))
+    if (material%table_variable > 0) then
+      point%field = dot_product(weight, points%field(:size(weight)))
+      point%initial_field = dot_product(weight, points%initial_field(:size(weight)))
+    end if
     point%history_old = points%history_old(:, p)
     if (.not. allocated(points%user)) return
     if (p <= size(points%user)) point%user = points%user(p)

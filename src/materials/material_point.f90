@@ -44,6 +44,8 @@ module amontons_material_point
     real(DP) :: frame(3, 3)                        !< local axes of the material in its columns
     real(DP) :: temperature                        !< at the end of the increment [temperature]
     real(DP) :: initial_temperature                !< [temperature]
+    real(DP) :: field = 0                          !< field variable that the tables of the material are over
+    real(DP) :: initial_field = 0                  !< the same at the start
     real(DP) :: time                               !< at the end of the increment, for time-dependent laws [time]
     real(DP) :: time_increment                     !< [time]
     real(DP) :: history_old(MAX_HISTORY)                  !< committed history
@@ -146,6 +148,15 @@ contains
   end subroutine evaluate_user_law
 
 
+  !> What the tables of a material are over, at a point: the temperature or a field variable.
+  pure real(DP) function table_argument(material, point) result(argument)
+    type(material_type), intent(in) :: material
+    type(material_point_type), intent(in) :: point
+    argument = point%temperature
+    if (material%table_variable > 0) argument = point%field
+  end function table_argument
+
+
   !> The constants at the temperature of a point, in the global axes.
   pure subroutine evaluate_moduli(material, point, moduli)
     type(material_type), intent(in) :: material
@@ -155,10 +166,10 @@ contains
     real(DP) :: Q(6, 6)
     associate (constants => moduli%constants)
       constants(:2) = [material%youngs_modulus, material%poissons_ratio]
-      if (allocated(material%elastic%value)) call evaluate_table(material%elastic, point%temperature, &
+      if (allocated(material%elastic%value)) call evaluate_table(material%elastic, table_argument(material, point), &
         constants(:size(material%elastic%value, 1)))
-      if (material%has_deformation_plasticity) call evaluate_table(material%deformation_plasticity, point%temperature, &
-        constants(:5))
+      if (material%has_deformation_plasticity) call evaluate_table(material%deformation_plasticity, &
+        table_argument(material, point), constants(:5))
       select case (material%elastic_kind)
       case (ELASTIC_ISOTROPIC)
         moduli%G = constants(1) / (2 * (1 + constants(2)))
@@ -221,9 +232,10 @@ contains
 
 
   !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
-  pure function evaluate_thermal_strain(material, temperature, initial_temperature, frame, is_nlgeom) result(strain)
+  pure function evaluate_thermal_strain(material, temperature, field, frame, is_nlgeom) result(strain)
     type(material_type), intent(in) :: material
-    real(DP), intent(in) :: temperature, initial_temperature   !< [temperature]
+    real(DP), intent(in) :: temperature(2)         !< at the start and now [temperature]
+    real(DP), intent(in) :: field(2)               !< field variable that the tables are over, at the start and now
     real(DP), intent(in) :: frame(3, 3)            !< local axes of the material in its columns
     logical, intent(in) :: is_nlgeom               !< Green's strain of it, if that is the strain of the law
     real(DP) :: strain(6)                          !< tensor components in the global axes, xx yy zz xy yz xz [-]
@@ -231,8 +243,10 @@ contains
     type(moduli_type) :: moduli
     strain = 0
     if (.not. allocated(material%expansion%value)) return
-    point%temperature = temperature
-    point%initial_temperature = initial_temperature
+    point%temperature = temperature(2)
+    point%initial_temperature = temperature(1)
+    point%field = field(2)
+    point%initial_field = field(1)
     point%frame = frame
     call set_thermal_strain(material, point, moduli)
     strain = moduli%thermal
@@ -250,8 +264,9 @@ contains
     now = 0
     start = 0
     n = size(material%expansion%value, 1)
-    call evaluate_table(material%expansion, point%temperature, now(:n))
-    call evaluate_table(material%expansion, point%initial_temperature, start(:n))
+    call evaluate_table(material%expansion, table_argument(material, point), now(:n))
+    call evaluate_table(material%expansion, merge(point%initial_field, point%initial_temperature, material%table_variable > 0), &
+      start(:n))
     now = now * (point%temperature - material%expansion_reference) &
       - start * (point%initial_temperature - material%expansion_reference)
     moduli%is_thermal_isotropic = n == 1
@@ -306,7 +321,8 @@ contains
     integer :: i, return_status
     N = point%stress - (sum(point%stress(:3)) / 3) * VOIGT_IDENTITY - point%history_old(HISTORY_BACK:HISTORY_BACK + 5)
     q = von_mises(N)
-    call map_radial_return(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%history_old, &
+    call map_radial_return(material, moduli%G, q, table_argument(material, point), [point%time, point%time_increment], &
+      point%history_old, &
       response, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK .or. .not. response%plastic + response%creep > 0) return
@@ -336,8 +352,8 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     type(anisotropic_return_type) :: response
     integer :: return_status
-    call map_anisotropic_return(material, moduli%C, elastic, point%temperature, point%history_old(HISTORY_PEEQ), response, &
-      return_status)
+    call map_anisotropic_return(material, moduli%C, elastic, table_argument(material, point), point%history_old(HISTORY_PEEQ), &
+      response, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     point%stress = response%stress
     point%tangent = response%tangent
@@ -550,7 +566,8 @@ contains
     flow = 0
     N = response%tau - sum(response%tau) / 3
     q = SQRT_3_2 * norm2(N)
-    call map_radial_return(material, moduli%G, q, point%temperature, [point%time, point%time_increment], point%history_old, &
+    call map_radial_return(material, moduli%G, q, table_argument(material, point), [point%time, point%time_increment], &
+      point%history_old, &
       back, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
@@ -679,7 +696,7 @@ contains
     N = J**(-2 / 3.0_DP) * (x%x - sum(x%x) / 3)
     q = SQRT_3_2 * moduli%G * norm2(N)
     modulus = moduli%G * J**(-2 / 3.0_DP) * (3 + sum(b%x)) / 3
-    call map_radial_return(material, modulus / J, q / J, point%temperature, [point%time, point%time_increment], &
+    call map_radial_return(material, modulus / J, q / J, table_argument(material, point), [point%time, point%time_increment], &
       point%history_old, back, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK) return
@@ -792,7 +809,7 @@ contains
   !> The elastic strain of a stress: initial stresses enter the inelastic strain with the opposite sign of this strain.
   pure function elastic_strain_from_stress(material, temperature, frame, stress) result(strain)
     type(material_type), intent(in) :: material
-    real(DP), intent(in) :: temperature            !< [temperature]
+    real(DP), intent(in) :: temperature            !< or the field variable that the tables are over [temperature]
     real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
     real(DP), intent(in) :: stress(6)              !< [stress]
     real(DP) :: strain(6)                          !< tensor components [-]
@@ -803,6 +820,8 @@ contains
     point%frame = frame
     point%temperature = temperature
     point%initial_temperature = temperature
+    point%field = temperature
+    point%initial_field = temperature
     call evaluate_moduli(material, point, moduli)
     C = moduli%C
     if (moduli%is_isotropic) C = isotropic_tangent(moduli%lambda, moduli%G)

@@ -121,6 +121,8 @@ contains
       point%history_old = 0
       point%temperature = sum(points%temperature(:n)) / real(n, DP)
       point%initial_temperature = point%temperature     ! no thermal strain
+      if (material%table_variable > 0) point%field = sum(points%field(:n)) / real(n, DP)
+      point%initial_field = point%field
     end if
     point%H = 0
     call solve_zero_stress(condition, material, is_nlgeom, point, status)

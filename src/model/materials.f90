@@ -52,15 +52,17 @@ module amontons_materials
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 
-  !> Values over the temperature, interpolated linearly, constant outside.
+  !> Values over the temperature or a field variable, interpolated linearly, constant outside.
   type :: property_table_type
-    real(DP), allocatable :: temperature(:)     !< (n) ascending [temperature]
+    integer :: variable = 0                     !< what it is over: 0 the temperature, k field variable k
+    real(DP), allocatable :: temperature(:)     !< (n) ascending, or values of the field variable [temperature]
     real(DP), allocatable :: value(:, :)        !< (n_values, n)
   end type property_table_type
 
   !> Stress over the equivalent plastic strain at one temperature, interpolated linearly, constant outside.
   type :: hardening_curve_type
-    real(DP) :: temperature = 0                 !< [temperature]
+    integer :: variable = 0                     !< what the curves of the material are over: 0 the temperature, k field variable k
+    real(DP) :: temperature = 0                 !< or value of the field variable [temperature]
     real(DP), allocatable :: strain(:)          !< (n) ascending, the first 0 [-]
     real(DP), allocatable :: stress(:)          !< (n) yield stress [stress]
   end type hardening_curve_type
@@ -95,6 +97,7 @@ module amontons_materials
   type :: material_type
     character(:), allocatable :: name
     integer :: law = LAW_HENCKY                 !< law at finite strain, chosen by the dialect
+    integer :: table_variable = 0               !< what its tables are over: 0 the temperature, k field variable k
     logical :: is_lamina = .false.               !< LAMINA: of shells only
     logical :: is_linear_isotropic = .true.                !< only E and nu: no table, temperature, axes or history
     logical :: has_elastic = .false.

@@ -64,7 +64,8 @@ module amontons_model
     type(general_contact_type), allocatable :: general_contact   !< *CONTACT; converted to pairs before the start
     type(amplitude_type), allocatable :: amplitudes(:)
     type(equation_type), allocatable :: equations(:)
-    real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS; unallocated: 0 [temperature]
+    real(DP), allocatable :: initial_temperature(:)   !< (n_nodes) of INITIAL CONDITIONS, then field variable 1 of all nodes, ...;
+                                                      !! unallocated: 0 [temperature]
     real(DP), allocatable :: initial_history(:, :)    !< (HISTORY_..., n_points) of INITIAL CONDITIONS; unallocated: 0
     real(DP), allocatable :: initial_stress(:, :)     !< (6, n_points) of INITIAL CONDITIONS; unallocated: 0 [stress]
     type(orientation_type), allocatable :: orientations(:)

@@ -382,7 +382,7 @@ contains
       case (FRD_FORC)
         values = in_transform(model, printed_forces(model, fields, is_field=.true.), is_local)
       case (FRD_NDTEMP)
-        values(1, :) = fields%temperature
+        values(1, :) = fields%temperature(:model%mesh%n_nodes)
       case (FRD_STRESS)
         call average_tensors(rotate_truss_tensors(model, fields, is_nlgeom, fields%stress))
       case (FRD_TOSTRAIN)

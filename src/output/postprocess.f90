@@ -310,9 +310,9 @@ contains
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields        !< committed
     real(DP) :: strain(6, model%mesh%n_points)     !< tensor components, xx yy zz xy yz xz [-]
-    real(DP) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), frame(3, 3), now, start
+    real(DP) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), frame(3, 3), temperature(2), field(2)
     logical :: is_nlgeom
-    integer :: e, p, i, n, nodes(MAX_ELEMENT_NODES)
+    integer :: e, p, i, k, n, nodes(MAX_ELEMENT_NODES)
     is_nlgeom = model%steps(max(1, fields%step))%is_nlgeom
     strain = fields%strain
     do e = 1, model%mesh%n_elements
@@ -322,12 +322,16 @@ contains
         call set_temperature_weights(model%mesh%kind(e), weight)
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           i = p - model%mesh%point_first(e) + 1
-          now = dot_product(weight(:n, i), fields%temperature(nodes(:n)))
-          start = 0
-          if (allocated(model%initial_temperature)) start = dot_product(weight(:n, i), model%initial_temperature(nodes(:n)))
+          k = model%materials(m)%table_variable * model%mesh%n_nodes
+          temperature = [0.0_DP, dot_product(weight(:n, i), fields%temperature(nodes(:n)))]
+          field = [0.0_DP, dot_product(weight(:n, i), fields%temperature(k + nodes(:n)))]
+          if (allocated(model%initial_temperature)) then
+            temperature(1) = dot_product(weight(:n, i), model%initial_temperature(nodes(:n)))
+            field(1) = dot_product(weight(:n, i), model%initial_temperature(k + nodes(:n)))
+          end if
           frame = IDENTITY
           if (allocated(fields%frame)) frame = fields%frame(:, :, p)
-          strain(:, p) = strain(:, p) - evaluate_thermal_strain(model%materials(m), now, start, frame, is_nlgeom)
+          strain(:, p) = strain(:, p) - evaluate_thermal_strain(model%materials(m), temperature, field, frame, is_nlgeom)
         end do
       end associate
     end do

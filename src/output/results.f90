@@ -540,7 +540,7 @@ contains
     !$omp end parallel do
     if (size(fields%history, 1) > 0) call average_at_nodes(mesh, is_absent, &
       reshape(history_variable(fields, HISTORY_PEEQ), [1, mesh%n_points]), reals(peeq(1):peeq(2), :))
-    reals(nt(1), :) = fields%temperature
+    reals(nt(1), :) = fields%temperature(:size(reals, 2))
   end subroutine pack_solid
 
 

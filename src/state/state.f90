@@ -76,7 +76,7 @@ module amontons_state
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 without history
     real(DP), allocatable :: modes(:, :)    !< (9, n_elements) amplitudes of the incompatible modes without the mean deformation,
                                             !< of laws with history; (9, 0): none [length]
-    real(DP), allocatable :: temperature(:) !< (n_nodes) [temperature]
+    real(DP), allocatable :: temperature(:) !< (n_nodes) of the nodes, then field variable 1 of all nodes, ... [temperature]
     real(DP) :: creep_time = 0              !< time spent in creep steps [time]
     real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not allocated: global
     real(DP), allocatable :: birth_displacement(:, :)  !< (3, nodes of all elements) displacement of an element's node at its
@@ -218,7 +218,8 @@ contains
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
       call element_nodes(model%mesh, e, n, nodes)
-      temperature = sum(fields%temperature(nodes(:n))) / real(n, DP)
+      temperature = sum(fields%temperature(model%materials(model%mesh%material(e))%table_variable * model%mesh%n_nodes &
+        + nodes(:n))) / real(n, DP)
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         if (allocated(fields%frame)) frame = fields%frame(:, :, p)
         if (model%materials(model%mesh%material(e))%is_user) then
