@@ -2,9 +2,9 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two faces of a body *face each other* if their normals oppose and each is in front of the other, as across a slot. The pair of a
-!! body has the faces that face each other within the way that the nodes can move in the steps, and an edge more. A body of rubber or
-!! foam, or with REACH any body, *folds* if that way is as long as the half circle around its thickness, 2 V/A: then all its faces
-!! can meet. One pair for each body has these faces, as slave and as master (amontons_self_contact_visibility).
+!! body has the faces that face each other within the way that the nodes can move in the steps, and an edge more. A body of rubber
+!! or foam, or with REACH any body, *folds* if that way is as long as the half circle around its thickness, 2 V/A: then all its
+!! faces can meet. One pair for each body has these faces, as slave and as master (amontons_self_contact_visibility).
 !!
 !! Faces that met against this estimate are found after each increment; neighbours on the surface and the two sides of the same
 !! material do not count.

@@ -270,12 +270,17 @@ def test_roll_beyond_the_reach(run: Run, tmp_path: Path) -> None:
 
 
 def test_analytic_tool_beside_a_slot(run: Run, root: Path, tmp_path: Path) -> None:
-    """An arm that is in a pair with itself and slides on an analytic surface: the snap fit of the manual without a named pair."""
+    """The snap fit of the manual without a named pair: as with it. With a pair with itself the analytic tool must have its type."""
     deck = (root / "input" / "snap_fit.inp").read_text()
-    rules = "*CONTACT, REACH=20.\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT PROPERTY ASSIGNMENT\n, , DRY\n"
+    rules = "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT PROPERTY ASSIGNMENT\n, , DRY\n"
     by_hand = displacements(solve(run, tmp_path, deck))
-    found = displacements(solve(run, tmp_path, re.sub(r"\*CONTACT PAIR[^\n]*\n[^\n]*\n", rules, deck)))
+    deck = re.sub(r"\*CONTACT PAIR[^\n]*\n[^\n]*\n", rules, deck)
+    found = displacements(solve(run, tmp_path, deck))
     assert np.abs(found - by_hand).max() <= EQUAL * np.abs(by_hand).max()
+    (tmp_path / "job.inp").write_text(deck.replace("*CONTACT\n", "*CONTACT, REACH=20.\n"))
+    done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
+    assert done.returncode == 4
+    assert "Give both the same TYPE" in done.stdout + done.stderr
 
 
 # Messages
@@ -303,7 +308,6 @@ def test_bodies_without_self_contact(run: Run, tmp_path: Path, change: tuple[str
     (tmp_path / "job.inp").write_text(tube(24, "CPE8R", general().replace(*change), 8.0))
     done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
     assert done.returncode == 5, done.stdout + done.stderr
-    assert "may touch itself, but has no pair" in done.stdout
     assert message in done.stderr + done.stdout
 
 

@@ -123,7 +123,7 @@ def test_wrong_tables(run: Run, tmp_path: Path, material: str, message: str) -> 
 
 
 def test_field_without_effect(run: Run, tmp_path: Path) -> None:
-    """A field on which nothing depends is passed over with a note; a number that is none is an error."""
+    """A field on which nothing depends is passed over with a note; an invalid number is an error."""
     (tmp_path / "job.inp").write_text(bar("*ELASTIC\n1000., 0.3\n", "*INITIAL CONDITIONS, TYPE=FIELD\nALL, 1.\n", step(pull(1.0))))
     done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
     assert done.returncode == 0
