@@ -168,8 +168,8 @@ contains
     type(pair_derivatives_type), intent(inout) :: rates
     type(contact_tangent_type), intent(inout) :: tangent
     type(row_derivatives_type) :: row
-    real(DP) :: height(tangent%n_weights)
-    integer :: j, n
+    real(DP) :: height(tangent%n_weights), d_gap(3)
+    integer :: j, n, at
     associate (mortar => contact%mortar(slave%pair))
       if (.not. allocated(rates%facets)) allocate (rates%facets(mortar%slave%n))
       call differentiate_mortar_row(mortar, contact%facets(slave%pair), x, slave%row, rates%facets, row)
@@ -180,12 +180,15 @@ contains
     call move_alloc(row%d_weights, tangent%xi_nodes)
     height = matmul(slave%normal, x(:, tangent%nodes(:n)) - spread(x(:, tangent%node), 2, n))
     do j = 1, size(tangent%nodes)
+      d_gap = matmul(height, tangent%xi_nodes(:, :, j))
       if (tangent%is_compliant_node) then
         tangent%force_nodes(:, :, j) = outer_product(tangent%force / slave%area, row%d_area(:, j))
-        tangent%gap_nodes(:, j) = tangent%gap_nodes(:, j) + matmul(height, tangent%xi_nodes(:, :, j))
-      else
+        tangent%gap_nodes(:, j) = tangent%gap_nodes(:, j) + d_gap
+      else                                         ! the constraint row has no other nodes: their part goes to the slave node
         tangent%force_nodes(:, :, j) = outer_product(matmul(tangent%force_imbalance, contact%Rhat(:, tangent%slave)), &
           row%d_factor(:, j))
+        at = merge(j, 1, j <= n)
+        tangent%gap_nodes(:, at) = tangent%gap_nodes(:, at) + d_gap
       end if
     end do
   end subroutine linearize_mortar_weights

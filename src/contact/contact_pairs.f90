@@ -32,7 +32,8 @@ module amontons_contact_pairs
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     merge_rows, rotate_with_normal, &
     differentiate_rotation
-  use amontons_surface_projection, only: projection_type, track_projection, find_projection, PROJECTION_INSIDE, PROJECTION_OUTSIDE
+  use amontons_surface_projection, only: projection_type, track_projection, find_projection, measure_thickness, &
+    PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
   private
   public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
@@ -44,8 +45,8 @@ module amontons_contact_pairs
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
   real(DP), parameter :: SEARCH_SLACK_RATIO = 0.5_DP     !< motion of a master, over that edge, after which its grid is rebuilt [-]
-  real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP        !< general contact: a node behind a facet by more than this share of the
-                                                         !! depth of its element does not see it [-]
+  real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP  !< a node behind a facet by more than this share of the depth of its element,
+                                                   !! or of the thickness of its sheet, does not see it [-]
 
   !> The contact pairs: facets, search, free directions, and the results of the last evaluation.
   type :: contact_type
@@ -129,8 +130,7 @@ contains
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
-      if ((model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) .and. .not. allocated(contact%facets(p)%profile)) &
-        contact%facets(p)%max_depth = MAX_DEPTH_SHARE * depths_below(model%mesh, contact%facets(p))
+      call limit_depth(model, p, contact%edge(p), contact%facets(p))
       if (is_self_contact(model%pairs(p))) call find_unseen_facets(model%mesh%coordinates, &
         contact%facets(p)%max_depth / MAX_DEPTH_SHARE, contact%facets(p))
       if (model%pairs(p)%is_mortar) then
@@ -163,6 +163,24 @@ contains
     allocate (contact%law_linearization_force(3, model%mesh%n_nodes), source=0.0_DP)
     allocate (contact%slip_data(n))
   end subroutine create_contact
+
+
+  !> The depth behind a facet from which nodes do not see it: in general and self contact that of its element, else that of a body
+  !! both of whose sides are in the master, as of a sheet or a whole exterior. A slave beyond the one side is not behind the other.
+  subroutine limit_depth(model, p, edge, facets)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< pair
+    real(DP), intent(in) :: edge                   !< longest of the facets [length]
+    type(facets_type), intent(inout) :: facets     !< its master
+    real(DP) :: thickness(facets%n)
+    if (allocated(facets%profile)) return
+    if (model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) then
+      facets%max_depth = MAX_DEPTH_SHARE * depths_below(model%mesh, facets)
+      return
+    end if
+    call measure_thickness(facets, model%mesh%coordinates, SEARCH_RADIUS_RATIO * edge, thickness)
+    if (any(thickness < huge(thickness))) facets%max_depth = MAX_DEPTH_SHARE * thickness
+  end subroutine limit_depth
 
 
   !> Marks the slaves of compliant laws whose law alone balances their imbalance: no other slave gives a force to the nodes of the

@@ -16,7 +16,7 @@ module amontons_surface_projection
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen, EDGE_FREE, &
     EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
-  use amontons_facet_search, only: facet_search_type, find_near_facets
+  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
     PROJECTION_FAILED, &
     project_on_profile, find_profile_projection, evaluate_profile_derivative
@@ -25,7 +25,7 @@ module amontons_surface_projection
   public :: projection_type, gap_derivatives_type
   public :: MIN_OPPOSED_COSINE
   public :: track_projection, find_projection, evaluate_gap_derivatives, evaluate_facet_point, evaluate_vertex_normal, &
-    evaluate_vertex_derivative, find_edge_excess
+    evaluate_vertex_derivative, find_edge_excess, measure_thickness
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
   real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< extension zone beyond a free edge, over facet length [-]
@@ -176,6 +176,38 @@ contains
     if (projection%facet == 0 .and. nearest > 0 .and. .not. is_self) call walk_from_facet(facets, x, point, max_distance, nearest, &
       projection)
   end subroutine find_projection
+
+
+  !> The thickness of the body below each facet, where the surface has facets on its other side too, as that of a sheet; huge where
+  !! a search with this reach finds none. Cost: one search and one projection on each facet behind for a facet.
+  subroutine measure_thickness(facets, x, reach, thickness)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) coordinates [length]
+    real(DP), intent(in) :: reach                !< of the search [length]
+    real(DP), intent(out) :: thickness(:)        !< (n) [length]
+    type(facet_search_type) :: search
+    type(projection_type) :: candidate
+    type(surface_point_type) :: middle(facets%n)
+    type(facet_geometry_type) :: geometry
+    integer, allocatable :: list(:)
+    integer :: f, i, n
+    thickness = huge(1.0_DP)
+    if (allocated(facets%profile)) return
+    do f = 1, facets%n
+      call build_facet_geometry(facets, x, f, geometry)
+      call evaluate_surface_point(geometry, spread(merge(1.0_DP / 3.0_DP, 0.0_DP, is_triangle(facets%kind(f))), 1, 2), middle(f))
+    end do
+    call build_facet_search(facets, x, reach, search)
+    do f = 1, facets%n
+      call find_near_facets(search, middle(f)%x, list, n)
+      do i = 1, n
+        if (dot_product(middle(list(i))%normal, middle(f)%normal) > -MIN_OPPOSED_COSINE) cycle
+        candidate = project_on_facet(facets, x, middle(f)%x, list(i))
+        if (candidate%status /= PROJECTION_INSIDE .or. candidate%gap >= 0.0_DP) cycle
+        if (is_projection_inside(facets, candidate)) thickness(f) = min(thickness(f), -candidate%gap)
+      end do
+    end do
+  end subroutine measure_thickness
 
 
   !> The distance of a point from the nearest centre of the triangles of a facet. Of several facets that contain a point CalculiX

@@ -10,7 +10,8 @@ program test_surface_projection
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, gap_derivatives_type, track_projection, find_projection, &
     evaluate_gap_derivatives, &
-    evaluate_facet_point, evaluate_vertex_normal, find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
+    evaluate_facet_point, evaluate_vertex_normal, find_edge_excess, measure_thickness, &
+    PROJECTION_INSIDE, PROJECTION_OUTSIDE
   use check, only: suite_type
   use samples, only: evaluate_smooth_normal
   implicit none
@@ -32,6 +33,7 @@ program test_surface_projection
   call check_collapsed(suite)
   call check_far(suite)
   call check_faceted(suite)
+  call check_thickness(suite)
   call suite%finish()
 
 contains
@@ -68,6 +70,28 @@ contains
     call suite%that('a walk over the edge', f == 2 .and. status == PROJECTION_INSIDE)
     call suite%near('the normal there', norm2(n - [sin(LEAN), 0.0_DP, cos(LEAN)]), 0.0_DP, 1.0e-12_DP)
   end subroutine check_faceted
+
+
+  !> Two sides of a sheet of thickness 0.1, and the same without the lower side.
+  subroutine check_thickness(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(error_type), allocatable :: error
+    integer, allocatable :: element(:), face(:)
+    real(DP), allocatable :: coordinates(:, :), thickness(:)
+    integer :: corners(4, 4), k
+    coordinates = reshape([(real(mod(k, 3), DP), real(mod(k / 3, 2), DP), -0.1_DP * real(k / 6, DP), k=0, 11)], [3, 12])
+    corners = reshape([1, 2, 5, 4, 2, 3, 6, 5, 7, 10, 11, 8, 8, 11, 12, 9], [4, 4])
+    call mesh_of_facets(FACET_QUAD4, coordinates, corners, mesh, element, face)
+    call build_facets(mesh, element, face, facets, error)
+    allocate (thickness(4))
+    call measure_thickness(facets, mesh%coordinates, 0.5_DP, thickness)
+    call suite%near('a sheet: its thickness', maxval(abs(thickness - 0.1_DP)), 0.0_DP, 1.0e-12_DP)
+    call build_facets(mesh, element(:2), face(:2), facets, error)
+    call measure_thickness(facets, mesh%coordinates, 0.5_DP, thickness(:2))
+    call suite%that('one side: none', all(thickness(:2) >= huge(1.0_DP)))
+  end subroutine check_thickness
 
 
   !> A surface of 4 x 3 cells: waves of height `wave`, perturbed nodes, folded at x = 2 (a crease if the angle is large).
