@@ -17,8 +17,8 @@ from typing import Any, TypeVar
 Run = TypeVar("Run")  #: a dataclass of words and numbers
 
 
-def execute(program: Path, folder: Path, name: str, deck: str, seconds: float) -> tuple[bool, float]:
-    """Runs a deck; whether it finishes, and the processor's seconds."""
+def execute(program: Path, folder: Path, name: str, deck: str, seconds: float, is_logged: bool = False) -> tuple[bool, float]:
+    """Runs a deck; whether it finishes, and the processor's seconds. is_logged: what it prints is in NAME.log."""
     (folder / f"{name}.inp").write_text(deck)
 
     def limit() -> None:
@@ -27,6 +27,8 @@ def execute(program: Path, folder: Path, name: str, deck: str, seconds: float) -
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     command = [program, "--quiet", "--no-checkpoint", "--outdir", folder, folder / f"{name}.inp"]
     done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit, env={**os.environ, "OMP_NUM_THREADS": "1"})  # noqa: PLW1509 (no threads here)
+    if is_logged:
+        (folder / f"{name}.log").write_bytes(done.stdout + done.stderr)
     return done.returncode == 0, resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 

@@ -1,0 +1,192 @@
+"""Hard contact problems by class with default settings: what finishes, at what cost, and what checks it. Prints a table.
+
+    python -m verify.study.hard_contact_table [--classes a b c] [--only clip] [--second 5] [--seconds 120] [--runs runs.csv]
+        [--forms nodes faces] [--program bin/amontons]
+    python -m verify.study.hard_contact_table --show runs.csv
+
+Each problem runs by nodes and by faces, for some seconds of a processor at most. --second N runs a second set, with parameters at random: N seeds of
+each problem; nothing is tuned to it. Where statics has no answer a problem of the classes a, b and d runs again with STABILIZE, then by inertia
+(QUASI-STATIC). The check is the balance of loads, reactions and the contact forces on each body, Coulomb's limit at each slave node, and a reaction in
+closed form where there is one.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from verify.decks.hard_contact import Draw, Problem, problems
+from verify.decks.loose_bodies import by_inertia
+from verify.independent.results import point_data
+from verify.study.ironing_table import ROOT, count_rows
+from verify.study.runs import execute, read_runs, write_runs
+
+FORMS = {"nodes": "", "faces": ", TYPE=SURFACE TO SURFACE"}
+REMEDIES = {"": lambda deck: deck, "STABILIZE": lambda deck: deck.replace("*STATIC\n", "*STATIC, STABILIZE\n"),
+            "QUASI-STATIC": lambda deck: by_inertia(deck, "1e-3, 1., 1e-9, 0.05")}
+TOLERANCE = 1e-4  #: of a balance, over the sum of absolute forces: Newton's tolerance is 1e-6 of the largest
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run, as it stands in the file of runs."""
+
+    group: str
+    problem: str
+    seed: int  #: 0: the first set
+    form: str
+    by: str  #: the remedy, empty: statics
+    outcome: str  #: finished, or why not
+    made: int  #: increments
+    failed: int  #: attempts
+    iterations: int  #: those of failed attempts included
+    seconds: float  #: of the processor
+    check: str
+
+    @property
+    def case(self) -> tuple[str, str, int, str]:
+        """What is run."""
+        return self.group, self.problem, self.seed, self.form
+
+
+def check(problem: Problem, file: Path) -> str:
+    """What the last state of a result file violates; `balance`, or `closed form`, if it is right."""
+    with h5py.File(file) as results:
+        grid = results["VTKHDF"]
+        reaction, normal, shear = (point_data(grid, name)[-1] for name in ("RF", "CNORMF", "CSHEARF"))
+    loads = np.zeros(3)
+    loads[: len(problem.loads)] = problem.loads
+    scale = np.abs(reaction).sum() + np.abs(loads).sum() + np.abs(normal).sum()
+    if not scale > 0.0:
+        return "NO FORCE"
+    if np.abs(reaction.sum(axis=0) + loads)[: len(problem.loads)].max() > TOLERANCE * scale:
+        return "FORCES"
+    p, t = np.linalg.norm(normal, axis=1), np.linalg.norm(shear, axis=1)
+    if (t - problem.mu * p).max() > TOLERANCE * p.max():
+        return "FRICTION"
+    if problem.reaction is None:
+        return "balance"
+    name, direction, value, tolerance = problem.reaction
+    members = [int(label) - 1 for label in re.findall(r"\d+", _node_set(problem.deck, name))]
+    return "closed form" if abs(reaction[members, direction - 1].sum() / value - 1) <= tolerance else "CLOSED FORM"
+
+
+def _node_set(deck: str, name: str) -> str:
+    """The labels of a node set of the deck, one by one."""
+    body = re.search(rf"\*NSET, NSET={name}(, GENERATE)?\n([^*]*)", deck)
+    assert body is not None
+    if body[1]:
+        first, last = re.findall(r"\d+", body[2])[:2]
+        return " ".join(str(k) for k in range(int(first), int(last) + 1))
+    return body[2]
+
+
+def reason(folder: Path, name: str, spent: float, seconds: float) -> str:
+    """Why a run did not finish."""
+    if spent >= seconds - 1:
+        return f"no end in {seconds:g} s"
+    text = (folder / f"{name}.log").read_text() if (folder / f"{name}.log").exists() else ""
+    found = re.search(r"\*ERROR: .*?: ([A-Z ]{6,}):", text)
+    return found[1] if found else "error"
+
+
+def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: float) -> Run:
+    """Runs one problem; classes a, b and d by their remedies too."""
+    group, title, seed, form = case
+    problem = problems()[group][title](Draw(f"{title} {seed}" if seed else ""), FORMS[form])
+    n_steps = problem.deck.count("*STEP")
+    for by in REMEDIES if group in "abd" else [""]:
+        name = re.sub(r"\W+", "_", f"{group} {title} {seed} {form} {by}").strip("_").lower()
+        is_done, spent = execute(program, folder, name, REMEDIES[by](problem.deck), seconds, is_logged=True)
+        counts = count_rows(folder / f"{name}.sta", n_steps, is_done)
+        outcome = "finished" if is_done else reason(folder, name, spent, seconds)
+        made = Run(*case, by, outcome, counts.made, counts.failed, counts.iterations, round(spent, 1),
+                   check(problem, folder / f"{name}.vtkhdf") if is_done else "-")
+        (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
+        if is_done:
+            break
+    return made
+
+
+def head(*words: str) -> Iterator[str]:
+    """The first two lines of a table in Markdown."""
+    yield "| " + " | ".join(words) + " |"
+    yield "|---" * len(words) + "|"
+
+
+def show(runs: list[Run]) -> str:
+    """The tables of both sets, and how many of each class finish with a right check."""
+    lines = []
+    for is_second in (False, True):
+        made = [r for r in runs if (r.seed > 0) == is_second]
+        if not made:
+            continue
+        lines += ["", "The second set" if is_second else "The first set", ""]
+        lines += head("class", "problem", "contact by", "outcome", "increments", "failed attempts", "iterations", "seconds", "check")
+        for r in made:
+            title = f"{r.problem}, seed {r.seed}" if r.seed else r.problem
+            outcome = r.outcome + (f" by {r.by}" if r.by and r.outcome == "finished" else "")
+            lines.append(f"| {r.group} | {title} | {r.form} | {outcome} | {r.made} | {r.failed} | {r.iterations} | {r.seconds:g} | {r.check} |")
+        lines += ["", *head("class", "contact by", "finished and right", "failed attempts", "iterations where both finish", "seconds where both finish")]
+        for group in dict.fromkeys(r.group for r in made):
+            lines += _sums([r for r in made if r.group == group])
+    return "\n".join(lines)
+
+
+def _sums(runs: list[Run]) -> Iterator[str]:
+    """A line for each formulation of a class."""
+    right = {r.case for r in runs if r.outcome == "finished" and r.check == r.check.lower()}
+    both = {case[:3] for case in right if all((*case[:3], form) in right for form in FORMS)}
+    for form in dict.fromkeys(r.form for r in runs):
+        own = [r for r in runs if r.form == form]
+        shared = [r for r in own if r.case[:3] in both]
+        yield (f"| {own[0].group} | {form} | {sum(r.case in right for r in own)} of {len(own)} | {sum(r.failed for r in own)} "
+               f"| {sum(r.iterations for r in shared)} | {sum(r.seconds for r in shared):.0f} |")
+
+
+def main() -> int:
+    """Runs the requested problems, or shows the tables of a file of runs."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--classes", nargs="+", choices=list(problems()), default=list(problems()))
+    parser.add_argument("--only", default="", help="problems whose name contains this")
+    parser.add_argument("--forms", nargs="+", choices=list(FORMS), default=list(FORMS))
+    parser.add_argument("--second", type=int, default=0, metavar="N", help="the second set: N seeds of each problem")
+    parser.add_argument("--seconds", type=float, default=120.0, help="most time of a processor for one run")
+    parser.add_argument("--runs", type=Path, help="file in which the runs are kept; runs made again take the place of the old ones")
+    parser.add_argument("--show", type=Path, metavar="FILE", help="print the tables of a file of runs")
+    parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
+    parser.add_argument("--outdir", type=Path)
+    options = parser.parse_args()
+    if options.show:
+        print(show(read_runs(options.show, Run)))
+        return 0
+    folder = options.outdir or Path(tempfile.mkdtemp())
+    folder.mkdir(parents=True, exist_ok=True)
+    kept = {r.case: r for r in read_runs(options.runs, Run)} if options.runs and options.runs.exists() else {}
+    made = {}
+    for group in options.classes:
+        for title in problems()[group]:
+            for seed in range(1, options.second + 1) if options.second else [0]:
+                for form in options.forms:
+                    if options.only not in title:
+                        continue
+                    r = made[group, title, seed, form] = run(options.program.resolve(), folder, (group, title, seed, form), options.seconds)
+                    print(*r.case, r.by, r.outcome, r.made, r.failed, r.iterations, f"{r.seconds:g} s", r.check, file=sys.stderr, flush=True)
+                    if options.runs:
+                        write_runs(options.runs, (kept | made).values())
+    print(show(list(made.values())))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
