@@ -10,7 +10,9 @@ module amontons_balanced_bodies
   use amontons_text, only: to_text, plural
   use amontons_assembly, only: assembly_type
   use amontons_external_loads, only: assemble_external_loads
-  use amontons_model, only: model_type
+  use amontons_loads, only: equation_type
+  use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_state, only: state_type, slave_state_type, create_state
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list
   use amontons_model_check_motion, only: free_body_type, find_free_bodies, rigid_motion
@@ -30,9 +32,28 @@ module amontons_balanced_bodies
 
 contains
 
-  !> Finds the supports of all steps. After: text names the bodies and nodes, '' if there are none. Without loads on the body there
-  !! is no support: that is more often a support forgotten.
+  !> Finds the supports of all steps. After: text names the bodies and nodes, '' if there are none. Nonlinear constraints restrain
+  !! motions by their linearization: the rotation of a beam about its axis is held at its nodes by them alone.
   subroutine find_balancing_supports(model, supports, text)
+    type(model_type), intent(in) :: model
+    type(balancing_support_type), allocatable, intent(out) :: supports(:)
+    character(:), allocatable, intent(out) :: text
+    type(model_type), allocatable :: linear        ! with nonlinear MPCs linearized to equations, if any
+    type(equation_type), allocatable :: equations(:)
+    if (n_nonlinear_mpcs(model) > 0) then
+      allocate (linear, source=model)
+      call linearize_mpcs(model, equations)
+      linear%equations = [model%equations, equations]
+      call find_linear_supports(linear, supports, text)
+    else
+      call find_linear_supports(model, supports, text)
+    end if
+  end subroutine find_balancing_supports
+
+
+  !> The supports of a model whose constraints are equations. Without loads on the body there is no support: that is more often a
+  !! support forgotten.
+  subroutine find_linear_supports(model, supports, text)
     type(model_type), intent(in) :: model
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
     character(:), allocatable, intent(out) :: text
@@ -63,7 +84,7 @@ contains
         text = text // sentence
       end do
     end do
-  end subroutine find_balancing_supports
+  end subroutine find_linear_supports
 
 
   !> 'node 7 along x, node 7 along y and node 9 along z'.

@@ -47,6 +47,9 @@ contains
     call suite%that('on rollers', size(supports) == 3 .and. all(supports%dof < 3))
     call find('*BOUNDARY;1,1,3;2,2,3;3,3,3;', '*DLOAD;1,P2,5.;')
     call suite%that('held well', size(supports) == 0 .and. text == '')
+    call find('*NODE;10,6,5,5;*ELEMENT, TYPE=B31, ELSET=ROD;7,9,10;*BEAM SECTION, ELSET=ROD, MATERIAL=M, SECTION=RECT;' // &
+      '.1,.2;0,0,1;*BOUNDARY;1,1,3;2,2,3;3,3,3;9,1,6;', '*CLOAD;10,2,-1.;')
+    call suite%that('a beam whose clamp holds its rotation', size(supports) == 0)
   end subroutine check_partly_held
 
 
