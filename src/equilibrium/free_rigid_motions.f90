@@ -3,8 +3,8 @@
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". A body is a set of nodes coupled by the
 !! stiffness or by rows of the base constraints. Of its six rigid motions z those with small z'Kz over z'diag(K)z are kept for a
-!! bulk. A tangent J is singular along the kept motions Z if J Z y = 0 for some y. The preconditioner is positive definite even
-!! then, and does not detect it.
+!! stiffness. A tangent J is singular along the kept motions Z if J Z y = 0 for some y. The preconditioner is positive definite even
+!! then, and does not detect it. A motion moves one body, and its image J z that body and its neighbours: both are sparse.
 module amontons_free_rigid_motions
   use amontons_kinds, only: DP
   use amontons_controls, only: skin_controls_type
@@ -15,7 +15,7 @@ module amontons_free_rigid_motions
   use amontons_two_level_preconditioner, only: rigid_motion
   implicit none
   private
-  public :: free_motions_type, find_motions, is_singular_along
+  public :: free_motions_type, sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
 
   real(DP), parameter :: TOL_DEPENDENT = 1.0e-10_DP    !< relative eigenvalue below which motions are linearly dependent [-]
   real(DP), parameter :: TOL_GRAM_MATRIX = 1.0e-6_DP       !< |J Z y| over |diag(K) Z y| from the Gram matrix below which it is
@@ -23,9 +23,19 @@ module amontons_free_rigid_motions
 
   !> The kept rigid motions.
   type :: free_motions_type
+    logical :: is_current = .false.                !< they are those of the present stiffness
     integer :: n = 0
-    real(DP), allocatable :: value(:, :)           !< (n_unknowns, n)
+    integer, allocatable, private :: body(:)       !< (n) body that a motion moves
+    integer, allocatable, private :: number(:)     !< (n) its number among the motions of the body
+    integer, allocatable, private :: body_of(:)    !< (n_nodes) body of each node
+    real(DP), allocatable, private :: value(:, :)   !< (6, n_unknowns) the motions of the unknown's body
   end type free_motions_type
+
+  !> A vector of which few entries are not 0.
+  type :: sparse_vector_type
+    integer, allocatable :: at(:)
+    real(DP), allocatable :: value(:)
+  end type sparse_vector_type
 
 contains
 
@@ -37,27 +47,50 @@ contains
     real(DP), intent(in) :: place(:, :)            !< (3, n_nodes) coordinates [length]
     logical, intent(in) :: is_angle(:)             !< (n_nodes) its unknowns are angles
     type(free_motions_type), intent(out) :: motions
-    integer, allocatable :: body(:)
     real(DP), allocatable :: z(:, :), energy(:, :, :), scale(:, :, :)
-    real(DP) :: combination(6, 6)
+    real(DP), allocatable :: combination(:, :, :)  ! (6, 6, n_bodies)
     integer :: n_bodies, b, k, m, i
-    call find_coupled_bodies(stiffness, base, size(place, 2), body, n_bodies)
-    allocate (z(6, base%n_unknowns))
-    call fill_motions(place, is_angle, body, n_bodies, z)
+    call find_coupled_bodies(stiffness, base, size(place, 2), motions%body_of, n_bodies)
+    allocate (z(6, base%n_unknowns), combination(6, 6, n_bodies))
+    call fill_motions(place, is_angle, motions%body_of, n_bodies, z)
     call constrain_motions(base, z)
-    call measure_motions(stiffness, body, n_bodies, z, energy, scale)
-    allocate (motions%value(base%n_unknowns, 0))
+    call measure_motions(stiffness, motions%body_of, n_bodies, z, energy, scale)
+    allocate (motions%body(0), motions%number(0))
     do b = 1, n_bodies
-      call weak_combinations(controls%max_motion_energy, energy(:, :, b), scale(:, :, b), m, combination)
-      do k = 1, min(m, controls%max_motions - motions%n)
-        motions%n = motions%n + 1
-        motions%value = reshape(motions%value, [base%n_unknowns, motions%n], pad=[0.0_DP])
-        do i = 1, base%n_unknowns
-          if (body((i + 2) / 3) == b) motions%value(i, motions%n) = dot_product(combination(:, k), z(:, i))
-        end do
-      end do
+      call weak_combinations(controls%max_motion_energy, energy(:, :, b), scale(:, :, b), m, combination(:, :, b))
+      m = min(m, controls%max_motions - motions%n)
+      motions%n = motions%n + m
+      motions%body = [motions%body, (b, k=1, m)]
+      motions%number = [motions%number, (k, k=1, m)]
     end do
+    do i = 1, base%n_unknowns
+      z(:, i) = matmul(transpose(combination(:, :, motions%body_of((i + 2) / 3))), z(:, i))
+    end do
+    call move_alloc(z, motions%value)
+    motions%is_current = .true.
   end subroutine find_motions
+
+
+  !> The displacements of a motion.
+  pure function motion_of(motions, number) result(z)
+    type(free_motions_type), intent(in) :: motions
+    integer, intent(in) :: number                  !< from 1 to motions%n
+    real(DP) :: z(size(motions%value, 2))
+    integer :: i
+    do i = 1, size(z)
+      z(i) = 0.0_DP
+      if (motions%body_of((i + 2) / 3) == motions%body(number)) z(i) = motions%value(motions%number(number), i)
+    end do
+  end function motion_of
+
+
+  !> The entries of a vector that are not 0.
+  pure type(sparse_vector_type) function compressed(x)
+    real(DP), intent(in) :: x(:)
+    integer :: i
+    compressed%at = pack([(i, i=1, size(x))], abs(x) > 0.0_DP)
+    compressed%value = x(compressed%at)
+  end function compressed
 
 
   !> The bodies: nodes coupled by the stiffness or by rows of the base constraints. Method: union-find.
@@ -176,6 +209,7 @@ contains
     real(DP) :: values(6), vectors(6, 6), whiten(6, 6)
     integer :: k, n, status
     m = 0
+    combination = 0.0_DP
     call solve_symmetric_eigen(scale, values, vectors, status)
     if (status /= DENSE_OK .or. .not. values(6) > 0.0_DP) return
     n = 0
@@ -193,19 +227,23 @@ contains
   end subroutine weak_combinations
 
 
-  !> Whether J is singular along some combination of the columns.
-  logical function is_singular_along(images, scales, free_ratio) result(is_singular)
-    real(DP), intent(in) :: images(:, :)           !< (n_free, m) J Z [force]
-    real(DP), intent(in) :: scales(:, :)           !< (n_free, m) diag(K) Z [force]
+  !> Whether J is singular along some combination of motions.
+  logical function is_singular_along(n_free, images, scales, free_ratio) result(is_singular)
+    integer, intent(in) :: n_free                  !< length of the vectors
+    type(sparse_vector_type), intent(in) :: images(:)         !< (m) J Z [force]
+    type(sparse_vector_type), intent(in) :: scales(:)         !< (m) diag(K) Z [force]
     real(DP), intent(in) :: free_ratio             !< |J Z y| over |diag(K) Z y| of a free motion [-]
-    real(DP) :: gram(size(images, 2), size(images, 2)), values(size(images, 2)), vectors(size(images, 2), size(images, 2))
-    real(DP) :: length(size(images, 2)), y(size(images, 2))
+    integer, allocatable :: moved(:)               ! motions that move a free unknown
+    real(DP), allocatable :: gram(:, :), values(:), vectors(:, :), length(:), y(:)
     integer :: k, m, status
-    m = size(images, 2)
     is_singular = .false.
-    length = norm2(scales, dim=1)
-    if (m == 0 .or. any(.not. length > 0.0_DP)) return
-    gram = matmul(transpose(images), images)
+    length = [(norm2(scales(k)%value), k=1, size(scales))]
+    moved = pack([(k, k=1, size(scales))], length > 0.0_DP)
+    length = length(moved)
+    m = size(moved)
+    if (m == 0) return
+    allocate (values(m), vectors(m, m))
+    gram = gram_matrix(n_free, images(moved))
     do k = 1, m
       gram(:, k) = gram(:, k) / (length * length(k))
     end do
@@ -213,7 +251,41 @@ contains
     if (status /= DENSE_OK) return
     if (values(1) > TOL_GRAM_MATRIX**2) return
     y = vectors(:, 1) / length
-    is_singular = norm2(matmul(images, y)) <= free_ratio * norm2(matmul(scales, y))
+    is_singular = length_of(n_free, images(moved), y) <= free_ratio * length_of(n_free, scales(moved), y)
   end function is_singular_along
+
+
+  !> The products of the vectors with each other.
+  pure function gram_matrix(n, vectors) result(gram)
+    integer, intent(in) :: n                       !< length of the vectors
+    type(sparse_vector_type), intent(in) :: vectors(:)
+    real(DP) :: gram(size(vectors), size(vectors))
+    real(DP), allocatable :: x(:)
+    integer :: k, l
+    allocate (x(n), source=0.0_DP)
+    do k = 1, size(vectors)
+      x(vectors(k)%at) = vectors(k)%value
+      do l = 1, k
+        gram(l, k) = dot_product(x(vectors(l)%at), vectors(l)%value)
+        gram(k, l) = gram(l, k)
+      end do
+      x(vectors(k)%at) = 0.0_DP
+    end do
+  end function gram_matrix
+
+
+  !> The length of a sum of vectors.
+  pure real(DP) function length_of(n, vectors, factors) result(length)
+    integer, intent(in) :: n                       !< length of the vectors
+    type(sparse_vector_type), intent(in) :: vectors(:)
+    real(DP), intent(in) :: factors(:)
+    real(DP), allocatable :: x(:)
+    integer :: k
+    allocate (x(n), source=0.0_DP)
+    do k = 1, size(vectors)
+      x(vectors(k)%at) = x(vectors(k)%at) + factors(k) * vectors(k)%value
+    end do
+    length = norm2(x)
+  end function length_of
 
 end module amontons_free_rigid_motions

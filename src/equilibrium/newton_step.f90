@@ -21,7 +21,7 @@ module amontons_newton_step
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, USE_SKIN
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin
-  use amontons_free_rigid_motions, only: find_motions, is_singular_along
+  use amontons_free_rigid_motions, only: sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, &
     factorise_woodbury
@@ -56,6 +56,7 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
     real(DP), intent(out), optional :: d_load      !< change of the load factor along du [-]
+    real(DP) :: allowed_residual                   ! [force]
     integer(I64) :: clock
     if (present(d_load)) d_load = 0.0_DP
     if (system%skin%memory%is_outdated) call discard_bulk_factor(system)
@@ -73,11 +74,13 @@ contains
     system%n_factorisations_before = system%n_factorisations
     if (system%has_interface_solver) system%is_indefinite = .false.
     system%is_subproblem_solved = .false.
+    allowed_residual = admissible_residual(system, step)
     system%skin_tolerance = step%controls%skin%tolerance_single
     if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(step%controls%skin%tolerance_origin, &
       step%controls%skin%tolerance_changing, sets_origins(system, state))
+    call tighten_proximal_step(system, allowed_residual)
     system%is_first_direction = .false.
-    call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
+    call solve_constrained_system(system, allowed_residual, du, outcome, error)
     if (allocated(error)) return
     if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. .not. system%skin%is_ready) then
       call solve_newton_step(system, model, step, state, du, outcome, error, d_load)
@@ -141,12 +144,24 @@ contains
     if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, step%controls%skin%tolerance_halved)
     allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin) allowed_residual = 0.5_DP * skin_merit_tolerance(system, step)
+    call tighten_proximal_step(system, allowed_residual)
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
     if (allocated(error)) return
     if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
       error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_correction
+
+
+  !> The residual of a proximal step with the skin. What remains on a free body moves it by the residual over the shift: it must be
+  !! small beside the loads, not beside the forces that close the gaps.
+  pure subroutine tighten_proximal_step(system, allowed_residual)
+    type(equilibrium_type), intent(inout) :: system
+    real(DP), intent(inout) :: allowed_residual    !< [force]
+    if (.not. (system%is_skin .and. system%proximal_shift > 0.0_DP)) return
+    allowed_residual = system%controls%krylov%tolerance * system%largest_force
+    system%skin_tolerance = 0.0_DP
+  end subroutine tighten_proximal_step
 
 
   !> The merit at which corrections with the contact skin stop.
@@ -184,6 +199,7 @@ contains
     call start_clock(system, clock)
     if (.not. system%is_assembled) then
       system%reduced_system%is_current = .false.
+      system%motions%is_current = .false.
       call assemble_bulk(system, model, step, state, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
       system%is_assembled = system%is_constant .or. step%direction == TANGENT_LAGGED .or. step%solver == SOLVER_GRADIENTS
@@ -383,7 +399,7 @@ contains
 
 
   !> Contact by the skin: the bulk solver is computed if none is available, the tiles always. After: is_skin and
-  !! has_interface_solver.
+  !! has_interface_solver, or is_interface_singular.
   subroutine factorise_skin(system, model, step, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -391,6 +407,8 @@ contains
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: imbalance_tangent, displacement_tangent, rows, shares
+    system%is_interface_singular = has_free_motion(system, model, step, state%new)
+    if (system%is_interface_singular) return
     call ensure_bulk_factor(system, model, step, state, .true., error)
     if (allocated(error) .or. .not. system%skin%is_ready) return
     call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
@@ -404,34 +422,54 @@ contains
       displacement_tangent, rows, shares, error)
     if (allocated(error)) return
     system%is_skin = .true.
-    system%is_interface_singular = has_free_motion(system)
-    system%has_interface_solver = .not. system%is_interface_singular
+    system%has_interface_solver = .true.
   end subroutine factorise_skin
 
 
   !> Whether the tangent is singular along a rigid body motion.
-  logical function has_free_motion(system)
-    type(equilibrium_type), intent(inout), target :: system
+  logical function has_free_motion(system, model, step, fields)
+    type(equilibrium_type), intent(inout), target :: system   !< linearised at the fields; its skin is not read
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
     type(tangent_type) :: tangent
-    real(DP), allocatable :: images(:, :), scales(:, :)
-    integer :: i, k, f
-    has_free_motion = .false.
-    if (system%motions%n == 0) return
+    type(sparse_vector_type) :: images(system%controls%skin%max_motions), scales(system%controls%skin%max_motions)
+    real(DP), allocatable :: z(:), x(:), y(:)
+    integer, allocatable :: unknown_of(:)          ! (n_free)
+    integer :: i, k
+    if (.not. system%motions%is_current) call update_motions(system, model, step, fields)
+    allocate (x(system%constraints%n_free), y(system%constraints%n_free))
+    unknown_of = pack([(i, i=1, system%constraints%n_unknowns)], system%constraints%free_of > 0)
     tangent%system => system
-    allocate (images(system%constraints%n_free, system%motions%n), scales(system%constraints%n_free, system%motions%n))
-    do k = 1, system%motions%n
-      do i = 1, system%constraints%n_unknowns
-        f = system%constraints%free_of(i)
-        if (f > 0) scales(f, k) = system%motions%value(i, k)
+    associate (stiffness => system%assembly%stiffness, free_of => system%constraints%free_of)
+      do k = 1, system%motions%n
+        z = motion_of(system%motions, k)
+        x(free_of(unknown_of)) = z(unknown_of)
+        call tangent%apply(x, y)
+        images(k) = compressed(y)
+        x(free_of(unknown_of)) = z(unknown_of) * stiffness%value(stiffness%first(unknown_of))
+        scales(k) = compressed(x)
       end do
-      call tangent%apply(scales(:, k), images(:, k))
-      do i = 1, system%constraints%n_unknowns
-        f = system%constraints%free_of(i)
-        if (f > 0) scales(f, k) = scales(f, k) * system%assembly%stiffness%value(system%assembly%stiffness%first(i))
-      end do
-    end do
-    has_free_motion = is_singular_along(images, scales, system%controls%skin%free_motion_ratio)
+    end associate
+    has_free_motion = is_singular_along(size(x), images(:system%motions%n), scales(:system%motions%n), &
+      system%controls%skin%free_motion_ratio)
   end function has_free_motion
+
+
+  !> The rigid motions without energy of the present stiffness, about the places where it is assembled.
+  subroutine update_motions(system, model, step, fields)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(fields_type), intent(in) :: fields
+    real(DP), allocatable :: place(:, :)           ! (3, n_nodes) [length]
+    logical, allocatable :: is_angle(:)
+    place = model%mesh%coordinates
+    if (step%is_nlgeom) place = place + fields%u
+    allocate (is_angle(model%mesh%n_nodes), source=.false.)
+    if (size(system%rotation_length) > 0) is_angle = system%rotation_length < 1.0_DP .or. system%rotation_length > 1.0_DP
+    call find_motions(system%controls%skin, system%assembly%stiffness, system%base, place, is_angle, system%motions)
+  end subroutine update_motions
 
 
   !> K with Robin springs, and its solver: a factor, or the two-level preconditioner where that is too large.
@@ -443,7 +481,6 @@ contains
     logical, intent(in) :: is_resumed              !< with the springs of the interrupted job
     type(error_type), allocatable, intent(out) :: error
     logical :: is_slave(model%mesh%n_nodes)
-    logical, allocatable :: is_angle(:)
     integer :: status, i
     if (system%base%n_free == 0) return
     is_slave = .false.
@@ -467,10 +504,6 @@ contains
       model%mesh, &
       status, error)
     if (allocated(error)) return
-    allocate (is_angle(model%mesh%n_nodes), source=.false.)
-    if (size(system%rotation_length) > 0) is_angle = system%rotation_length < 1.0_DP .or. system%rotation_length > 1.0_DP
-    call find_motions(system%controls%skin, system%assembly%stiffness, system%base, model%mesh%coordinates + fields%u, is_angle, &
-      system%motions)
     system%n_factorisations = system%n_factorisations + system%skin%robin%n_factorised
     system%skin%is_ready = status == FACTOR_OK
     associate (controls => system%controls%skin)

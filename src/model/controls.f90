@@ -146,8 +146,9 @@ module amontons_controls
     real(DP) :: spring_across = 0.1_DP     !< rho_t: the same across it [-] | 0021
     real(DP) :: max_motion_energy = 1.0e-2_DP   !< largest z'Kz over z'diag(K)z of a weakly restrained rigid motion [-] |
                                            !! contact_preconditioner
-    real(DP) :: free_motion_ratio = 1.0e-9_DP   !< |J Z y| / |diag(K) Z y| of a singular tangent [-] | contact_preconditioner
-    integer :: max_motions = 48            !< such motions, at most: those of eight bodies | set: memory
+    real(DP) :: free_motion_ratio = 1.0e-12_DP   !< |J Z y| / |diag(K) Z y| of a singular tangent: far above rounding, far below the
+                                           !! least proximal shift [-] | set
+    integer :: max_motions = 240           !< such motions, at most: those of forty bodies | set: a product with J for each
   end type skin_controls_type
 
   !> Choice of the linear solver: a factor, or iteration where that is too large or takes too much work.

@@ -1,5 +1,5 @@
-!> Tests of tiles and rigid motions: even tiles that cover all points once, corrections against LAPACK, the same bits for any number
-!! of threads; a free body, a sliding one, a restrained one, and an unsymmetric tangent.
+!> Tests of tiles: even tiles that cover all points once, corrections against LAPACK with an unsymmetric tangent, the same bits for any
+!! number of threads.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_contact_tiles
   use amontons_kinds, only: DP
@@ -7,21 +7,13 @@ program test_contact_tiles
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose
   use amontons_dense, only: solve_small
   use amontons_contact_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
-  use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, eliminate_constraints
-  use amontons_controls, only: skin_controls_type
-  use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
   use check, only: suite_type
   implicit none
-  type(skin_controls_type), parameter :: CONTROLS = skin_controls_type()
-  real(DP), parameter :: FREE_RATIO = CONTROLS%free_motion_ratio
   type(suite_type) :: suite
   integer :: k
   call random_seed(put=[(17 * k, k=1, 64)])
   call test_cuts()
   call test_corrections()
-  call test_motions(.false., 0, 6)
-  call test_motions(.true., 1, 5)
-  call test_motions(.true., 3, 3)
   call suite%finish()
 
 contains
@@ -107,68 +99,5 @@ contains
     call sparse_from_triplets(size(full, 1), size(full, 2), [((i, j=1, size(full, 2)), i=1, size(full, 1))], &
       [((j, j=1, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=1, size(full, 2)), i=1, size(full, 1))], matrix, error)
   end function sparse_of
-
-
-  !> A tetrahedron of six springs: the number of rigid motions left when unknowns of its first node are restrained.
-  subroutine test_motions(is_held, n_held, n_wanted)
-    logical, intent(in) :: is_held
-    integer, intent(in) :: n_held, n_wanted
-    real(DP), parameter :: PLACE(3, 4) = reshape([0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, &
-      0.0_DP, 0.0_DP, 1.0_DP], [3, 4])
-    type(constraints_type) :: base
-    type(free_motions_type) :: motions
-    type(sparse_type) :: upper
-    real(DP) :: k(12, 12), d(3), images(12, 12), scales(12, 12)
-    integer :: a, b, i, j, n
-    k = 0.0_DP
-    do a = 1, 3
-      do b = a + 1, 4
-        d = (PLACE(:, b) - PLACE(:, a)) / norm2(PLACE(:, b) - PLACE(:, a))
-        do i = 1, 3
-          do j = 1, 3
-            k(3 * a - 3 + i, 3 * a - 3 + j) = k(3 * a - 3 + i, 3 * a - 3 + j) + d(i) * d(j)
-            k(3 * b - 3 + i, 3 * b - 3 + j) = k(3 * b - 3 + i, 3 * b - 3 + j) + d(i) * d(j)
-            k(3 * a - 3 + i, 3 * b - 3 + j) = k(3 * a - 3 + i, 3 * b - 3 + j) - d(i) * d(j)
-            k(3 * b - 3 + i, 3 * a - 3 + j) = k(3 * b - 3 + i, 3 * a - 3 + j) - d(i) * d(j)
-          end do
-        end do
-      end do
-    end do
-    upper = upper_of(k)
-    call reset_constraints(base, 12)
-    if (is_held) then
-      do i = 1, n_held
-        call prescribe_unknown(base, i, 0.0_DP)
-      end do
-    end if
-    call eliminate_constraints(base)
-    call find_motions(skin_controls_type(), upper, base, PLACE, [(.false., i=1, 4)], motions)
-    n = motions%n
-    call suite%that('the rigid motions that supports leave are kept', &
-      n >= n_wanted)
-    images(:, :n) = matmul(k, motions%value)
-    do i = 1, 12
-      if (base%owner(i) /= 0) images(i, :n) = 0.0_DP
-      scales(i, :n) = k(i, i) * motions%value(i, :)
-    end do
-    call suite%that('a body with a free motion is free', &
-      is_singular_along(images(:, :n), scales(:, :n), FREE_RATIO))
-    do i = 1, 12
-      images(i, :n) = images(i, :n) + 1.0e-4_DP * motions%value(i, :)
-    end do
-    call suite%that('a weak spring at each node holds it', &
-      .not. is_singular_along(images(:, :n), scales(:, :n), FREE_RATIO))
-  end subroutine test_motions
-
-
-  !> The upper triangle of a symmetric matrix.
-  function upper_of(full) result(matrix)
-    real(DP), intent(in) :: full(:, :)
-    type(sparse_type) :: matrix
-    type(error_type), allocatable :: error
-    integer :: i, j
-    call sparse_from_triplets(size(full, 1), size(full, 2), [((i, j=i, size(full, 2)), i=1, size(full, 1))], &
-      [((j, j=i, size(full, 2)), i=1, size(full, 1))], [((full(i, j), j=i, size(full, 2)), i=1, size(full, 1))], matrix, error)
-  end function upper_of
 
 end program test_contact_tiles

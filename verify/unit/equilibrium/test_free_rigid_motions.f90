@@ -7,8 +7,8 @@ program test_free_rigid_motions
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, eliminate_constraints
-  use amontons_controls, only: skin_controls_type
-  use amontons_free_rigid_motions, only: free_motions_type, find_motions, is_singular_along
+  use amontons_controls, only: skin_controls_type, globalization_controls_type
+  use amontons_free_rigid_motions, only: free_motions_type, sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
   use check, only: suite_type
   implicit none
   integer, parameter :: N_NODES = 8, N = 3 * N_NODES
@@ -22,6 +22,7 @@ program test_free_rigid_motions
   call check_coupled_bodies()
   call check_hinge()
   call check_singularity()
+  call check_proximal_shift()
   call suite%finish()
 
 contains
@@ -88,6 +89,17 @@ contains
   end subroutine motions_of
 
 
+  !> All kept motions in columns.
+  pure function columns(motions) result(z)
+    type(free_motions_type), intent(in) :: motions
+    real(DP) :: z(N, motions%n)
+    integer :: m
+    do m = 1, motions%n
+      z(:, m) = motion_of(motions, m)
+    end do
+  end function columns
+
+
   !> The largest force that K opposes to a kept motion, over the motion.
   real(DP) function largest_force(motions)
     type(free_motions_type), intent(in) :: motions
@@ -95,8 +107,8 @@ contains
     integer :: m
     largest_force = 0.0_DP
     do m = 1, motions%n
-      call multiply_symmetric(K, motions%value(:, m), force)
-      largest_force = max(largest_force, maxval(abs(force)) / maxval(abs(motions%value(:, m))))
+      call multiply_symmetric(K, motion_of(motions, m), force)
+      largest_force = max(largest_force, maxval(abs(force)) / maxval(abs(motion_of(motions, m))))
     end do
   end function largest_force
 
@@ -104,17 +116,19 @@ contains
   !> Free bodies have six motions each, which K does not oppose; a body held at three nodes has none.
   subroutine check_supports()
     type(free_motions_type) :: motions
+    real(DP), allocatable :: z(:, :)
     integer :: i
     integer, allocatable :: none(:)
     allocate (none(0))
     call motions_of(none, motions)
     call suite%that('two free bodies: twelve motions', motions%n == 12)
     call suite%that('without energy', largest_force(motions) < 1.0e-13_DP)
-    call suite%that('of one body each', all(maxval(abs(motions%value(:12, 7:)), dim=1) == 0.0_DP) &
-      .and. all(maxval(abs(motions%value(13:, :6)), dim=1) == 0.0_DP))
+    z = columns(motions)
+    call suite%that('of one body each', all(abs(z(:12, 7:)) <= 0.0_DP) .and. all(abs(z(13:, :6)) <= 0.0_DP))
     call motions_of([(i, i=1, 9)], motions)
     call suite%that('one of them held: six', motions%n == 6)
-    call suite%that('of the other', all(abs(motions%value(:12, :)) <= 0.0_DP))
+    z = columns(motions)
+    call suite%that('of the other', all(abs(z(:12, :)) <= 0.0_DP))
     call motions_of([(i, i=1, N)], motions)
     call suite%that('all held: none', motions%n == 0)
   end subroutine check_supports
@@ -124,6 +138,7 @@ contains
   subroutine check_coupled_bodies()
     type(free_motions_type) :: motions
     type(constraint_row_type) :: row(3)
+    real(DP), allocatable :: z(:, :)
     integer, allocatable :: none(:)
     integer :: i
     allocate (none(0))
@@ -133,19 +148,22 @@ contains
     end do
     call motions_of(none, motions, row)
     call suite%that('bodies coupled by rows are one body', motions%n >= 3 .and. motions%n <= 6)
-    call suite%that('its motions obey the rows', all(abs(motions%value(13:15, :) - motions%value(1:3, :)) < 1.0e-14_DP))
+    z = columns(motions)
+    call suite%that('its motions obey the rows', all(abs(z(13:15, :) - z(1:3, :)) < 1.0e-14_DP))
   end subroutine check_coupled_bodies
 
 
   !> A body held at one node turns about it, held at two nodes about their line.
   subroutine check_hinge()
     type(free_motions_type) :: motions
+    real(DP), allocatable :: z(:, :)
     integer :: i
     call motions_of([[(i, i=1, 3)], [(i, i=13, 21)]], motions)
     call suite%that('held at a node: three rotations about it', motions%n == 3)
     call suite%that('without energy', largest_force(motions) < 1.0e-13_DP)
-    call suite%that('and none of the held body', all(abs(motions%value(13:21, :)) <= 0.0_DP))
-    call suite%that('the node stays', all(abs(motions%value(1:3, :)) <= 0.0_DP))
+    z = columns(motions)
+    call suite%that('and none of the held body', all(abs(z(13:21, :)) <= 0.0_DP))
+    call suite%that('the node stays', all(abs(z(1:3, :)) <= 0.0_DP))
     call motions_of([[(i, i=1, 6)], [(i, i=13, 21)]], motions)
     call suite%that('held at two nodes: one rotation', motions%n == 1)
     call suite%that('without energy, too', largest_force(motions) < 1.0e-13_DP)
@@ -159,15 +177,51 @@ contains
     scales(:, 2) = [0.0_DP, 1.0_DP, 1.0_DP, 1.0_DP, -2.0_DP, 1.0_DP]
     images(:, 1) = [1.0_DP, 0.0_DP, 3.0_DP, 0.0_DP, 0.0_DP, 1.0_DP]
     images(:, 2) = -2.0_DP * images(:, 1)
-    call suite%that('a combination without force', is_singular_along(images, scales, FREE_RATIO))
+    call suite%that('a combination without force', is_singular(images, scales))
     images(4, 2) = 1.0e-4_DP
-    call suite%that('a weak spring', .not. is_singular_along(images, scales, FREE_RATIO))
-    images(4, 2) = 1.0e-12_DP
-    call suite%that('a force of rounding', is_singular_along(images, scales, FREE_RATIO))
+    call suite%that('a weak spring', .not. is_singular(images, scales))
+    images(4, 2) = 1.0e-14_DP
+    call suite%that('a force of rounding', is_singular(images, scales))
     images = 0.0_DP
-    call suite%that('no force at all', is_singular_along(images, scales, FREE_RATIO))
-    call suite%that('no motions', .not. is_singular_along(images(:, :0), scales(:, :0), FREE_RATIO))
-    call suite%that('a motion without scale is not judged', .not. is_singular_along(images, 0.0_DP * scales, FREE_RATIO))
+    call suite%that('no force at all', is_singular(images, scales))
+    call suite%that('no motions', .not. is_singular(images(:, :0), scales(:, :0)))
+    call suite%that('a motion without scale is not judged', .not. is_singular(images, 0.0_DP * scales))
+    scales(:, 2) = 0.0_DP
+    call suite%that('but the others are', is_singular(images, scales))
   end subroutine check_singularity
+
+
+  !> Whether a tangent with these products is singular.
+  logical function is_singular(images, scales)
+    real(DP), intent(in) :: images(:, :), scales(:, :)
+    integer :: m
+    is_singular = is_singular_along(size(images, 1), [(compressed(images(:, m)), m=1, size(images, 2))], &
+      [(compressed(scales(:, m)), m=1, size(scales, 2))], FREE_RATIO)
+  end function is_singular
+
+
+  !> Free bodies are found, and the least proximal shift makes them regular.
+  subroutine check_proximal_shift()
+    type(globalization_controls_type), parameter :: LIMITS = globalization_controls_type()
+    type(free_motions_type) :: motions
+    real(DP), allocatable :: z(:, :), images(:, :), scales(:, :)
+    integer, allocatable :: none(:)
+    integer :: i, m
+    allocate (none(0))
+    call motions_of(none, motions)
+    z = columns(motions)
+    allocate (images, scales, mold=z)
+    do m = 1, motions%n
+      call multiply_symmetric(K, z(:, m), images(:, m))
+      do i = 1, N
+        scales(i, m) = K%value(K%first(i)) * z(i, m)
+      end do
+    end do
+    call suite%that('free bodies', is_singular(images, scales))
+    call suite%that('one of them', is_singular(images(:, 7:), scales(:, 7:)))
+    call suite%that('with the least shift they are held', .not. is_singular(images + LIMITS%min_proximal_shift * scales, scales))
+    images(:, 7:) = images(:, 7:) + LIMITS%min_proximal_shift * scales(:, 7:)
+    call suite%that('one free and one with the least shift', is_singular(images, scales))
+  end subroutine check_proximal_shift
 
 end program test_free_rigid_motions
