@@ -1,5 +1,5 @@
-!> Tests of tiles: even tiles that cover all points once, corrections against LAPACK with an unsymmetric tangent, the same bits for any
-!! number of threads.
+!> Tests of tiles: even tiles that cover all points once, corrections against LAPACK with an unsymmetric tangent, the same bits for
+!! any number of threads.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_contact_tiles
   use amontons_kinds, only: DP

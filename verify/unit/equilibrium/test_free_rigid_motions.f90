@@ -8,7 +8,8 @@ program test_free_rigid_motions
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, eliminate_constraints
   use amontons_controls, only: skin_controls_type, globalization_controls_type
-  use amontons_free_rigid_motions, only: free_motions_type, sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
+  use amontons_free_rigid_motions, only: free_motions_type, sparse_vector_type, find_motions, motion_of, compressed, &
+    is_singular_along
   use check, only: suite_type
   implicit none
   integer, parameter :: N_NODES = 8, N = 3 * N_NODES
