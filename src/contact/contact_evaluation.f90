@@ -175,12 +175,12 @@ contains
         d = matmul(free, contact_slip_vector(contact, model, fields%u, slave))   ! slip from first touch decides on stick or slip
         call evaluate_status()
       end if
-      if (status_before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (is_rough(law) .or. has_other_constraints(contact, &
-        s))) &
-        call note_pull_off(slave%overrides)
+      if (status_before /= STATUS_OPEN .and. slave%status == STATUS_OPEN .and. (is_rough(law) .or. &
+        has_other_constraints(contact, s))) call note_pull_off(slave%overrides)
       contact%direction(:, s) = trial%direction
       slave%slip_increment = merge(0.0_DP, d - dot_product(free_normal, d) * free_normal, slave%status == STATUS_OPEN)
       call set_forces(-dot_product(free_normal, Rhat))
+      if (allocated(contact%held_normal_force)) call set_augmented_force(contact, s, free_normal, free_share, d, slave)
       if (has_other_constraints(contact, s)) d = slave%slip_increment + slave%gap * free_normal
       call count_changes(contact, status_before, s, slave, norm2(d))
     end associate
@@ -231,6 +231,31 @@ contains
   end subroutine evaluate_hard_node
 
 
+  !> Augmented Lagrangian: the force at the start of the round and the spring c, shortened to what the laws admit under a constant
+  !! friction limit, whatever the status.
+  pure subroutine set_augmented_force(contact, s, free_normal, free_share, d, slave)
+    type(contact_type), intent(in) :: contact
+    integer, intent(in) :: s                       !< index of the slave
+    real(DP), intent(in) :: free_normal(3)         !< unit vector of the free part of its normal
+    real(DP), intent(in) :: free_share             !< length of that part [-]
+    real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) in the free directions [length]
+    type(slave_state_type), intent(inout) :: slave
+    slave%force = max(contact%held_normal_force(s) - slave%stiffness * slave%gap, 0.0_DP) / free_share * slave%normal
+    slave%shear = shorten(contact%held_friction(:, s) - slave%stiffness * (d - dot_product(free_normal, d) * free_normal), &
+      contact%held_limit(s))
+  end subroutine set_augmented_force
+
+
+  !> A friction force, shortened to its limit.
+  pure function shorten(friction, limit) result(admissible)
+    real(DP), intent(in) :: friction(3)            !< [force]
+    real(DP), intent(in) :: limit                  !< [force]
+    real(DP) :: admissible(3)
+    admissible = friction
+    if (norm2(friction) > limit) admissible = limit / norm2(friction) * friction
+  end function shorten
+
+
   !> Whether the friction of a node is held constant: it slips while contact is held.
   pure logical function is_friction_held(contact, status)
     type(contact_type), intent(in) :: contact
@@ -247,12 +272,10 @@ contains
     type(slave_state_type), intent(in) :: slave
     integer, intent(in) :: s                       !< its index
     real(DP), intent(in) :: coulomb(3)             !< friction of the normal force [force]
-    real(DP) :: friction(3), limit
+    real(DP) :: friction(3)
     friction = coulomb
-    if (.not. is_friction_held(contact, slave%status)) return
-    limit = contact%held_limit(s)
-    friction = contact%held_friction(:, s) - slave%stiffness * slave%slip_increment
-    if (norm2(friction) > limit) friction = limit / norm2(friction) * friction
+    if (is_friction_held(contact, slave%status)) friction = shorten(contact%held_friction(:, s) - slave%stiffness * &
+      slave%slip_increment, contact%held_limit(s))
   end function slip_friction
 
 
@@ -445,8 +468,7 @@ contains
       slave%shear = contact%held_friction(:, s)
       return
     end if
-    slave%shear = -law%stick_slope * slave%area * slip
-    if (norm2(slave%shear) > contact%held_limit(s)) slave%shear = contact%held_limit(s) / norm2(slave%shear) * slave%shear
+    slave%shear = shorten(-law%stick_slope * slave%area * slip, contact%held_limit(s))
   end subroutine set_held_shear
 
 
@@ -556,8 +578,10 @@ contains
     type(slave_state_type), intent(in) :: slave
     real(DP), intent(inout) :: contact_force(:, :)   !< (3, n_nodes) [force]
     type(contact_row_type) :: row
-    if (slave%status == STATUS_OPEN) return
-    if (slave%status == STATUS_STICK .and. .not. is_compliant(contact%laws(slave%pair))) then
+    logical :: is_augmented
+    is_augmented = allocated(contact%held_normal_force) .and. slave%facet > 0
+    if (slave%status == STATUS_OPEN .and. .not. is_augmented) return
+    if (slave%status == STATUS_STICK .and. .not. is_augmented .and. .not. is_compliant(contact%laws(slave%pair))) then
       call origin_row(contact, slave, row)
     else
       call current_row(contact, slave, row)

@@ -74,6 +74,8 @@ contains
       tangents(n)%force = fields%slaves(s)%force + fields%slaves(s)%shear
       if (is_compliant(contact%laws(fields%slaves(s)%pair))) then
         call linearize_compliant(contact, model, x, old%slaves(s), fields, rates, tangents(n))
+      else if (allocated(contact%held_normal_force)) then
+        call linearize_augmented(contact, fields%slaves(s), tangents(n))
       else if (fields%slaves(s)%status == STATUS_STICK) then
         call linearize_stick(contact, fields%slaves(s), s, tangents(n))
       else
@@ -102,6 +104,21 @@ contains
     n_f = n_f / share
     tangent%force_imbalance = tangent%force_imbalance + outer_product(n_f - slave%normal / share, n_f)
   end subroutine linearize_stick
+
+
+  !> Exact contact in an augmented round: the spring of the trial traction, for the preconditioner alone; no row.
+  subroutine linearize_augmented(contact, slave, tangent)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave
+    type(contact_tangent_type), intent(inout) :: tangent
+    type(contact_row_type) :: row
+    call current_row(contact, slave, row)
+    call copy_row(row, tangent)
+    call set_fixed_weights(slave, tangent)
+    tangent%is_compliant_node = .true.
+    tangent%spring = slave%stiffness * IDENTITY
+    if (slave%status == STATUS_SLIP) tangent%spring = slave%stiffness * outer_product(slave%normal, slave%normal)
+  end subroutine linearize_augmented
 
 
   !> Nodes and weights of a constant row.

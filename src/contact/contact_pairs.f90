@@ -91,6 +91,8 @@ module amontons_contact_pairs
                                                   !! after that; not allocated: those of the normal forces [force]
     real(DP), allocatable :: held_friction(:, :)  !< (3, n_slaves) friction on the slipping nodes where contact began to be held;
                                                   !! not allocated: it is not held [force]
+    real(DP), allocatable :: held_normal_force(:)   !< (n_slaves) normal forces where an augmented round began: exact contact is a
+                                                  !! spring beside them; not allocated: it is not augmented [force]
     integer :: n_newly_opened = 0                       !< changes in the last evaluation
     integer :: n_closed = 0
     integer :: n_changed = 0                      !< all changes of status, including opened and closed

@@ -1,14 +1,16 @@
-!> Rounds of contact around nonlinear conjugate gradients: statuses, pairs and friction are held inside, then evaluated in full.
+!> Rounds of contact around nonlinear conjugate gradients: forces or statuses are held inside, then contact is evaluated in full.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/conjugate_gradients.md. A round
 !!
-!! 1. makes C and c of the constraints and of the closed nodes, and the preconditioner,
-!! 2. moves supports and closed nodes by c,
-!! 3. solves the equilibrium with the statuses and the friction held (amontons_nonlinear_conjugate_gradients),
+!! 1. makes C and c of the constraints, and the preconditioner,
+!! 2. moves supports by c,
+!! 3. solves the equilibrium with the friction limits held (amontons_nonlinear_conjugate_gradients),
 !! 4. evaluates contact in full: the residual is that of the true laws, and Newton's verdict holds.
 !!
-!! The residual of a round is reduced only as far as the error of what is held.
+!! As long as statuses change, rounds are augmented: springs beside the forces held find the statuses inside the iteration. Then
+!! the closed nodes are eliminated, with their statuses held. The residual of a round is reduced only as far as the error of what
+!! is held.
 module amontons_contact_rounds
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -43,6 +45,7 @@ module amontons_contact_rounds
     integer :: n_iterations = 0                    !< conjugate gradients
     integer :: n_frozen = 0                        !< nodes whose status was frozen
     logical :: is_unchanged = .false.                !< no status changed at the end of the last round
+    logical :: is_augmented = .false.              !< the last round was augmented
     logical :: is_interrupted = .false.            !< a body moved freely in the last round, or touched
     type(anderson_type) :: acceleration            !< of the friction held
     real(DP), allocatable :: held(:, :)            !< (3, n_slaves) friction held in the last round [force]
@@ -66,16 +69,23 @@ contains
     type(slave_state_type), allocatable :: slaves(:)
     real(DP), allocatable :: u(:, :)
     real(DP) :: reduction
+    logical :: is_augmented
     u = state%new%u
     slaves = state%new%slaves
     rounds%n_rounds = rounds%n_rounds + 1
-    reduction = find_reduction(rounds, step, measures, sets_origins(system, state))
+    is_augmented = .not. rounds%is_unchanged .and. any(.not. is_compliant(system%contact%laws))
+    if (rounds%n_rounds == 1) is_augmented = is_augmented .and. measures%residual(0) > FAR_FROM_EQUILIBRIUM
+    reduction = find_reduction(rounds, step, max(measures%residual(0), measures%residual_at_gap, largest_gap_force(system, &
+      slaves) / max(system%largest_force, rounds%least_force, tiny(1.0_DP))), sets_origins(system, state))
     if (rounds%n_rounds == 1 .and. measures%residual(0) > FAR_FROM_EQUILIBRIUM) &
       call keep_friction(system%contact, state%old%slaves, state%new%slaves)
     call hold_friction(rounds, step%controls%gradients%max_excess, system%contact, state%new%slaves)
+    if (is_augmented) call hold_forces(rounds%is_augmented, system%contact, state%new%slaves)
+    rounds%is_augmented = is_augmented
     call solve_portions(rounds, system, model, step, reduction, state, inner, outcome, error)
     rounds%n_iterations = rounds%n_iterations + inner%n_iterations
     deallocate (system%contact%held_friction)
+    if (is_augmented) deallocate (system%contact%held_normal_force)
     if (outcome == OUTCOME_OK .and. .not. allocated(error) .and. inner%is_interrupted) &
       call freeze_closed(slaves, state%new%slaves, .true.)
     if (outcome == OUTCOME_OK .and. .not. allocated(error)) &
@@ -85,7 +95,7 @@ contains
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     system%n_evaluations = system%n_evaluations + 1
     rounds%is_unchanged = system%contact%n_changed == 0
-    call freeze_cycling_nodes(rounds, step%controls%gradients, system, slaves, state%new%slaves)
+    if (.not. is_augmented) call freeze_cycling_nodes(rounds, step%controls%gradients, system, slaves, state%new%slaves)
     report%step_length = inner%step_length
     report%n_scenario = inner%n_scenario
     report%correction = maxval(max_components(system, state%new%u - u, 1))
@@ -97,23 +107,30 @@ contains
 
   !> The residual at which a round ends, over the largest force: a fraction of that at its start, smaller once
   !! the statuses no longer change.
-  pure real(DP) function find_reduction(rounds, step, measures, is_origin_set) result(reduction)
+  pure real(DP) function find_reduction(rounds, step, residual, is_origin_set) result(reduction)
     type(contact_rounds_type), intent(in) :: rounds
     type(step_type), intent(in) :: step
-    type(convergence_measures_type), intent(in) :: measures
+    real(DP), intent(in) :: residual               !< at its start, or c g of a closed node, over the largest force [-]
     logical, intent(in) :: is_origin_set           !< nodes may close, and their slip counts from where they do
-    real(DP) :: residual
     associate (controls => step%controls%gradients)
       if (rounds%n_rounds == 1) then
         reduction = merge(controls%origin_reduction, controls%first_reduction, is_origin_set)
       else
-        residual = max(measures%residual(0), measures%residual_at_gap)
         reduction = min(controls%first_reduction, residual * merge(min(controls%unchanged_reduction, controls%reduction), &
           controls%reduction, rounds%is_unchanged))
       end if
       reduction = max(reduction, controls%least_share * step%controls%r_l)
     end associate
   end function find_reduction
+
+
+  !> The largest force that would close the gap of a node of exact contact: an augmented round leaves gaps.
+  pure real(DP) function largest_gap_force(system, slaves) result(force)
+    type(equilibrium_type), intent(in) :: system
+    type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves)
+    force = maxval([0.0_DP, pack(slaves%stiffness * abs(slaves%gap), slaves%status /= STATUS_OPEN .and. &
+      .not. is_compliant(system%contact%laws(slaves%pair)))])
+  end function largest_gap_force
 
 
   !> Whether nodes with friction may close in this round.
@@ -205,7 +222,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_SLIP) contact%held_friction(:, s) = slaves(s)%shear
     end do
-    if (rounds%is_unchanged .and. size(slipping) > 0) then
+    if (rounds%is_unchanged .and. .not. rounds%is_augmented .and. size(slipping) > 0) then
       allocate (next(3 * size(slipping)))
       call accelerate(rounds%acceleration, reshape(rounds%held(:, slipping), [3 * size(slipping)]), &
         reshape(contact%held_friction(:, slipping), [3 * size(slipping)]), next)
@@ -223,6 +240,23 @@ contains
     contact%held_limit = merge(norm2(contact%held_friction, dim=1), contact%slip_data%limit, slaves%status == STATUS_SLIP .and. &
       .not. is_compliant(contact%laws(slaves%pair)))
   end subroutine hold_friction
+
+
+  !> Augments the contact forces of the last evaluation in this round. After an augmented round the forces of open nodes that it
+  !! pressed count as well.
+  pure subroutine hold_forces(was_augmented, contact, slaves)
+    logical, intent(in) :: was_augmented
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves) evaluated in full
+    integer :: s
+    allocate (contact%held_normal_force(size(slaves)), source=0.0_DP)
+    do s = 1, size(slaves)
+      if (is_compliant(contact%laws(slaves(s)%pair))) cycle
+      if (slaves(s)%status /= STATUS_OPEN .or. was_augmented) contact%held_normal_force(s) = max(contact%slip_data(s)%N, 0.0_DP)
+      contact%held_friction(:, s) = slaves(s)%shear
+      contact%held_limit(s) = merge(0.0_DP, contact%slip_data(s)%limit, slaves(s)%status == STATUS_OPEN)
+    end do
+  end subroutine hold_forces
 
 
   !> K or its nodal blocks, C with c, and the preconditioner.

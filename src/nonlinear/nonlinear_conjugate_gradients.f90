@@ -46,6 +46,7 @@ module amontons_nonlinear_conjugate_gradients
   !> The iteration: vectors over the free unknowns, and the point that they belong to.
   type :: iteration_type
     real(DP), allocatable :: r(:), z(:), d(:), r_old(:)   !< (n_free) gradient, preconditioned gradient, direction
+    real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R at the iterate [force]
     real(DP) :: descent = 0                        !< z'r of the last iteration [energy]
     real(DP) :: least_descent = huge(1.0_DP)       !< the least so far, when it last fell to a quarter [energy]
     integer :: n_idle = 0                          !< iterations since
@@ -182,10 +183,10 @@ contains
     real(DP), intent(out) :: length                !< [-]
     type(slip_state_type), allocatable :: slip_data(:)
     type(slip_result_type) :: verdicts(size(iteration%slaves))
-    real(DP), allocatable :: u(:, :), du(:, :), residual(:, :), flat(:), tried(:)
+    real(DP), allocatable :: u(:, :), du(:, :), flat(:), tried(:)
     real(DP) :: alpha
     u = state%new%u
-    residual = system%residual
+    iteration%residual = system%residual
     slip_data = system%contact%slip_data
     allocate (flat(size(u)), tried(size(iteration%r)))
     call multiply(system%constraints%transformation, iteration%d, flat)
@@ -203,7 +204,8 @@ contains
     if (allocated(iteration%is_bulk)) then
       call move_with_slave_lengths()
     else
-      call advance(system, model, step, iteration, u + length * du, residual, alpha, state, report%outcome)
+      call advance(system, model, step, iteration, u, iteration%scale * du, alpha, state, report%outcome)
+      length = alpha * iteration%scale
     end if
     call reduce_residual(system, iteration%r)
     if (alpha > 0.0_DP .and. .not. report%is_interrupted) iteration%scale = alpha * iteration%scale
@@ -311,11 +313,11 @@ contains
       is_found = denominator < least
     end if
     longest = mesh_extent(model%mesh) / max(maxval(norm2(du, dim=1)), tiny(1.0_DP))
-    call limit_penetration(system, slaves, iteration%scale, du, merge(controls%max_penetration, controls%touching, is_found), &
-      longest)
+    if (.not. (is_found .and. allocated(system%contact%held_normal_force))) call limit_penetration(system, slaves, &
+      iteration%scale, du, merge(controls%max_penetration, controls%touching, is_found), longest)
     longest = longest / iteration%scale
     alpha = longest
-    if (is_found) alpha = -numerator / denominator
+    if (is_found) alpha = min(-numerator / denominator, controls%max_length)
     is_interrupted = .not. is_found .or. alpha > longest
     alpha = min(alpha, longest)
   end subroutine find_bulk_length
@@ -344,29 +346,34 @@ contains
 
 
   !> Moves by alpha times the trial step. The residual there is interpolated between those of iterate and trial step where that was
-  !! exact enough before, else evaluated.
-  subroutine advance(system, model, step, iteration, u, residual, alpha, state, outcome)
+  !! exact enough before, else evaluated. A length that inverts elements is cut towards the trial step, which did not.
+  subroutine advance(system, model, step, iteration, u, du, alpha, state, outcome)
     type(equilibrium_type), intent(inout) :: system    !< evaluated at the end of the trial step
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(iteration_type), intent(inout) :: iteration
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) the new iterate [length]
-    real(DP), intent(in) :: residual(:, :)         !< (3, n_nodes) at the old one [force]
-    real(DP), intent(in) :: alpha                  !< [-]
+    real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and trial step [length]
+    real(DP), intent(inout) :: alpha               !< out: cut [-]
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome
     real(DP), allocatable :: interpolated(:, :)
     real(DP) :: error
+    integer :: cut
     outcome = OUTCOME_OK
-    interpolated = residual + alpha * (system%residual - residual)
+    interpolated = iteration%residual + alpha * (system%residual - iteration%residual)
     if (iteration%n_interpolated < iteration%n_trusted) then
       iteration%n_interpolated = iteration%n_interpolated + 1
-      state%new%u = u
+      state%new%u = u + alpha * du
       system%residual = interpolated
       return
     end if
-    call evaluate_held(system, model, step, iteration%slaves, u, state, outcome)
+    do cut = 0, step%controls%gradients%max_cuts
+      call evaluate_held(system, model, step, iteration%slaves, u + alpha * du, state, outcome)
+      if (outcome /= OUTCOME_ELEMENT .and. outcome /= OUTCOME_NOT_FINITE) exit
+      alpha = 0.5_DP * (alpha + 1.0_DP)
+    end do
     error = norm2(system%residual - interpolated)
+    if (cut > 0) error = huge(1.0_DP)
     if (error <= step%controls%gradients%interpolation_tolerance * norm2(system%residual)) then
       iteration%n_trusted = min(step%controls%gradients%max_interpolated, 2 * iteration%n_trusted + 1)
     else

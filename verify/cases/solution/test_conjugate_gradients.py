@@ -14,7 +14,7 @@ import pytest
 
 from verify.conftest import ROOT, Run
 from verify.readers.sta_cvg_files import read_sta
-from verify.study.contact_table import ball_by_faces
+from verify.study.contact_table import ball_by_faces, cylinder
 
 PRECONDITIONERS = ("NODAL", "DIAGONAL", "TWO LEVEL", "FACTOR")
 
@@ -116,6 +116,22 @@ def test_friction_on_faces(run: Run, tmp_path: Path) -> None:
     attempts = read_sta(tmp_path / "gradients" / "job.sta")
     assert len(attempts) == 10
     assert not any(a.is_failed for a in attempts)
+
+
+def rolling_cylinder(mu: float, mode: str) -> str:
+    """A cylinder pressed into a slab and drawn over almost two of its edges, in two increments: most slave nodes change their status."""
+    deck = "*STEP".join(cylinder(mu, mode, 5).split("*STEP")[:3])
+    press, drag = deck.rsplit("*STEP", 1)
+    return press + "*STEP" + drag.replace("0.2, 1., 1e-6, 0.2", "0.5, 1., 1e-6, 0.5").replace("1, 1, 1.", "1, 1, 0.4")
+
+
+def test_statuses_within_a_round(run: Run, tmp_path: Path) -> None:
+    """Nodes open, close, stick and slip inside the iteration: with statuses taken from the last solution alone
+    the drag takes ten increments and failed attempts."""
+    deck = rolling_cylinder(0.3, "ALL")
+    compare(run, tmp_path, rolling_cylinder(0.3, "AUTO"), with_gradients(deck, "NODAL"))
+    attempts = read_sta(tmp_path / "gradients" / "job.sta")
+    assert len([a for a in attempts if a.step == 2]) == 2
 
 
 def test_cut_back(run: Run, tmp_path: Path) -> None:
