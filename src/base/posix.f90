@@ -6,11 +6,22 @@ module amontons_posix
   use amontons_errors, only: error_type, set_error, EXIT_IO
   implicit none
   private
-  public :: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text
+  public :: new_file_type, start_new_file, append_words, place_new_file, sync_file, truncate_file
+  public :: checksum_of_words, continue_checksum, checksum_of_text, errno_text
   public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
     is_status_requested, set_exit_handler, restart_passive_threads
   public :: heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat, stop_heartbeat
   public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
+
+  character(*), parameter :: SUFFIX_NEW = '.new'   !< of a file that is not complete yet
+
+  !> A file that is being written under a temporary name.
+  type :: new_file_type
+    private
+    character(:), allocatable :: path            !< whose place it takes
+    integer(c_int) :: descriptor = -1
+    integer(c_int) :: status = 0                 !< errno of the first failure; 0: none
+  end type new_file_type
 
   !> The process lock of a thread around text output and formatting (reason in posix_shim.c); a procedure holds it until its end.
   type :: process_lock_type
@@ -21,13 +32,30 @@ module amontons_posix
   end type process_lock_type
 
   interface
-    function write_whole_c(path, temporary, bytes, n_bytes) bind(C, name='amontons_write_whole') result(status)
-      import :: c_char, c_int, c_int64_t
-      character(kind=c_char), intent(in) :: path(*), temporary(*)
-      integer(c_int64_t), intent(in) :: bytes(*)
+    function open_new_c(temporary) bind(C, name='amontons_open_new') result(descriptor)
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: temporary(*)
+      integer(c_int) :: descriptor
+    end function open_new_c
+
+    function append_new_c(descriptor, words, n_bytes) bind(C, name='amontons_append_new') result(status)
+      import :: c_int, c_int64_t
+      integer(c_int), value :: descriptor
+      integer(c_int64_t), intent(in) :: words(*)
       integer(c_int64_t), value :: n_bytes
       integer(c_int) :: status
-    end function write_whole_c
+    end function append_new_c
+
+    function place_new_c(descriptor, path, temporary, head, n_bytes, status_before) bind(C, name='amontons_place_new') &
+      result(status)
+      import :: c_char, c_int, c_int64_t
+      integer(c_int), value :: descriptor
+      character(kind=c_char), intent(in) :: path(*), temporary(*)
+      integer(c_int64_t), intent(in) :: head(*)
+      integer(c_int64_t), value :: n_bytes
+      integer(c_int), value :: status_before
+      integer(c_int) :: status
+    end function place_new_c
 
     function sync_file_c(path) bind(C, name='amontons_sync_file') result(status)
       import :: c_char, c_int
@@ -54,6 +82,14 @@ module amontons_posix
       integer(c_int64_t), value :: n_bytes
       integer(c_int64_t) :: sum
     end function checksum_words_c
+
+    pure function continue_checksum_c(before, words, n_bytes) bind(C, name='amontons_continue_checksum') result(sum)
+      import :: c_int64_t
+      integer(c_int64_t), value :: before
+      integer(c_int64_t), intent(in) :: words(*)
+      integer(c_int64_t), value :: n_bytes
+      integer(c_int64_t) :: sum
+    end function continue_checksum_c
 
     subroutine acquire_lock_c() bind(C, name='amontons_acquire_lock')
     end subroutine acquire_lock_c
@@ -184,15 +220,37 @@ contains
   end subroutine stop_heartbeat
 
 
-  !> Writes a file under a temporary name, flushes it to the storage device and renames it (atomic): at any moment the complete old
-  !! or the complete new file exists.
-  subroutine write_whole_file(path, words, error)
+  !> Starts a file that takes the place of another one when it is complete: at any moment the complete old or the complete new file
+  !! exists. It is written under a temporary name. An error is kept until the end.
+  subroutine start_new_file(file, path)
+    type(new_file_type), intent(out) :: file
     character(*), intent(in) :: path
-    integer(I64), intent(in) :: words(:)             !< contents
+    file%path = path
+    file%descriptor = open_new_c(path // SUFFIX_NEW // c_null_char)
+    file%status = max(0, -file%descriptor)
+  end subroutine start_new_file
+
+
+  !> Appends words to a new file.
+  subroutine append_words(file, words)
+    type(new_file_type), intent(inout) :: file
+    integer(I64), intent(in) :: words(:)
+    if (file%status == 0) file%status = append_new_c(file%descriptor, words, 8_I64 * size(words, kind=I64))
+  end subroutine append_words
+
+
+  !> Writes the first words of a new file once more, flushes it to the storage device and renames it (atomic). After an error it is
+  !! removed. Errors (EXIT_IO): the first one since its start.
+  subroutine place_new_file(file, head, error)
+    type(new_file_type), intent(inout) :: file
+    integer(I64), intent(in) :: head(:)
     type(error_type), allocatable, intent(out) :: error
-    call set_posix_error('write', path, write_whole_c(path // c_null_char, path // '.new' // c_null_char, words, &
-      8_I64 * size(words, kind=I64)), error)
-  end subroutine write_whole_file
+    integer :: status
+    status = file%status
+    if (file%descriptor >= 0) status = place_new_c(file%descriptor, file%path // c_null_char, file%path // SUFFIX_NEW // &
+      c_null_char, head, 8_I64 * size(head, kind=I64), status)
+    call set_posix_error('write', file%path, status, error)
+  end subroutine place_new_file
 
 
   !> Flushes a file that is open for writing to the storage device.
@@ -225,6 +283,15 @@ contains
     integer(I64) :: sum
     sum = checksum_words_c(words, 8_I64 * size(words, kind=I64))
   end function checksum_of_words
+
+
+  !> Checksum of a sequence of words that comes in pieces.
+  pure function continue_checksum(before, words) result(sum)
+    integer(I64), intent(in) :: before               !< of the pieces before; 0 at the start
+    integer(I64), intent(in) :: words(:)
+    integer(I64) :: sum
+    sum = continue_checksum_c(before, words, 8_I64 * size(words, kind=I64))
+  end function continue_checksum
 
 
   !> The same for a text.

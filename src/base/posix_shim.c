@@ -331,13 +331,26 @@ static int write_all(int descriptor, const char *from, size_t size)
   return 0;
 }
 
-/* Writes a file under a temporary name, syncs it, and renames it (atomic): at any moment the complete old file or the
- * complete new one exists. 0: done, else errno. */
-int amontons_write_whole(const char *path, const char *temporary, const void *bytes, int64_t n_bytes)
+/* A file that takes the place of another one when it is complete: written under a temporary name, synced, renamed (atomic). */
+
+/* The descriptor of the temporary file, or minus errno. */
+int amontons_open_new(const char *temporary)
 {
   int descriptor = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) return errno;
-  int status = write_all(descriptor, bytes, (size_t)n_bytes);
+  return descriptor < 0 ? -errno : descriptor;
+}
+
+/* Appends bytes. 0: done, else errno. */
+int amontons_append_new(int descriptor, const void *bytes, int64_t n_bytes)
+{
+  return write_all(descriptor, bytes, (size_t)n_bytes);
+}
+
+/* Writes the head over the first bytes and puts the file in its place; with a status before (errno) it is removed. 0: done, else errno. */
+int amontons_place_new(int descriptor, const char *path, const char *temporary, const void *head, int64_t n_bytes, int status)
+{
+  if (!status && lseek(descriptor, 0, SEEK_SET) < 0) status = errno;
+  if (!status) status = write_all(descriptor, head, (size_t)n_bytes);
   if (!status && fdatasync(descriptor) < 0) status = errno;
   if (close(descriptor) < 0 && !status) status = errno;
   if (!status && rename(temporary, path) < 0) status = errno;
@@ -374,10 +387,9 @@ void amontons_reason(int number, char *text, int capacity)
 }
 
 /* A 64-bit checksum: each word is mixed into a running sum, so that the order matters (after MurmurHash3's finalizer). */
-uint64_t amontons_checksum(const void *bytes, int64_t n_bytes)
+uint64_t amontons_continue_checksum(uint64_t sum, const void *bytes, int64_t n_bytes)
 {
   const unsigned char *from = bytes;
-  uint64_t sum = 0x9E3779B97F4A7C15ull ^ (uint64_t)n_bytes;
   for (int64_t k = 0; k < n_bytes; k += 8) {
     uint64_t word = 0;
     memcpy(&word, from + k, n_bytes - k < 8 ? (size_t)(n_bytes - k) : 8);
@@ -385,4 +397,9 @@ uint64_t amontons_checksum(const void *bytes, int64_t n_bytes)
     sum ^= sum >> 32;
   }
   return sum;
+}
+
+uint64_t amontons_checksum(const void *bytes, int64_t n_bytes)
+{
+  return amontons_continue_checksum(0x9E3779B97F4A7C15ull ^ (uint64_t)n_bytes, bytes, n_bytes);
 }

@@ -182,7 +182,7 @@ contains
     call keep_state(analysis, analysis%records(analysis%n_records), error)
     if (allocated(error)) return
     analysis%is_guarded = .false.
-    if (is_checkpoint_due(analysis)) call save_checkpoint(analysis, .false., error)
+    if (is_checkpoint_due(analysis) .and. .not. is_finished(analysis)) call save_checkpoint(analysis, .false., error)
   end subroutine write_committed
 
 
@@ -262,6 +262,15 @@ contains
   end function is_checkpoint_due
 
 
+  !> Whether a batch job has done all its steps and its checkpoint will not be needed: it is written once, as the files are closed.
+  !! (A program that calls the library may read the result file before it closes the job.)
+  logical function is_finished(analysis)
+    type(analysis_type), intent(in) :: analysis
+    is_finished = is_at_end(analysis) .and. analysis%n_committed == analysis%n_records .and. &
+      analysis%options%handles_signals .and. .not. analysis%model%keeps_checkpoint
+  end function is_finished
+
+
   !> Writes the checkpoint, then updates the result file: at any moment either the result file matches the checkpoint, or the
   !! checkpoint contains the pages that make it match.
   subroutine save_checkpoint(analysis, is_old, error)
@@ -311,6 +320,12 @@ contains
   subroutine close_result_file(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
+    if (is_finished(analysis) .and. .not. analysis%is_guarded) then
+      call close_results(analysis%results, error)
+      if (.not. allocated(error)) call save_checkpoint(analysis, .false., error)
+      call discard_results(analysis%results)
+      return
+    end if
     if (.not. analysis%is_guarded) call save_checkpoint(analysis, .false., error)
     if (allocated(error)) return
     call write_attempts(analysis, analysis%n_committed + 1, analysis%n_records, error)

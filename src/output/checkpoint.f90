@@ -11,7 +11,7 @@
 module amontons_checkpoint
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: checksum_of_text, checksum_of_words, write_whole_file
+  use amontons_posix, only: checksum_of_text, continue_checksum, new_file_type, start_new_file, append_words, place_new_file
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_hdf5_file, only: hdf5_pages_type
@@ -28,8 +28,9 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 15
-  integer, parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
+  integer(I64), parameter :: FORMAT_VERSION = 16
+  integer(I64), parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
+  integer(I64), parameter :: N_BUFFER_WORDS = 131072            !< words of a piece of the file
 
   !> All data on which the next increment depends.
   type :: snapshot_type
@@ -62,8 +63,11 @@ module amontons_checkpoint
   type :: packer_type
     logical :: is_packing = .true.
     logical :: is_valid = .true.                   !< .false.: the words do not have the requested contents
-    integer(I64), allocatable :: words(:)
+    type(new_file_type), allocatable :: file       !< takes the words when the buffer is full; not allocated: all stay in memory
+    integer(I64), allocatable :: words(:)          !< all of them, or the buffer of the file
     integer(I64) :: n = 0                          !< words packed or unpacked
+    integer(I64) :: n_written = 0                  !< of them, those in the file
+    integer(I64) :: checksum = 0                   !< of those in the file behind the head
   contains
     generic :: exchange => exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
     procedure, private :: exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
@@ -179,13 +183,29 @@ contains
     type(output_lengths_type), intent(inout) :: files         !< not changed
     type(error_type), allocatable, intent(out) :: error
     type(packer_type) :: packer
-    allocate (packer%words(4096 + size(files%pages%bytes, kind=I64) / 8 + 2 * size(snapshot%fields%stress, kind=I64)))
+    integer(I64) :: head(N_HEADER_WORDS)
+    allocate (packer%words(N_BUFFER_WORDS), packer%file)
+    call start_new_file(packer%file, path)
+    head = 0
+    call append_words(packer%file, head)
     packer%n = N_HEADER_WORDS
+    packer%n_written = N_HEADER_WORDS
     call exchange_all(packer, model, snapshot, files)
-    packer%words(:3) = [MAGIC, FORMAT_VERSION, packer%n]
-    packer%words(4) = checksum_of_words(packer%words(N_HEADER_WORDS + 1:packer%n))
-    call write_whole_file(path, packer%words(:packer%n), error)
+    call empty_buffer(packer)
+    head = [MAGIC, FORMAT_VERSION, packer%n, packer%checksum]
+    call place_new_file(packer%file, head, error)
   end subroutine write_checkpoint
+
+
+  !> Writes the words in the buffer to the file.
+  subroutine empty_buffer(packer)
+    type(packer_type), intent(inout) :: packer
+    associate (words => packer%words(:packer%n - packer%n_written))
+      packer%checksum = continue_checksum(packer%checksum, words)
+      call append_words(packer%file, words)
+    end associate
+    packer%n_written = packer%n
+  end subroutine empty_buffer
 
 
   !> Packs a snapshot into words, for a restart file.
@@ -278,7 +298,7 @@ contains
         call set_error(error, EXIT_IO, 'The checkpoint ' // path // ' is of another version of Amontons.')
       else if (words(3) /= size(words, kind=I64) .or. 8_I64 * words(3) /= n_bytes) then
         call set_damaged_error(path, 'its length is not the one it was written with', error)
-      else if (words(4) /= checksum_of_words(words(N_HEADER_WORDS + 1:))) then
+      else if (words(4) /= continue_checksum(0_I64, words(N_HEADER_WORDS + 1:))) then
         call set_damaged_error(path, 'its checksum is wrong', error)
       end if
     end associate
@@ -514,7 +534,7 @@ contains
   subroutine exchange_files(packer, files)
     type(packer_type), intent(inout) :: packer
     type(output_lengths_type), intent(inout) :: files
-    integer(I64) :: shape_of(2)
+    integer(I64) :: shape_of(2), k
     integer(I64), allocatable :: words(:)
     integer :: i
     do i = 1, 3
@@ -533,12 +553,13 @@ contains
         if (shape_of(1) > huge(1) .or. .not. packer%is_valid) return
         allocate (pages%index(shape_of(2)), pages%bytes(shape_of(1), shape_of(2)))
       end if
-      allocate (words(shape_of(1) * shape_of(2) / 8_I64))
-      if (packer%is_packing) words = transfer(pages%bytes, words, size(words))
       call exchange_words(packer, pages%index)
-      call exchange_words(packer, words)
-      if (.not. packer%is_packing .and. packer%is_valid) pages%bytes = reshape(transfer(words, pages%bytes), &
-        shape(pages%bytes))
+      allocate (words(shape_of(1) / 8_I64))
+      do k = 1, shape_of(2)
+        if (packer%is_packing) words = transfer(pages%bytes(:, k), words, size(words))
+        call exchange_words(packer, words)
+        if (.not. packer%is_packing .and. packer%is_valid) pages%bytes(:, k) = transfer(words, pages%bytes(:, k))
+      end do
     end associate
   end subroutine exchange_files
 
@@ -547,23 +568,38 @@ contains
   subroutine exchange_words(packer, words)
     type(packer_type), intent(inout) :: packer
     integer(I64), intent(inout) :: words(:)
-    integer(I64), allocatable :: larger(:)
-    integer(I64) :: n
+    integer(I64) :: n, first, last, start
     n = size(words, kind=I64)
-    if (packer%is_packing) then
-      if (packer%n + n > size(packer%words, kind=I64)) then
-        allocate (larger(2 * (packer%n + n)))
-        larger(:packer%n) = packer%words(:packer%n)
-        call move_alloc(larger, packer%words)
-      end if
-      packer%words(packer%n + 1:packer%n + n) = words
-    else
+    if (.not. packer%is_packing) then
       if (packer%n + n > size(packer%words, kind=I64)) packer%is_valid = .false.
       if (.not. packer%is_valid) return
       words = packer%words(packer%n + 1:packer%n + n)
+      packer%n = packer%n + n
+      return
     end if
-    packer%n = packer%n + n
+    if (.not. allocated(packer%file)) call grow_buffer(packer, n)
+    first = 1
+    do while (first <= n)
+      start = packer%n - packer%n_written
+      last = min(n, first + size(packer%words, kind=I64) - start - 1)
+      packer%words(start + 1:start + last - first + 1) = words(first:last)
+      packer%n = packer%n + last - first + 1
+      if (last < n) call empty_buffer(packer)
+      first = last + 1
+    end do
   end subroutine exchange_words
+
+
+  !> Makes space in memory for more words.
+  subroutine grow_buffer(packer, n)
+    type(packer_type), intent(inout) :: packer
+    integer(I64), intent(in) :: n
+    integer(I64), allocatable :: larger(:)
+    if (packer%n + n <= size(packer%words, kind=I64)) return
+    allocate (larger(2 * (packer%n + n)))
+    larger(:packer%n) = packer%words(:packer%n)
+    call move_alloc(larger, packer%words)
+  end subroutine grow_buffer
 
 
   !> One long integer.
@@ -614,10 +650,7 @@ contains
   subroutine exchange_vector(self, values)
     class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:)
-    integer(I64), allocatable :: words(:)
-    words = transfer(values, [0_I64])
-    call exchange_words(self, words)
-    if (.not. self%is_packing) values = transfer(words, values)
+    call exchange_reals(self, size(values, kind=I64), values)
   end subroutine exchange_vector
 
 
@@ -625,10 +658,24 @@ contains
   subroutine exchange_matrix(self, values)
     class(packer_type), intent(inout) :: self
     real(DP), intent(inout) :: values(:, :)
-    integer :: j
-    do j = 1, size(values, 2)
-      call self%exchange(values(:, j))
-    end do
+    call exchange_reals(self, size(values, kind=I64), values)
   end subroutine exchange_matrix
+
+
+  !> Reals, in pieces that fit into the cache.
+  subroutine exchange_reals(packer, n, values)
+    class(packer_type), intent(inout) :: packer
+    integer(I64), intent(in) :: n
+    real(DP), intent(inout) :: values(n)
+    integer, parameter :: N_PIECE = 4096
+    integer(I64) :: words(N_PIECE), first, last, n_now
+    do first = 1, n, int(N_PIECE, I64)
+      last = min(first + N_PIECE - 1, n)
+      n_now = last - first + 1
+      if (packer%is_packing) words(:n_now) = transfer(values(first:last), words(:n_now))
+      call exchange_words(packer, words(:n_now))
+      if (.not. packer%is_packing .and. packer%is_valid) values(first:last) = transfer(words(:n_now), values(first:last))
+    end do
+  end subroutine exchange_reals
 
 end module amontons_checkpoint

@@ -4,7 +4,8 @@ program test_posix
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
   use amontons_errors, only: error_type, EXIT_IO
   use amontons_kinds, only: DP, I64
-  use amontons_posix, only: write_whole_file, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text, &
+  use amontons_posix, only: new_file_type, start_new_file, append_words, place_new_file, &
+    continue_checksum, sync_file, truncate_file, checksum_of_words, checksum_of_text, errno_text, &
     has_memory, available_megabytes, total_megabytes, peak_megabytes, heartbeat_type, start_heartbeat, postpone_heartbeat, &
     set_heartbeat, stop_heartbeat
   use check, only: suite_type
@@ -93,10 +94,17 @@ contains
 
   !> What is written is there, whole; a cut shortens it; what cannot be done is an error with a reason.
   subroutine check_files()
+    type(new_file_type) :: file
     type(error_type), allocatable :: error
+    logical :: is_there
     integer(I64) :: words(3), n_bytes
     integer :: unit
-    call write_whole_file(PATH, [1_I64, -2_I64, huge(1_I64)], error)
+    call start_new_file(file, PATH)
+    call append_words(file, [0_I64, -2_I64])
+    call append_words(file, [huge(1_I64)])
+    inquire (file=PATH, exist=is_there)
+    call suite%that('not in its place yet', .not. is_there)
+    call place_new_file(file, [1_I64], error)
     call suite%that('written', .not. allocated(error))
     open (newunit=unit, file=PATH, access='stream', form='unformatted', action='read', status='old')
     read (unit) words
@@ -109,7 +117,9 @@ contains
     call suite%that('cut', .not. allocated(error) .and. n_bytes == 8)
     call truncate_file(PATH, 800_I64, error)
     call suite%that('not made longer', allocated(error))
-    call write_whole_file('no/such/folder/file', [1_I64], error)
+    call start_new_file(file, 'no/such/folder/file')
+    call append_words(file, [1_I64])
+    call place_new_file(file, [1_I64], error)
     call suite%that('no such folder', allocated(error))
     if (allocated(error)) call suite%that('an error of files', error%code == EXIT_IO)
     if (allocated(error)) call suite%that('with a reason', index(error%message, errno_text(2)) > 0)
@@ -131,6 +141,8 @@ contains
       call suite%that('one bit', checksum_of_words(words) /= before)
       words(i) = ieor(words(i), 1_I64)
     end do
+    call suite%that('in pieces', continue_checksum(continue_checksum(0_I64, words(:7)), words(8:)) == &
+      continue_checksum(0_I64, words))
     call suite%that('the order', checksum_of_words(words([2, 1])) /= checksum_of_words(words([1, 2])))
     call suite%that('letters', checksum_of_text('ab') /= checksum_of_text('ba'))
     call suite%that('blanks at the end', checksum_of_text('ab') /= checksum_of_text('ab '))
