@@ -54,13 +54,14 @@ uses_element_integration_points = kinds tensor element_kinds materials user_mate
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
-uses_shape_functions = kinds element_kinds
+uses_beam_rules = kinds element_kinds
+uses_shape_functions = kinds element_kinds beam_rules
 uses_truss_spring_mass = kinds element_kinds materials elasticity material_point element_integration_points zero_stress_condition shape_functions
 uses_hourglass = kinds tensor element_kinds
 uses_plane_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass
 uses_incompatible_modes = kinds tensor element_kinds
 uses_solid_shell = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions incompatible_modes
-uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass incompatible_modes solid_shell
+uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition beam_rules shape_functions hourglass incompatible_modes solid_shell
 uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass plane_elements solid_elements
 uses_hex8_simd = kinds element_kinds materials elasticity shape_functions
 
@@ -78,7 +79,8 @@ uses_card_table = card_schema card_materials
 uses_deck_labels = kinds text containers element_kinds cards card_schema
 uses_deck_reader = kinds text containers mesh model cards card_schema
 uses_deck_mesh = kinds text containers element_kinds materials mesh model cards card_schema deck_labels deck_reader
-uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema deck_reader deck_mesh
+uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema deck_reader deck_mesh deck_beams
 uses_deck_initial_conditions = kinds text containers loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
@@ -182,7 +184,7 @@ uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space element_kinds surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_balanced_bodies = kinds text loads model state assembly external_loads nonlinear_mpc model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
-uses_model_check = kinds text containers errors element_kinds loads steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
+uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear
 uses_active_set_history = kinds state
@@ -203,9 +205,9 @@ uses_increment_control = kinds steps convergence
 # output
 uses_hdf5_file = kinds errors posix
 uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_preconditioner equilibrium newton increment_control hdf5_file
-uses_postprocess = kinds tensor element_kinds materials mesh surfaces model material_point shape_functions element dual_shape_functions state
+uses_postprocess = kinds tensor element_kinds materials mesh surfaces model material_point beam_rules shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor element_kinds steps model state postprocess
-uses_dat_output = kinds text tensor element_kinds materials mesh steps model state postprocess dat_contact_output
+uses_dat_output = kinds text tensor element_kinds materials mesh steps model beam_rules state postprocess dat_contact_output
 uses_frd_output = kinds text containers errors iteration_records posix version dense element_kinds mesh steps model shape_functions state postprocess dat_contact_output dat_output
 uses_result_cells = errors mesh hdf5_file
 uses_result_schema = kinds errors iteration_records hdf5_file

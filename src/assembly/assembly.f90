@@ -12,7 +12,7 @@ module amontons_assembly
   use amontons_containers, only: list_groups, sort_ascending
   use amontons_errors, only: error_type
   use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
-  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, is_out, material_in_step
   use amontons_state, only: fields_type, state_type
@@ -633,6 +633,7 @@ contains
     integer :: n, m, p, k, nodes(MAX_ELEMENT_NODES)
     points%section_value = model%mesh%section_value(e)
     if (allocated(model%mesh%is_shell)) points%is_shell = model%mesh%is_shell(e)
+    points%walls = wall_ratios(model%mesh, e)
     points%directions = model%mesh%directions(:, e)
     if (allocated(model%mesh%spring)) call load_spring(model, state, e, points)
     if (model%materials(element_material(model, state%new%step, e))%is_linear_isotropic) return
@@ -833,7 +834,7 @@ contains
       stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
       call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
       if (all(model%mesh%kind(e) /= [KIND_C3D8I, KIND_CSS8, KIND_CSS6])) call evaluate_element_skew(model%mesh%kind(e), X(:, :n), &
-        u(:, :n), is_nlgeom, points%section_value, points%skew, skew)
+        u(:, :n), is_nlgeom, points%section_value, points%skew, skew, points%walls)
       call scatter_element(model%mesh, e, offset, skew, assembly%skew%elements)
     end associate
   end subroutine add_element_tangent

@@ -13,7 +13,7 @@ module amontons_external_loads
   use amontons_loads, only: distributed_type, DISTRIBUTED_PRESSURE, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, &
     DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
-  use amontons_mesh, only: element_nodes
+  use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, dof_direction, is_out, load_now, DIALECT_CALCULIX
   use amontons_shape_functions, only: choose_face_rule, shape_functions, quadrature
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
@@ -193,7 +193,7 @@ contains
     if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(:n))
     spin = reshape([load%point, load%direction, omega2 * evaluate_density(model, load%element, fields), 0.0_DP, 0.0_DP], [3, 3])
     call evaluate_centrifugal_forces(model%mesh%kind(load%element), model%mesh%coordinates(:, nodes(:n)), x(:, :n), &
-      model%mesh%section_value(load%element), spin, force, stiffness)
+      model%mesh%section_value(load%element), spin, force, stiffness, wall_ratios(model%mesh, load%element))
     do a = 1, n
       fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
     end do
@@ -241,7 +241,7 @@ contains
     density = evaluate_density(model, e, fields)
     if (is_by_volume) density = merge(0.0_DP, 1.0_DP, model%mesh%kind(e) == KIND_MASS)
     call integrate_body_force(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section_value(e), &
-      density * acceleration, force)
+      density * acceleration, force, wall_ratios(model%mesh, e))
     do a = 1, n
       fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
     end do
@@ -250,7 +250,7 @@ contains
 
   !> Nodal forces f_a = rho omega^2 integral of N_a P (x - p) over the reference volume, P = 1 - a a', and their derivative
   !! rho omega^2 integral of N_a N_b P, which is symmetric. With x = sum N_b x_b both follow from one matrix.
-  pure subroutine evaluate_centrifugal_forces(kind, X, x_now, section, spin, force, stiffness)
+  pure subroutine evaluate_centrifugal_forces(kind, X, x_now, section, spin, force, stiffness, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: x_now(:, :)            !< (3, nodes) current coordinates [length]
@@ -258,11 +258,12 @@ contains
     real(DP), intent(in) :: spin(3, 3)             !< columns: p, unit vector a, [rho omega^2, 0, 0]
     real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d x, set up to 3 * nodes
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: mass(MAX_ELEMENT_NODES, MAX_ELEMENT_NODES), P(3, 3)
     integer :: a, b, n
     n = size(X, 2)
     force = 0
-    call integrate_unit_mass(kind, X, section, mass)
+    call integrate_unit_mass(kind, X, section, mass, walls)
     P = IDENTITY - spread(spin(:, 2), 2, 3) * spread(spin(:, 2), 1, 3)
     if (kind >= KIND_CPS3 .and. kind <= KIND_CAX8R) P(3, :) = 0   ! no component out of the plane
     P = spin(1, 3) * P
@@ -276,10 +277,11 @@ contains
 
 
   !> The consistent mass matrix of density 1, by full integration of the element; a point mass has its own.
-  pure subroutine integrate_unit_mass(kind, X, section, mass)
+  pure subroutine integrate_unit_mass(kind, X, section, mass, walls)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :), section
     real(DP), intent(out) :: mass(MAX_ELEMENT_NODES, MAX_ELEMENT_NODES)
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), volumes(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, &
       MAX_ELEMENT_NODES)
     integer :: rule, n_rule, p, b, status
@@ -287,9 +289,9 @@ contains
     if (kind == KIND_MASS) mass(1, 1) = section
     if (kind >= KIND_SPRINGA) return
     rule = merge(KIND_C3D8_FULL, kind, kind == KIND_C3D8R)
-    call evaluate_point_volumes(rule, X, section, n_rule, volumes, status)
+    call evaluate_point_volumes(rule, X, section, n_rule, volumes, status, walls)
     if (status /= ELEMENT_OK) return               ! the evaluation of the internal forces reports it
-    call quadrature(rule, n_rule, xi, w)
+    call quadrature(rule, n_rule, xi, w, walls)
     do p = 1, n_rule
       call shape_functions(rule, xi(:, p), N, dN)
       do b = 1, size(X, 2)

@@ -11,7 +11,7 @@ module amontons_inertia
   use amontons_kinds, only: DP
   use amontons_assembly, only: assembly_type, add_row_block
   use amontons_external_loads, only: integrate_unit_mass, evaluate_density
-  use amontons_mesh, only: element_nodes
+  use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, is_out
   use amontons_state, only: state_type, fields_type
   use amontons_steps, only: step_type
@@ -53,7 +53,8 @@ contains
     do e = 1, model%mesh%n_elements
       if (is_out(model, step_number, e)) cycle
       call element_nodes(model%mesh, e, n, nodes)
-      call integrate_unit_mass(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section_value(e), unit_mass)
+      call integrate_unit_mass(model%mesh%kind(e), model%mesh%coordinates(:, nodes(:n)), model%mesh%section_value(e), &
+        unit_mass, wall_ratios(model%mesh, e))
       if (all(unit_mass(:n, :n) <= 0.0_DP)) cycle  ! springs
       density = evaluate_density(model, e, initial)
       k = assembly%pair_first(e)

@@ -162,13 +162,14 @@ contains
 
 
   !> W of an element.
-  pure subroutine evaluate_element_skew(kind, X, u, is_nlgeom, section, w, stiffness)
+  pure subroutine evaluate_element_skew(kind, X, u, is_nlgeom, section, w, stiffness, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, nodes) [length]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: section                !< thickness [length]
     real(DP), intent(in) :: w(:, :, :)             !< (6, 6, points), engineering shears [stress]
     real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< set up to 3 * nodes [force/length]
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     type(element_kind_type) :: entry
     type(reference_geometry_type) :: reference
     real(DP) :: B(6, 3 * MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), current(MAX_ELEMENT_POINTS)
@@ -178,7 +179,7 @@ contains
     stiffness(:k, :k) = 0
     if (.not. any(entry%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
       FAMILY_AXISYMMETRIC])) return
-    call set_reference_geometry(kind, entry, X, section, reference)
+    call set_reference_geometry(kind, entry, X, section, reference, walls)
     do p = 1, reference%m
       call set_strain_matrix(entry, reference, p, u, is_nlgeom, B(:, :, p), current(p))
     end do
@@ -190,12 +191,13 @@ contains
 
 
   !> Gradients and volumes in the reference configuration; kinds with one point take their mean over the element.
-  pure subroutine set_reference_geometry(kind, entry, X, section, reference)
+  pure subroutine set_reference_geometry(kind, entry, X, section, reference, walls)
     integer, intent(in) :: kind
     type(element_kind_type), intent(in) :: entry
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) [length]
     real(DP), intent(in) :: section                !< [length]
     type(reference_geometry_type), intent(out) :: reference
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), weight(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), J(3, 3), &
       inverse(3, 3), det, radius
     integer :: rule, p, d
@@ -204,7 +206,7 @@ contains
     if (kind == KIND_C3D8R) rule = KIND_C3D8_FULL
     if (any(kind == [KIND_CPS4R, KIND_CPE4R, KIND_CAX4R])) rule = KIND_CPE4_FULL
     reference%n = entry%n_nodes
-    call quadrature(rule, reference%m, xi, weight)
+    call quadrature(rule, reference%m, xi, weight, walls)
     do p = 1, reference%m
       call shape_functions(rule, xi(:, p), N, dN)
       J = IDENTITY

@@ -74,27 +74,29 @@ contains
 
 
   !> Volume of an element in given coordinates, and whether it is positive everywhere. Springs and masses have zero volume.
-  pure subroutine evaluate_element_volume(kind, X, section, volume, status)
+  pure subroutine evaluate_element_volume(kind, X, section, volume, status, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length] or cross-section [length^2]
     real(DP), intent(out) :: volume                !< [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: volumes(MAX_ELEMENT_POINTS)
     integer :: n
-    call evaluate_point_volumes(kind, X, section, n, volumes, status)
+    call evaluate_point_volumes(kind, X, section, n, volumes, status, walls)
     volume = sum(volumes(:n))
   end subroutine evaluate_element_volume
 
 
   !> The volume of each integration point of an element.
-  pure subroutine evaluate_point_volumes(kind, X, section, n, volumes, status)
+  pure subroutine evaluate_point_volumes(kind, X, section, n, volumes, status, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length] or cross-section [length^2]
     integer, intent(out) :: n                      !< integration points
     real(DP), intent(out) :: volumes(:)            !< (MAX_ELEMENT_POINTS) zero past n [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     volumes = 0
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
@@ -108,18 +110,19 @@ contains
       n = 0
       status = ELEMENT_OK
     case default
-      call evaluate_solid_volumes(kind, X, n, volumes, status)
+      call evaluate_solid_volumes(kind, X, n, volumes, status, walls)
     end select
   end subroutine evaluate_point_volumes
 
 
   !> Consistent nodal forces of a body force: force_a = sum over points of N_a b w.
-  pure subroutine integrate_body_force(kind, X, section, b, force)
+  pure subroutine integrate_body_force(kind, X, section, b, force, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: section                !< thickness [length], cross-section [length^2] or mass [mass]
     real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3], or per mass [force/mass]
     real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     force = 0
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
@@ -129,20 +132,21 @@ contains
     case (KIND_MASS)
       force(:, 1) = section * b
     case (:N_SOLID_KINDS)
-      call integrate_solid_body_force(kind, X, b, force)
+      call integrate_solid_body_force(kind, X, b, force, walls)
     case default                                   ! a spring has no weight
     end select
   end subroutine integrate_body_force
 
 
   !> Weights of the nodal temperatures at the integration points of any kind; springs and masses have no points.
-  pure subroutine set_temperature_weights(kind, weight)
+  pure subroutine set_temperature_weights(kind, weight, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-]
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     weight = 0
     select case (kind)
     case (:N_SOLID_KINDS)
-      call set_solid_temperature_weights(kind, weight)
+      call set_solid_temperature_weights(kind, weight, walls)
     case (KIND_CPS3:KIND_CAX8R)
       call set_plane_temperature_weights(kind, weight)
     case (KIND_T3D2, KIND_T3D3)

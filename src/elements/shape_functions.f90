@@ -6,9 +6,10 @@
 !! zero. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
 module amontons_shape_functions
   use amontons_kinds, only: DP
+  use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, GAUSS_2, GAUSS_3
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
-    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, &
+    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES
   implicit none
@@ -41,8 +42,6 @@ module amontons_shape_functions
   integer, parameter :: TETRAHEDRON_EDGES(2, 5:10) = reshape([1, 2, 2, 3, 3, 1, 1, 4, 2, 4, 3, 4], [2, 6])
   integer, parameter :: WEDGE_EDGES(2, 7:15) = reshape([1, 2, 2, 3, 3, 1, 4, 5, 5, 6, 6, 4, 1, 4, 2, 5, 3, 6], [2, 9])
 
-  real(DP), parameter :: GAUSS_2 = sqrt(3.0_DP) / 3
-  real(DP), parameter :: GAUSS_3 = sqrt(15.0_DP) / 5
   ! Four points of a tetrahedron, degree 2. P. C. Hammer, A. H. Stroud, MTAC 10 (1956) 137-139.
   real(DP), parameter :: TETRA_A = (5 - sqrt(5.0_DP)) / 20, TETRA_B = (5 + 3 * sqrt(5.0_DP)) / 20
   ! Six points of a triangle, degree 4. G. R. Cowper, Gaussian quadrature formulas for triangles,
@@ -73,7 +72,7 @@ contains
       call trilinear_shapes(xi, N(:8), dN(:, :8))
     case (KIND_C3D10)
       call tet10_shapes(xi, N(:10), dN(:, :10))
-    case (KIND_C3D20, KIND_C3D20R)
+    case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_CIRC)
       call hex20_shapes(xi, N, dN)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_shapes(kind, xi, N, dN)
@@ -227,12 +226,13 @@ contains
   !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8, C3D8I and C3D20R 2x2x2 (degree 3 each way), C3D8R 1 point,
   !!   C3D10 4 points (degree 2), C3D15 3 points times 3 (degree 2 in the triangle, 5 along it),
   !!   C3D20 3x3x3 (degree 5 each way), CSS8 and CSS6 2x2 and 3 points at five heights; plane
-  !!   kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3; trusses 1 or 2
-  pure subroutine quadrature(kind, n, xi, w)
+  !!   kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3; trusses 1 or 2; beams: module beam_rules
+  pure subroutine quadrature(kind, n, xi, w, walls)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< number of points
     real(DP), intent(out) :: xi(3, MAX_ELEMENT_POINTS)     !< natural coordinates [-], zero past n
     real(DP), intent(out) :: w(MAX_ELEMENT_POINTS)         !< weights [-], zero past n
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam; absent: all other elements [-]
     real(DP) :: flat(2, MAX_FACET_POINTS), weight(MAX_FACET_POINTS)
     integer :: n_flat
     xi = 0
@@ -277,9 +277,20 @@ contains
       call layered_rule(flat(:, :3), weight(:3), xi, w)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
+    case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
+      call set_beam_rule(kind, walls_or_none(walls), n, xi, w)
     case default                                   ! unknown kind: nothing is set
     end select
   end subroutine quadrature
+
+
+  !> The walls of a hollow beam; absent: a full section.
+  pure function walls_or_none(walls) result(given)
+    real(DP), intent(in), optional :: walls(4)
+    real(DP) :: given(4)
+    given = 0.5_DP
+    if (present(walls)) given = walls
+  end function walls_or_none
 
 
   !> The points of a face at five heights by Simpson's rule, which has points on both faces and gives the full plastic moment
@@ -405,7 +416,7 @@ contains
       xi(:, :15) = WEDGE_NODES
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_CSS8)
       xi(:, :8) = HEXAHEDRON_NODES(:, :8)
-    case (KIND_C3D20, KIND_C3D20R)
+    case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_CIRC)
       xi = HEXAHEDRON_NODES
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call facet_node_coordinates(facet_shape_kind(kind), flat)
@@ -431,10 +442,12 @@ contains
   !! | plane           | linear through 3 points, bilinear through 4 points  | mean of the 2 corners |
   !! | plane, 9 points | least squares fit of the 8 shape functions          | the same              |
   !! | T3D3            | linear through 2 points                             | mean of the 2 ends    |
-  pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points)
+  !! | beams           | least squares fit, see `extrapolate_beam`           | the same              |
+  pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points, walls)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-], zero past n_nodes, n_points
     integer, intent(out) :: n_nodes, n_points
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam; absent: all other elements [-]
     type(element_kind_type) :: entry
     entry = element_kind(kind)
     n_nodes = entry%n_nodes
@@ -456,6 +469,8 @@ contains
       call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
     case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
       call extrapolate_embedded(kind, n_nodes, n_points, matrix)
+    case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
+      call extrapolate_beam(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)
     case default
       if (n_points == 1) matrix(:n_nodes, 1) = 1
     end select

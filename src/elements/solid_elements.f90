@@ -7,6 +7,7 @@
 module amontons_solid_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
+  use amontons_beam_rules, only: is_beam_kind
   use amontons_zero_stress_condition, only: evaluate_initial_tangent, CONDITION_NONE
   use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
     halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, &
@@ -27,18 +28,17 @@ module amontons_solid_elements
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, determinant_minus_one, invert, pack_voigt
   use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, &
     KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, N_SOLID_KINDS
+    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_CIRC, N_SOLID_KINDS
   implicit none
   private
   public :: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, set_solid_temperature_weights
 
   ! The table of module element_kinds once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
-  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6]
-  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15]
+  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6, 20, 20, 20, 20]
+  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15, 18, 16, 24, 24]
   logical, parameter :: HAS_MEAN_DILATATION(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., &
-    .false., &
-    .false., .false., .false., .false.]
+    .false., .false., .false., .false., .false., .false., .false., .false., .false.]
 
   !> Kinematics of an element: deformation data for forces and tangent.
   type :: kinematics_type
@@ -105,14 +105,15 @@ contains
 
 
   !> The volume of each integration point.
-  pure subroutine evaluate_solid_volumes(kind, X, n, volumes, status)
+  pure subroutine evaluate_solid_volumes(kind, X, n, volumes, status, walls)
     integer, intent(in) :: kind                    !< KIND_C3D...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) coordinates [length]
     integer, intent(out) :: n                      !< integration points
     real(DP), intent(inout) :: volumes(:)          !< (MAX_ELEMENT_POINTS) the first n are set [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     type(kinematics_type) :: kinematics
-    call set_reference(full_integration_kind(kind), X, kinematics, status)
+    call set_reference(full_integration_kind(kind), X, kinematics, status, walls)
     n = N_KIND_POINTS(kind)
     volumes(:n) = kinematics%reference(:n)
     if (kind == KIND_C3D8R) volumes(1) = sum(kinematics%reference(:8))
@@ -127,17 +128,18 @@ contains
 
 
   !> Consistent nodal forces of a body force: force_a = sum over points of N_a b w.
-  pure subroutine integrate_solid_body_force(kind, X, b, force)
+  pure subroutine integrate_solid_body_force(kind, X, b, force, walls)
     integer, intent(in) :: kind                    !< KIND_C3D...
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: b(3)                   !< [force/length^3]
     real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES)   !< in: zero [force]
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     type(kinematics_type) :: kinematics
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     integer :: rule, n_rule, p, a, status
     rule = full_integration_kind(kind)
-    call set_reference(rule, X, kinematics, status)
-    call quadrature(rule, n_rule, xi, w)
+    call set_reference(rule, X, kinematics, status, walls)
+    call quadrature(rule, n_rule, xi, w, walls)
     do p = 1, n_rule
       call shape_functions(rule, xi(:, p), N, dN)
       do a = 1, N_KIND_NODES(rule)
@@ -155,10 +157,11 @@ contains
   !! | CSS8, CSS6 | linear over the thickness between the means of both faces |
   !! | C3D10 | linear from the corners |
   !! | C3D15, C3D20R | quadratic: at these few points it is as good as linear |
-  !! | C3D20 | trilinear through the eight points of the C3D20R |
-  pure subroutine set_solid_temperature_weights(kind, weight)
+  !! | C3D20, beams | trilinear through the eight points of the C3D20R |
+  pure subroutine set_solid_temperature_weights(kind, weight, walls)
     integer, intent(in) :: kind                    !< KIND_C3D...
     real(DP), intent(out) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-]
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
       at_corner(MAX_ELEMENT_NODES, 8), L(MAX_ELEMENT_NODES)
     real(DP), parameter :: HEX8_CORNERS(3, 8) = reshape([real(DP) :: -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, &
@@ -172,8 +175,8 @@ contains
       weight(:N_KIND_NODES(kind), :) = 1.0_DP / real(N_KIND_NODES(kind), DP)
       return
     end if
-    call quadrature(kind, n_rule, xi, w)
-    if (kind == KIND_C3D20) then
+    call quadrature(kind, n_rule, xi, w, walls)
+    if (kind == KIND_C3D20 .or. is_beam_kind(kind)) then
       do k = 1, 8
         call shape_functions(kind, HEX8_CORNERS(:, k) / sqrt(3.0_DP), at_corner(:, k), dN)
       end do
@@ -183,7 +186,7 @@ contains
       case (KIND_C3D10)
         call shape_functions(KIND_C3D4, xi(:, p), N, dN)
         weight(:4, p) = N(:4)
-      case (KIND_C3D20)
+      case (KIND_C3D20, KIND_BEAM_RECT:KIND_BEAM_CIRC)
         call shape_functions(KIND_C3D8, sqrt(3.0_DP) * xi(:, p), L, dN)
         weight(:20, p) = matmul(at_corner(:20, :), L(:8))
       case default
@@ -207,7 +210,7 @@ contains
     type(kinematics_type) :: kinematics
     real(DP) :: tau(6, MAX_ELEMENT_POINTS), tangent(6, 6, MAX_ELEMENT_POINTS)
     force = 0
-    call set_reference(kind, X, kinematics, status)
+    call set_reference(kind, X, kinematics, status, points%walls)
     if (status == ELEMENT_OK) call update_kinematics(kind, u, is_nlgeom, kinematics, status)
     if (status /= ELEMENT_OK) return
     call evaluate_material(kind, material, is_nlgeom, present(stiffness), kinematics, tau, tangent, points, status)
@@ -423,16 +426,17 @@ contains
 
 
   !> Derivatives of the shape functions by the coordinates given, and the volumes of the points.
-  pure subroutine set_reference(kind, X, kinematics, status)
+  pure subroutine set_reference(kind, X, kinematics, status, walls)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) [length]
     type(kinematics_type), intent(out) :: kinematics       !< gradient, reference, current are set
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
     real(DP) :: jacobian(3, 3), inverse(3, 3), det
     integer :: n_rule, p, a, j
     status = ELEMENT_OK
-    call quadrature(kind, n_rule, xi, w)
+    call quadrature(kind, n_rule, xi, w, walls)
     do p = 1, N_KIND_POINTS(kind)
       call shape_functions(kind, xi(:, p), N, dN)
       jacobian = 0
@@ -586,7 +590,7 @@ contains
     real(DP) :: dilatation, weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     integer :: p, n
     n = N_KIND_NODES(kind)
-    call set_solid_temperature_weights(kind, weight)
+    call set_solid_temperature_weights(kind, weight, points%walls)
     dilatation = 0
     if (HAS_MEAN_DILATATION(kind) .and. .not. is_nlgeom) dilatation = mean_divergence(N_KIND_POINTS(kind), kinematics)
     do p = 1, N_KIND_POINTS(kind)

@@ -9,7 +9,8 @@ module amontons_directors
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers, &
+    SECTION_CIRC
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: element_kind_type, element_kind, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
     FAMILY_BEAM, &
@@ -40,7 +41,7 @@ contains
     bad_element = 0
     do e = 1, mesh%n_elements
       if (structure%section(e) == 0) cycle
-      call find_own_directors(mesh, structure, e, own(structure%first(e):structure%first(e + 1) - 1))
+      call find_own_directors(mesh, structure, e, is_calculix, own(structure%first(e):structure%first(e + 1) - 1))
       do i = structure%first(e), structure%first(e + 1) - 1
         if (.not. norm2(own(i)%axes(:, 1)) > 0) bad_element = e
       end do
@@ -120,10 +121,11 @@ contains
 
 
   !> The directors of one element by itself.
-  subroutine find_own_directors(mesh, structure, e, own)
+  subroutine find_own_directors(mesh, structure, e, is_calculix, own)
     type(mesh_type), intent(in) :: mesh
     type(structure_type), intent(in) :: structure
     integer, intent(in) :: e
+    logical, intent(in) :: is_calculix           !< dialect
     type(director_type), intent(out) :: own(:)   !< (nodes of the element)
     real(DP) :: normals(3, size(own))
     integer :: a, i
@@ -138,6 +140,7 @@ contains
       if (section%family /= FAMILY_BEAM) call find_element_normals(mesh%coordinates(:, nodes), normals)
       do a = 1, size(own)
         own(a)%offset = section%offset
+        own(a)%is_round = is_calculix .and. section%shape == SECTION_CIRC
         own(a)%thickness = section%thickness
         if (section%has_nodal_thickness) own(a)%thickness = structure%nodal_thickness(:, nodes(a))
         i = structure%first(e) + a - 1
@@ -272,7 +275,7 @@ contains
     real(DP) :: turn
     integer :: k
     is_smooth = .false.
-    if (one%n_outer /= other%n_outer) return
+    if (one%n_outer /= other%n_outer .or. (one%is_round .neqv. other%is_round)) return
     if (any(abs(one%thickness - other%thickness) > TOL_SAME * maxval(one%thickness))) return
     if (any(abs(one%offset - other%offset) > TOL_SAME)) return
     if (size(one%height) /= size(other%height)) return

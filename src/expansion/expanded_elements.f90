@@ -5,17 +5,20 @@
 !! |---|---|---|
 !! | S3, S4 | CSS6, CSS8; under the calculix dialect C3D6, C3D8I | bottom, top |
 !! | S6, S8 | C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
-!! | B31, B32 | C3D8I, C3D20 | the first local axis along the beam, the second against direction 2, the third along direction 1 |
+!! | B31, B32 | C3D8I, C3D20, or 20 nodes with points in the cross-section | the axes below |
+!!
+!! The first local axis of a beam's solid lies along the beam, the second against direction 2, the third along direction 1.
 !!
 !! A composite shell gives one solid for each layer. S4R is S4 under the abaqus dialect and gives C3D8R under that of calculix; S8R
 !! gives C3D20R. The faces: 1 is SNEG, 2 is SPOS, 2 + k is edge k of a shell.
 module amontons_expanded_elements
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
-  use amontons_structural_data, only: structure_type, director_type
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, SECTION_CIRC, SECTION_PIPE, &
+    SECTION_BOX
   use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, &
     KIND_M3D6, KIND_M3D8, KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, &
-    KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R
+    KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, FAMILY_BEAM
   implicit none
   private
   public :: expand_elements, expanded_kind
@@ -39,6 +42,7 @@ contains
           solid = structure%nodes(from:to)
         else
           mesh%kind(e) = expanded_kind(structure%kind(e), is_calculix)
+          call set_beam_section(mesh, structure%sections(structure%section(e)), structure%kind(e), is_calculix, e)
           if (structure%directors(structure%director_of(from))%n_outer == 4) then
             solid = beam_nodes(structure%directors(structure%director_of(from:to)))
           else
@@ -55,6 +59,29 @@ contains
     mesh%nodes = nodes(:first(mesh%n_elements + 1) - 1)
     call finalize_mesh(mesh)
   end subroutine expand_elements
+
+
+  !> The kind and the walls of a beam by its cross-section. CalculiX integrates B32R at two places along the beam.
+  subroutine set_beam_section(mesh, section, kind, is_calculix, e)
+    type(mesh_type), intent(inout) :: mesh
+    type(structural_section_type), intent(in) :: section
+    integer, intent(in) :: kind                  !< KIND_... of the deck
+    logical, intent(in) :: is_calculix           !< dialect
+    integer, intent(in) :: e                     !< element
+    if (section%family /= FAMILY_BEAM) return
+    if (is_calculix .and. kind == KIND_B32R) mesh%kind(e) = KIND_BEAM_RECT
+    select case (section%shape)
+    case (SECTION_CIRC)
+      if (.not. is_calculix) mesh%kind(e) = KIND_BEAM_CIRC
+    case (SECTION_PIPE)
+      mesh%kind(e) = KIND_BEAM_PIPE
+    case (SECTION_BOX)
+      mesh%kind(e) = KIND_BEAM_BOX
+    end select
+    if (section%shape /= SECTION_PIPE .and. section%shape /= SECTION_BOX) return
+    if (.not. allocated(mesh%walls)) allocate (mesh%walls(4, mesh%n_elements), source=0.0_DP)
+    mesh%walls(:, e) = section%walls
+  end subroutine set_beam_section
 
 
   !> The solid of a structural kind.
@@ -163,6 +190,7 @@ contains
     real(DP), intent(in) :: x(3)                 !< of the node of the deck [length]
     integer, intent(in) :: k                     !< index into director%nodes
     real(DP) :: position(3)
+    real(DP) :: scale                            ! of the corners
     real(DP), parameter :: CROSS_SECTION(2, 8) = 0.5_DP * reshape([real(DP) :: -1, 1, -1, -1, 1, -1, 1, 1, &
       -1, 0, 0, -1, 1, 0, 0, 1], [2, 8])
     integer :: n                                 ! layers
@@ -173,7 +201,8 @@ contains
         position = x + (heights(k) - director%offset(1)) * director%thickness(1) * director%axes(:, 1)
       end associate
     else
-      position = x + matmul(director%axes, (CROSS_SECTION(:, k) - director%offset) * director%thickness)
+      scale = merge(sqrt(0.5_DP), 1.0_DP, director%is_round .and. k <= 4)
+      position = x + matmul(director%axes, (scale * CROSS_SECTION(:, k) - director%offset) * director%thickness)
     end if
   end function director_position
 

@@ -218,10 +218,14 @@ contains
       'projection of global x in the abaqus dialect; the calculix dialect keeps the global axes. COMPOSITE is for S6 and S8R ' // &
       'in the calculix dialect, without angles.')
     call table%card('BEAM SECTION', SCOPE_MODEL, 'Gives beams their material and cross-section; they are expanded into solids.', &
-      data='RECT: dimensions along direction 1 and 2; second line: direction 1, default 0, 0, -1')
+      data='RECT: dimensions along direction 1 and 2; CIRC: radius (calculix dialect: diameters along direction 1 and 2); ' // &
+      'PIPE: outer radius, thickness; BOX: dimensions along direction 1 and 2, thickness of the walls at +1, +2, -1, -2; ' // &
+      'second line: direction 1, default 0, 0, -1')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
-    call table%option('SECTION', VALUE_WORD, 'RECT: a rectangle.', allowed='RECT', default='required')
+    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX', default='required')
+    call table%reject_words('ARBITRARY|CHANNEL|ELBOW|HEX|I|L|T|TRAPEZOID|THICK PIPE|GENERAL|MESHED|NONLINEAR GENERAL', &
+      'The sections are RECT, CIRC, PIPE and BOX; build open sections of shells.')
     call table%option('OFFSET1|OFFSET2', VALUE_REAL, 'Place of the nodes over the dimension from the middle, along ' // &
       'direction 1 and 2.', default='0')
     call table%option('TEMPERATURE|POISSON|ROTARY INERTIA|NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', &

@@ -22,7 +22,7 @@ module amontons_deck_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family
   implicit none
   private
-  public :: element_draft_type, read_nodes, read_elements, read_sections, select_elements, is_in_family, NOT_GIVEN
+  public :: element_draft_type, read_nodes, read_elements, read_sections, select_elements, resize_draft, is_in_family, NOT_GIVEN
 
   real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
@@ -31,7 +31,7 @@ module amontons_deck_mesh
     integer :: n = 0
     integer, allocatable :: label(:)             !< (n)
     integer, allocatable :: kind(:)              !< (n) KIND_..., 0: unsupported kind
-    logical, allocatable :: is_in_plane(:)       !< (n) T2D2, T2D3: a truss in the plane
+    logical, allocatable :: is_in_plane(:)       !< (n) T2D2, T2D3, B21, B22: a truss or beam in the plane
     logical, allocatable :: is_rigid(:)          !< (n) R3D3, R3D4: its section comes from *RIGID BODY
     integer, allocatable :: card(:)              !< (n) its ELEMENT card
     integer, allocatable :: line(:)              !< (n) its line
@@ -216,10 +216,8 @@ contains
     integer :: c, kind, n_rows, n_wanted
     logical :: is_ok
     n_rows = count_rows(reader, 'ELEMENT')
-    allocate (draft%label(n_rows), draft%kind(n_rows), draft%card(n_rows), draft%line(n_rows), draft%first(n_rows + 1))
+    call resize_draft(draft, n_rows)
     allocate (draft%element_first(reader%cards%n_cards), draft%element_last(reader%cards%n_cards))
-    allocate (draft%is_in_plane(n_rows), draft%is_rigid(n_rows), source=.false.)
-    draft%first(1) = 1
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ELEMENT')) cycle
       call open_card(reader, c, parameters, row)
@@ -233,20 +231,68 @@ contains
         call read_element(reader, row, c, kind, n_wanted, draft, is_ok)
       end do
       draft%element_last(c) = draft%n
-      draft%is_in_plane(draft%element_first(c):draft%n) = begins_with(parameter_word(parameters, 'TYPE', ''), 'T2D')
+      draft%is_in_plane(draft%element_first(c):draft%n) = kind > 0 .and. (begins_with(parameter_word(parameters, 'TYPE', ''), &
+        'T2D') .or. begins_with(parameter_word(parameters, 'TYPE', ''), 'B2'))
       draft%is_rigid(draft%element_first(c):draft%n) = kind > 0 .and. begins_with(parameter_word(parameters, 'TYPE', ''), 'R3D')
     end do
-    draft%label = draft%label(:draft%n)
+    call resize_draft(draft, draft%n)
     call draft%labels%build(draft%label)
     call report_duplicate_labels(reader, draft%labels, draft%label, draft%line, 'element')
     call check_connectivity(reader, mesh, draft)
-    allocate (draft%material(draft%n), draft%section_card(draft%n), source=0)
-    allocate (draft%section_value(draft%n), source=1.0_DP)
-    allocate (draft%directions(2, draft%n), source=0)
-    allocate (draft%spring(draft%n), source=0)
-    allocate (draft%n_layers(draft%n), source=1)
     if (draft%n == 0) call report_error(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
+
+
+  !> Gives all arrays of the elements the length n: the elements there are stay, new ones have the values of an element without
+  !! section. The number of elements and their nodes stay as they are.
+  subroutine resize_draft(draft, n)
+    type(element_draft_type), intent(inout) :: draft
+    integer, intent(in) :: n
+    integer, allocatable :: directions(:, :)
+    real(DP), allocatable :: section_value(:)
+    associate (kept => min(n, draft%n))
+      allocate (directions(2, n), source=0)
+      allocate (section_value(n), source=1.0_DP)
+      if (kept > 0) directions(:, :kept) = draft%directions(:, :kept)
+      if (kept > 0) section_value(:kept) = draft%section_value(:kept)
+      call resize_integers(draft%label, kept, n, 0)
+      call resize_integers(draft%kind, kept, n, 0)
+      call resize_integers(draft%card, kept, n, 0)
+      call resize_integers(draft%line, kept, n, 0)
+      call resize_integers(draft%first, kept + 1, n + 1, 1)
+      call resize_integers(draft%material, kept, n, 0)
+      call resize_integers(draft%spring, kept, n, 0)
+      call resize_integers(draft%section, kept, n, 0)
+      call resize_integers(draft%n_layers, kept, n, 1)
+      call resize_integers(draft%section_card, kept, n, 0)
+      call resize_logicals(draft%is_in_plane, kept, n)
+      call resize_logicals(draft%is_rigid, kept, n)
+    end associate
+    call move_alloc(directions, draft%directions)
+    call move_alloc(section_value, draft%section_value)
+  end subroutine resize_draft
+
+
+  !> Gives an array n values: the first that are kept, then a default.
+  pure subroutine resize_integers(values, kept, n, default)
+    integer, allocatable, intent(inout) :: values(:)   !< in: unallocated, or at least kept values
+    integer, intent(in) :: kept, n, default
+    integer, allocatable :: resized(:)
+    allocate (resized(n), source=default)
+    if (allocated(values)) resized(:kept) = values(:kept)
+    call move_alloc(resized, values)
+  end subroutine resize_integers
+
+
+  !> The same for truth values; new ones are false.
+  pure subroutine resize_logicals(values, kept, n)
+    logical, allocatable, intent(inout) :: values(:)   !< in: unallocated, or at least kept values
+    integer, intent(in) :: kept, n
+    logical, allocatable :: resized(:)
+    allocate (resized(n), source=.false.)
+    if (allocated(values)) resized(:kept) = values(:kept)
+    call move_alloc(resized, values)
+  end subroutine resize_logicals
 
 
   !> The number of nodes of an element kind.
@@ -272,6 +318,7 @@ contains
     taken = type
     if (type == 'T2D2') taken = 'T3D2'           ! with the third displacement held, see is_in_plane
     if (type == 'T2D3') taken = 'T3D3'
+    if (is_one_of(type, 'B21|B22')) taken = 'B3' // type(3:)
     if (is_one_of(type, 'S3R|STRI3')) taken = 'S3'
     if (type == 'STRI65') taken = 'S6'
     if (is_one_of(type, 'S4R5|S8R5')) taken = type(:3)
@@ -284,7 +331,7 @@ contains
     end do
     kind = element_kind_by_name(taken)
     if (kind == 0) return
-    if (taken /= type .and. .not. is_one_of(type(:min(3, len(type))), 'T2D|R3D')) call report_note(reader, &
+    if (taken /= type .and. .not. is_one_of(type(:min(3, len(type))), 'T2D|R3D|B21|B22')) call report_note(reader, &
       reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // taken // '.')
     if (reader%dialect /= DIALECT_CALCULIX) return
     if (kind == KIND_C3D8) kind = KIND_C3D8_FULL
@@ -716,7 +763,8 @@ contains
     if (begins_with(type, 'CPS') .or. begins_with(type, 'CPE') .or. begins_with(type, &
       'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
-    if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the beams B31, B31R, B32, B32R.'
+    if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the beams B21, B22, B31, B31R, B32, ' // &
+      'B32R.'
     if (begins_with(type, 'R')) advice = 'Rigid tools in space are R3D3 and R3D4 (abaqus dialect) or ' // &
       'solids in a *RIGID BODY; in the plane *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'

@@ -8,7 +8,7 @@ module amontons_deck_springs
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_deck_couplings, only: find_orientation
-  use amontons_deck_mesh, only: element_draft_type, is_in_family, NOT_GIVEN
+  use amontons_deck_mesh, only: element_draft_type, resize_draft, is_in_family, NOT_GIVEN
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, &
     is_card
@@ -421,26 +421,17 @@ contains
     type(element_draft_type), intent(inout) :: draft
     integer, intent(in) :: c, line, nodes(2)
     integer, intent(in) :: spring                !< index of its law
-    integer, allocatable :: directions(:, :)
     integer :: n
     n = draft%n + 1
-    allocate (directions(2, n), source=0)
-    directions(:, :draft%n) = draft%directions(:, :draft%n)
-    call move_alloc(directions, draft%directions)
-    draft%label = [draft%label(:draft%n), maxval(draft%label(:draft%n)) + 1]
-    draft%kind = [draft%kind(:draft%n), KIND_SPRINGA]
-    draft%card = [draft%card(:draft%n), c]
-    draft%line = [draft%line(:draft%n), line]
+    call resize_draft(draft, n)
+    draft%label(n) = maxval(draft%label(:draft%n)) + 1
+    draft%kind(n) = KIND_SPRINGA
+    draft%card(n) = c
+    draft%line(n) = line
+    draft%spring(n) = spring
     call draft%nodes%add(nodes(1))
     call draft%nodes%add(nodes(2))
-    draft%first = [draft%first(:n), draft%first(n) + 2]
-    draft%material = [draft%material(:draft%n), 0]
-    draft%section_card = [draft%section_card(:draft%n), 0]
-    draft%section_value = [draft%section_value(:draft%n), 1.0_DP]
-    draft%spring = [draft%spring(:draft%n), spring]
-    draft%n_layers = [draft%n_layers(:draft%n), 1]
-    draft%is_in_plane = [draft%is_in_plane(:draft%n), .false.]
-    draft%is_rigid = [draft%is_rigid(:draft%n), .false.]
+    draft%first(n + 1) = draft%first(n) + 2
     draft%n = n
   end subroutine append_draft
 

@@ -1,17 +1,18 @@
-!> SHELL SECTION, BEAM SECTION, NODAL THICKNESS and NORMAL; expansion of shells and beams into solids.
+!> SHELL SECTION, NODAL THICKNESS and NORMAL; expansion of shells and beams into solids.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_structure
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, field_real
-  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_controls, only: controls_type
+  use amontons_deck_beams, only: read_beam_section, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
   use amontons_deck_mesh, only: element_draft_type
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
-  use amontons_text, only: plural, verb, to_text, parse_integer, parse_real, name_key, NUMBER_OK
+  use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
     is_structural_family
   implicit none
@@ -32,7 +33,6 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, set, material
-    allocate (draft%section(draft%n), source=0)
     do c = 1, reader%cards%n_cards
       if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'BEAMSECTION'))) cycle
       call open_card(reader, c, parameters, row)
@@ -251,62 +251,6 @@ contains
   end subroutine read_layers
 
 
-  !> BEAM SECTION: dimensions along direction 1 and 2; then the first direction.
-  subroutine read_beam_section(reader, c, parameters, row, section)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(parameter_type), intent(in) :: parameters(:)
-    type(data_row_type), intent(inout) :: row
-    type(structural_section_type), intent(inout) :: section
-    integer :: i
-    logical :: is_ok
-    section%family = FAMILY_BEAM
-    section%card = 'BEAM SECTION'
-    section%offset = [section_offset(reader, c, parameters, 'OFFSET1'), section_offset(reader, c, parameters, 'OFFSET2')]
-    section%direction = [0.0_DP, 0.0_DP, -1.0_DP]
-    is_ok = .true.
-    if (.not. next_row(reader%cards, row)) then
-      call report_error(reader, reader%cards%cards(c)%line, '*BEAM SECTION needs a data line with the dimensions of the section.')
-      return
-    end if
-    call check_n_fields(reader, row, 2)
-    do i = 1, 2
-      call read_real(reader, row, i, 'dimension of the section', section%thickness(i), is_ok)
-    end do
-    if (is_ok .and. .not. all(section%thickness > 0)) call report_error(reader, row%line, 'The dimensions must be positive.')
-    if (.not. next_row(reader%cards, row)) return
-    call check_n_fields(reader, row, 3)
-    do i = 1, 3
-      call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, 0.0_DP)
-    end do
-    if (is_ok .and. .not. norm2(section%direction) > 0) call report_error(reader, row%line, 'The direction must not be zero.')
-    if (next_row(reader%cards, row)) call check_no_data(reader, row)
-  end subroutine read_beam_section
-
-
-  !> An offset: a number, or SPOS and SNEG, the nodes lie on the top or the bottom.
-  real(DP) function section_offset(reader, c, parameters, name) result(offset)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(parameter_type), intent(in) :: parameters(:)
-    character(*), intent(in) :: name             !< of the parameter
-    character(:), allocatable :: text
-    integer :: status
-    offset = 0
-    if (.not. has_parameter(parameters, name)) return
-    text = name_key(parameter_text(parameters, name))
-    if (text == 'SPOS') offset = 0.5_DP
-    if (text == 'SNEG') offset = -0.5_DP
-    if (text == 'SPOS' .or. text == 'SNEG') return
-    call parse_real(text, offset, status)
-    if (status == NUMBER_OK) return
-    offset = 0
-    call report_error(reader, reader%cards%cards(c)%line, name // ' must be a number, the place of the nodes over the ' // &
-      'thickness from its middle' // trim(merge(', or SPOS or SNEG', '                 ', name == 'OFFSET')) // '; it is ''' // &
-      parameter_text(parameters, name) // '''.')
-  end function section_offset
-
-
   !> Expands the structural elements of the mesh. Sets, sections and elements must be read.
   subroutine read_structure(reader, model, draft)
     type(reader_type), intent(inout) :: reader
@@ -332,13 +276,16 @@ contains
         if (is_structural_family(entry%family) .and. structure%section(e) == 0) return   ! without a section: its error is reported
       end do
       if (any(mesh%nodes < 1)) return            ! so are those of missing nodes
+      call add_middle_nodes(mesh, structure)
       structure%kind = mesh%kind
       structure%first = mesh%first
       structure%nodes = mesh%nodes
       call read_nodal_thickness(reader, model)
       call read_normals(reader, model)
       call find_turned_nodes(reader, model)
+      call mark_plane_beams(mesh, structure)
       call expand_structure(model, bad_element)
+      if (bad_element == 0) call hold_plane_beams(model)
       if (bad_element > 0 .and. reader%messages%n_errors == 0) call report_error(reader, 0, 'The element ' // &
         to_text(mesh%element_label(bad_element)) // ' has no normal at one of its nodes: it has no area ' // &
         'there, or the first direction of a beam is along the beam.')

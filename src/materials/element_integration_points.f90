@@ -25,6 +25,7 @@ module amontons_element_integration_points
     ! input: section, committed history, temperature
     real(DP) :: section_value                            !< thickness [length], cross-section [length^2], spring constant
     logical :: is_shell = .false.                  !< the solid is one layer of an expanded shell
+    real(DP) :: walls(4) = 0                       !< of a hollow beam, see mesh [-]
     integer :: directions(2)                       !< of SPRING1, SPRING2
     type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant
     logical :: has_frame                           !< frame is set; else the axes are the global ones

@@ -8,6 +8,7 @@ module amontons_element_kinds
   public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name, has_midsides
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
   public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS8, KIND_CSS6
+  public :: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
@@ -32,53 +33,57 @@ module amontons_element_kinds
   integer, parameter :: KIND_C3D15 = 10       !< quadratic wedge, 9 points
   integer, parameter :: KIND_CSS8 = 11        !< solid-shell hexahedron: assumed strains, 2x2 points at five heights
   integer, parameter :: KIND_CSS6 = 12        !< solid-shell wedge: the same, three points at five heights
-  integer, parameter :: N_SOLID_KINDS = 12    !< the kinds up to here are three-dimensional solids
-  integer, parameter :: KIND_CPS3 = 13        !< plane stress: triangle, 1 point
-  integer, parameter :: KIND_CPS4 = 14        !< quadrilateral, 4 points
-  integer, parameter :: KIND_CPS4R = 15       !< quadrilateral, 1 point, hourglass stiffness
-  integer, parameter :: KIND_CPS6 = 16        !< quadratic triangle, 3 points
-  integer, parameter :: KIND_CPS8 = 17        !< quadratic quadrilateral, 9 points
-  integer, parameter :: KIND_CPS8R = 18       !< the same, 4 points
-  integer, parameter :: KIND_CPE3 = 19        !< plane strain: the same six shapes ...
-  integer, parameter :: KIND_CPE4 = 20        !< ... with mean dilatation
-  integer, parameter :: KIND_CPE4_FULL = 21   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CPE4R = 22
-  integer, parameter :: KIND_CPE6 = 23
-  integer, parameter :: KIND_CPE8 = 24
-  integer, parameter :: KIND_CPE8R = 25
-  integer, parameter :: KIND_CAX3 = 26        !< axisymmetric about y, x is the radius: the same
-  integer, parameter :: KIND_CAX4 = 27        !< ... with mean dilatation
-  integer, parameter :: KIND_CAX4_FULL = 28   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CAX4R = 29
-  integer, parameter :: KIND_CAX6 = 30
-  integer, parameter :: KIND_CAX8 = 31
-  integer, parameter :: KIND_CAX8R = 32
-  integer, parameter :: KIND_T3D2 = 33        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 34        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 35     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 36     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 37     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 38      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 39        !< point mass
-  integer, parameter :: N_KINDS = 39
+  integer, parameter :: KIND_BEAM_RECT = 13    !< 20 nodes around a beam, two places of points along it: 3x3 over the rectangle
+  integer, parameter :: KIND_BEAM_PIPE = 14    !< ... 8 on a circle
+  integer, parameter :: KIND_BEAM_BOX = 15     !< ... 3 on each of four walls
+  integer, parameter :: KIND_BEAM_CIRC = 16    !< ... 4 and 8 on two circles
+  integer, parameter :: N_SOLID_KINDS = 16    !< the kinds up to here are three-dimensional solids
+  integer, parameter :: KIND_CPS3 = 17        !< plane stress: triangle, 1 point
+  integer, parameter :: KIND_CPS4 = 18        !< quadrilateral, 4 points
+  integer, parameter :: KIND_CPS4R = 19       !< quadrilateral, 1 point, hourglass stiffness
+  integer, parameter :: KIND_CPS6 = 20        !< quadratic triangle, 3 points
+  integer, parameter :: KIND_CPS8 = 21        !< quadratic quadrilateral, 9 points
+  integer, parameter :: KIND_CPS8R = 22       !< the same, 4 points
+  integer, parameter :: KIND_CPE3 = 23        !< plane strain: the same six shapes ...
+  integer, parameter :: KIND_CPE4 = 24        !< ... with mean dilatation
+  integer, parameter :: KIND_CPE4_FULL = 25   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CPE4R = 26
+  integer, parameter :: KIND_CPE6 = 27
+  integer, parameter :: KIND_CPE8 = 28
+  integer, parameter :: KIND_CPE8R = 29
+  integer, parameter :: KIND_CAX3 = 30        !< axisymmetric about y, x is the radius: the same
+  integer, parameter :: KIND_CAX4 = 31        !< ... with mean dilatation
+  integer, parameter :: KIND_CAX4_FULL = 32   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CAX4R = 33
+  integer, parameter :: KIND_CAX6 = 34
+  integer, parameter :: KIND_CAX8 = 35
+  integer, parameter :: KIND_CAX8R = 36
+  integer, parameter :: KIND_T3D2 = 37        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 38        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 39     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 40     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 41     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 42      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 43        !< point mass
+  integer, parameter :: N_KINDS = 43
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 40          !< shells
-  integer, parameter :: KIND_S4 = 41
-  integer, parameter :: KIND_S4R = 42
-  integer, parameter :: KIND_S6 = 43
-  integer, parameter :: KIND_S8 = 44
-  integer, parameter :: KIND_S8R = 45
-  integer, parameter :: KIND_M3D3 = 46        !< membranes
-  integer, parameter :: KIND_M3D4 = 47
-  integer, parameter :: KIND_M3D4R = 48
-  integer, parameter :: KIND_M3D6 = 49
-  integer, parameter :: KIND_M3D8 = 50
-  integer, parameter :: KIND_M3D8R = 51
-  integer, parameter :: KIND_B31 = 52         !< beams
-  integer, parameter :: KIND_B31R = 53
-  integer, parameter :: KIND_B32 = 54         !< end, middle, end
-  integer, parameter :: KIND_B32R = 55
-  integer, parameter :: N_DECK_KINDS = 55
+  integer, parameter :: KIND_S3 = 44          !< shells
+  integer, parameter :: KIND_S4 = 45
+  integer, parameter :: KIND_S4R = 46
+  integer, parameter :: KIND_S6 = 47
+  integer, parameter :: KIND_S8 = 48
+  integer, parameter :: KIND_S8R = 49
+  integer, parameter :: KIND_M3D3 = 50        !< membranes
+  integer, parameter :: KIND_M3D4 = 51
+  integer, parameter :: KIND_M3D4R = 52
+  integer, parameter :: KIND_M3D6 = 53
+  integer, parameter :: KIND_M3D8 = 54
+  integer, parameter :: KIND_M3D8R = 55
+  integer, parameter :: KIND_B31 = 56         !< beams
+  integer, parameter :: KIND_B31R = 57
+  integer, parameter :: KIND_B32 = 58         !< end, middle, end
+  integer, parameter :: KIND_B32R = 59
+  integer, parameter :: N_DECK_KINDS = 59
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
@@ -144,6 +149,14 @@ contains
       entry = hexahedron_kind('CSS8', 8, 20, 12)
     case (KIND_CSS6)
       entry = wedge_kind('CSS6', 6, 15, 13)
+    case (KIND_BEAM_RECT)                     ! no deck can name them: its words are in upper case
+      entry = hexahedron_kind('rectBeam', 20, 18, 25)
+    case (KIND_BEAM_PIPE)
+      entry = hexahedron_kind('pipeBeam', 20, 16, 25)
+    case (KIND_BEAM_BOX)
+      entry = hexahedron_kind('boxBeam', 20, 24, 25)
+    case (KIND_BEAM_CIRC)
+      entry = hexahedron_kind('circBeam', 20, 24, 25)
     case (KIND_CPS3:KIND_CPS8R)
       entry = plane_kind('CPS', FAMILY_PLANE_STRESS, kind - KIND_CPS3 + merge(1, 0, kind >= KIND_CPS4))
     case (KIND_CPE3:KIND_CPE8R)

@@ -7,8 +7,8 @@ module amontons_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
-  public :: mesh_type, set_type, finalize_mesh, element_nodes, append_node, append_nodes, append_node_copies, mesh_extent, &
-    find_connected_nodes
+  public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
+    mesh_extent, find_connected_nodes
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -31,6 +31,8 @@ module amontons_mesh
     integer, allocatable :: material(:)            !< (n_elements) index into model%materials; 0: no section
     real(DP), allocatable :: section_value(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
+    real(DP), allocatable :: walls(:, :)           !< (4, n_elements) hollow beams: thickness of the walls over the dimension, see
+                                                   !! module beam_rules; unallocated: there are none [-]
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
     integer, allocatable :: section(:)             !< (n_elements) number of its SECTION card (or the like) in the deck; 0: none
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
@@ -195,6 +197,16 @@ contains
     nodes(:n) = mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)
     nodes(n + 1:) = 0
   end subroutine element_nodes
+
+
+  !> The walls of an element: thickness over the dimension; zero if it is no hollow beam.
+  pure function wall_ratios(mesh, e) result(walls)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element index
+    real(DP) :: walls(4)                           !< [-]
+    walls = 0
+    if (allocated(mesh%walls)) walls = mesh%walls(:, e)
+  end function wall_ratios
 
 
   !> Bodies: nodes that elements connect, directly or through other nodes, numbered in the order of their first elements.

@@ -5,7 +5,13 @@ module amontons_structural_data
   implicit none
   private
   public :: structural_section_type, layer_type, structure_type, director_type
+  public :: SECTION_RECT, SECTION_CIRC, SECTION_PIPE, SECTION_BOX
   public :: find_node_directors, expanded_nodes, mean_weights, force_weights, n_section_layers
+
+  integer, parameter :: SECTION_RECT = 1     !< cross-section of a beam: a rectangle
+  integer, parameter :: SECTION_CIRC = 2     !< a circle or an ellipse
+  integer, parameter :: SECTION_PIPE = 3     !< a circle with a concentric hole
+  integer, parameter :: SECTION_BOX = 4      !< a rectangle with a rectangular hole
 
   !> A layer of a composite shell.
   type :: layer_type
@@ -22,6 +28,8 @@ module amontons_structural_data
     real(DP) :: thickness(2) = 0             !< shells: the first; beams: along direction 1 and 2 [length]
     real(DP) :: offset(2) = 0                !< position of the nodes: over the thickness from its middle, towards positive [-]
     logical :: has_nodal_thickness = .false.
+    integer :: shape = 1                     !< beams: SECTION_...
+    real(DP) :: walls(4) = 0                 !< hollow beams: thickness over the dimension, see module beam_rules [-]
     real(DP) :: direction(3) = 0             !< beams: first local direction
     type(layer_type), allocatable :: layers(:)   !< COMPOSITE: from bottom to top; unallocated: one layer
     character(:), allocatable :: orientation !< shells: name of the ORIENTATION; empty: none
@@ -43,6 +51,7 @@ module amontons_structural_data
     real(DP) :: thickness(2) = 0             !< along them [length]
     real(DP) :: offset(2) = 0                !< of the node over the thickness from the middle, along them [-]
     integer :: section = 0                   !< of the first element that has it
+    logical :: is_round = .false.            !< the corners of the cross-section lie on an ellipse through the middles of its sides
   end type director_type
 
   !> All of them.
@@ -55,6 +64,7 @@ module amontons_structural_data
     real(DP), allocatable :: nodal_thickness(:, :)   !< (2, n_nodes) NODAL THICKNESS; 0: not given [length]
     real(DP), allocatable :: given_normal(:, :)      !< (3, size(nodes)) NORMAL, unit vectors; 0: not given
     logical, allocatable :: is_turned(:)         !< (n_nodes) rotations or moments are prescribed there
+    logical, allocatable :: is_plane(:)          !< (n_nodes) of a beam in the plane
     integer, allocatable :: held_from(:, :)      !< (6, n_nodes) first step that prescribes the degree of freedom; 0: none does
     integer :: n_deck_nodes = 0                  !< nodes before expansion
     ! The expansion:

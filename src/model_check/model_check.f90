@@ -14,6 +14,7 @@ module amontons_model_check
   use amontons_containers, only: integer_list_type
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: evaluate_element_volume, ELEMENT_OK
+  use amontons_mesh, only: wall_ratios
   use amontons_loads, only: equation_type, load_value, integrated_velocity, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, &
     DISTRIBUTED_CENTRIFUGAL, &
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
@@ -92,7 +93,8 @@ contains
     associate (mesh => model%mesh)
       do e = 1, mesh%n_elements
         associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status)
+          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
+            wall_ratios(mesh, e))
         end associate
         has_volume = mesh%point_first(e + 1) > mesh%point_first(e)
         if (status /= ELEMENT_OK .or. (has_volume .and. .not. volume > 0.0_DP)) call bad%add(mesh%element_label(e))

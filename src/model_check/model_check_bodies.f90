@@ -7,7 +7,7 @@ module amontons_model_check_bodies
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
   use amontons_element_kinds, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
-  use amontons_mesh, only: find_connected_nodes
+  use amontons_mesh, only: find_connected_nodes, wall_ratios
   implicit none
   private
   public :: body_type, bodies_type, find_bodies, body_name
@@ -92,7 +92,8 @@ contains
         if (body%n_elements == 0) body%element = e
         body%n_elements = body%n_elements + 1
         associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status)
+          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
+            wall_ratios(mesh, e))
         end associate
         body%volume = body%volume + volume
         if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section_value(e)

@@ -5,10 +5,11 @@
 !! forces on a node (supports, loads), under abaqus only the reactions of supports.
 module amontons_dat_output
   use amontons_kinds, only: DP
+  use amontons_beam_rules, only: MAX_PRINTED_POINTS
   use amontons_text, only: upper_case
   use amontons_tensor, only: pack_voigt, unpack_voigt
   use amontons_element_kinds, only: MAX_ELEMENT_POINTS
-  use amontons_postprocess, only: bar_points, mechanical_strain, integration_point_positions, integration_point_volumes, &
+  use amontons_postprocess, only: find_printed_points, mechanical_strain, integration_point_positions, integration_point_volumes, &
     sector_share, printed_energy_density, &
     convert_to_sector, rotate_truss_tensors
   use amontons_mesh, only: mesh_type, set_type
@@ -282,16 +283,22 @@ contains
     integer, intent(in) :: step                    !< index into model%steps
     type(set_type), intent(in) :: set
     real(DP), intent(in) :: values(:, :)           !< (n_components, n_points)
-    integer :: i, p, first, n
+    real(DP) :: matrix(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS), row(size(values, 1))
+    integer :: i, p, k, first, n, n_rows
     do i = 1, size(set%members)
       associate (e => set%members(i), mesh => model%mesh)
         if (is_out(model, step, e)) cycle
         first = mesh%point_first(e)
         n = mesh%point_first(e + 1) - first
-        do p = 1, bar_points(model, e)
-          write (unit, POINT_FORMAT) mesh%element_label(e), p, sum(values(:, first:first + n - 1), dim=2) / real(n, DP)
+        call find_printed_points(model, e, n_rows, matrix)
+        do p = 1, n_rows
+          row = 0
+          do k = 1, n
+            row = row + matrix(p, k) * values(:, first + k - 1)
+          end do
+          write (unit, POINT_FORMAT) mesh%element_label(e), p, row
         end do
-        if (bar_points(model, e) > 0) cycle
+        if (n_rows > 0) cycle
         do p = 1, n
           write (unit, POINT_FORMAT) mesh%element_label(e), p, values(:, first + p - 1)
         end do

@@ -14,13 +14,14 @@
 !! CalculiX expands trusses to bars of 8 points, of 27 with a middle node, with tensors in global axes.
 module amontons_postprocess
   use amontons_kinds, only: DP, PI
+  use amontons_beam_rules, only: is_beam_kind, interpolate_printed_points, MAX_PRINTED_POINTS
   use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, &
     FAMILY_SOLID, &
     FAMILY_SPRING, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
     KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, N_KINDS, N_CIRCLE_SECTORS
-  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_shape_functions, only: extrapolation_matrix, quadrature, shape_functions, choose_face_rule, facet_shapes, &
     facet_quadrature, &
     MAX_FACET_POINTS
@@ -28,6 +29,7 @@ module amontons_postprocess
   use amontons_material_point, only: evaluate_thermal_strain
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
+  use amontons_structural_data, only: SECTION_CIRC
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
   use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR, BEHAVIOR_USER
   use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
@@ -37,7 +39,7 @@ module amontons_postprocess
   public :: average_at_nodes, estimate_error, integration_point_volumes, integration_point_positions
   public :: mechanical_strain
   public :: section_type, integrate_section
-  public :: sector_share, convert_to_sector, rotate_truss_tensors, bar_points
+  public :: sector_share, convert_to_sector, rotate_truss_tensors, find_printed_points
   public :: nodal_slaves, n_nodal_slaves, printed_slip, printed_contact_energy
   public :: pair_sums_type, list_midside_nodes, fill_midside_values, sum_pair_forces
   public :: add_inelastic_work, printed_energy_density
@@ -102,7 +104,8 @@ contains
         if (is_as_there .and. entry%n_nodes == 2) call count_spring(mesh, e, n_elements_at)
         cycle
       end if
-      if (.not. is_made(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points)
+      if (.not. is_made(kind) .or. is_beam_kind(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points, &
+        wall_ratios(mesh, e))
       if (is_as_there .and. kind == KIND_C3D6) matrix(:6, :2, kind) = reshape([TRUSS_WEIGHTS, 1 - TRUSS_WEIGHTS], [6, 2])
       is_made(kind) = .true.
       call element_nodes(mesh, e, n, nodes)
@@ -282,7 +285,7 @@ contains
       call element_nodes(mesh, e, n, nodes)
       associate (kind => element_kind(mesh%kind(e)))
         n_rule = 0
-        if (kind%family <= FAMILY_AXISYMMETRIC) call quadrature(mesh%kind(e), n_rule, xi, w)
+        if (kind%family <= FAMILY_AXISYMMETRIC) call quadrature(mesh%kind(e), n_rule, xi, w, wall_ratios(mesh, e))
       end associate
       shape(:n) = 1 / real(n, DP)
       do p = 1, mesh%point_first(e + 1) - mesh%point_first(e)
@@ -301,7 +304,8 @@ contains
     real(DP), intent(out) :: volumes(MAX_ELEMENT_POINTS)   !< (MAX_ELEMENT_POINTS) the first n are set, 0 past n [length^3]
     integer :: n_nodes, status, nodes(MAX_ELEMENT_NODES)
     call element_nodes(mesh, e, n_nodes, nodes)
-    call evaluate_point_volumes(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section_value(e), n, volumes, status)
+    call evaluate_point_volumes(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section_value(e), n, volumes, status, &
+      wall_ratios(mesh, e))
   end subroutine integration_point_volumes
 
 
@@ -319,7 +323,7 @@ contains
       associate (m => max(1, material_in_step(model, fields%step, e)))
         if (.not. allocated(model%materials(m)%expansion%value)) cycle
         call element_nodes(model%mesh, e, n, nodes)
-        call set_temperature_weights(model%mesh%kind(e), weight)
+        call set_temperature_weights(model%mesh%kind(e), weight, wall_ratios(model%mesh, e))
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           i = p - model%mesh%point_first(e) + 1
           k = model%materials(m)%table_variable * model%mesh%n_nodes
@@ -406,16 +410,27 @@ contains
   end function sector_share
 
 
-  !> Number of points of the solid to which CalculiX expands a truss, 0 for other elements: its tables have so many rows, all with
-  !! the mean of its points.
-  pure integer function bar_points(model, e) result(n)
+  !> The points of CalculiX's tables, if they are others than here: rows of the solid to which it expands a truss, all with the mean
+  !! of its points; the points of beams by interpolation, but of circles, whose solids have curved sides.
+  pure subroutine find_printed_points(model, e, n, matrix)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                       !< element
+    integer, intent(out) :: n                      !< rows of the table; 0: those of the element
+    real(DP), intent(out) :: matrix(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS)   !< table = matrix * points
     n = 0
+    matrix = 0
     if (model%dialect /= DIALECT_CALCULIX) return
-    if (model%mesh%kind(e) == KIND_T3D2) n = 8
-    if (model%mesh%kind(e) == KIND_T3D3) n = 27
-  end function bar_points
+    if (is_beam_kind(model%mesh%kind(e))) then
+      associate (section => model%structure%sections(model%structure%section(e)))
+        if (section%shape /= SECTION_CIRC) call interpolate_printed_points(model%mesh%kind(e), n, matrix)
+      end associate
+    end if
+    if (.not. is_truss(model%mesh, e)) return
+    n = merge(8, 27, model%mesh%kind(e) == KIND_T3D2)
+    associate (m => model%mesh%point_first(e + 1) - model%mesh%point_first(e))
+      matrix(:n, :m) = 1 / real(m, DP)
+    end associate
+  end subroutine find_printed_points
 
 
   !> Tensors at the points, those of trusses rotated from their axis to global axes, as in CalculiX.

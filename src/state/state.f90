@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_state
   use amontons_kinds, only: DP
-  use amontons_mesh, only: mesh_type, element_nodes
+  use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_material_point, only: elastic_strain_from_stress, evaluate_orientation
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
@@ -185,7 +185,7 @@ contains
       k = model%element_orientation(e)
       if (k == 0) cycle
       call element_nodes(model%mesh, e, n_nodes, nodes)
-      call quadrature(model%mesh%kind(e), n_rule, xi, w)
+      call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
       do p = 1, model%mesh%point_first(e + 1) - model%mesh%point_first(e)
         call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
         associate (X => model%mesh%coordinates(:, nodes(:n_nodes)))

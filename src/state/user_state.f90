@@ -5,7 +5,7 @@ module amontons_user_state
   use amontons_errors, only: error_type, set_error, EXIT_NOT_CONVERGED
   use amontons_element, only: evaluate_element_volume
   use amontons_materials, only: USER_STRESS, USER_STATE
-  use amontons_mesh, only: element_nodes
+  use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, material_in_step
   use amontons_element_integration_points, only: integration_points_type
   use amontons_loads, only: distributed_type, prescribed_type
@@ -33,9 +33,10 @@ contains
     components = count_stress_components(model%mesh%kind(e))
     call element_nodes(model%mesh, e, n_nodes, nodes)
     x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
-    call evaluate_element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section_value(e), volume, status)
+    call evaluate_element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section_value(e), volume, status, &
+      wall_ratios(model%mesh, e))
     if (is_nlgeom) x(:, :n_nodes) = x(:, :n_nodes) + state%new%u(:, nodes(:n_nodes))
-    call quadrature(model%mesh%kind(e), n_rule, xi, w)
+    call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
     dt = state%new%total_time - state%old%total_time
     first = model%mesh%point_first(e)
     m = material_in_step(model, state%new%step, e)
@@ -114,7 +115,7 @@ contains
       associate (material => model%materials(model%mesh%material(e)), statev => state%new%history)
         if (.not. material%is_user .or. material%n_statev == 0) cycle
         call element_nodes(model%mesh, e, n_nodes, nodes)
-        call quadrature(model%mesh%kind(e), n_rule, xi, w)
+        call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
         first = model%mesh%point_first(e)
         do p = first, model%mesh%point_first(e + 1) - 1
           if (allocated(model%initial_statev)) statev(USER_STATE:USER_STATE + material%n_statev - 1, p) = &

@@ -46,7 +46,6 @@ UNFINISHED: dict[str, str] = {
     "beamtor": "agrees but for the lateral displacement, which is rounding of CalculiX's iteration: 0 by symmetry, 5 % of the largest there",
     "shell4": "displacements within 0.2 %; stresses at other points: each layer is a solid of its own here, one solid for all layers there",
     "shellbeam": "the knot of a shell and a beam has one stretch here, more there: 0.4 % in displacements, 9 % in a stress beside it",
-    "simplebeam": "B32R is integrated at 27 points, in CalculiX at 50, two along the beam",
 }
 
 # Decks in which CalculiX cut its first increment back by itself and printed where it then came by. Amontons needs no cut-back

@@ -11,7 +11,7 @@ program test_element
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, determinant
   use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, &
-    N_SOLID_KINDS, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, &
+    KIND_BEAM_RECT, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, &
     KIND_C3D20R, KIND_CSS8, KIND_CSS6, FACET_TRI3, FACET_QUAD8
   use check, only: suite_type
   implicit none
@@ -24,7 +24,7 @@ program test_element
   call random_seed(put=[(15485863 + 7919 * i, i=1, n)])
   material%youngs_modulus = 210000
   material%poissons_ratio = 0.3_DP
-  do kind = 1, N_SOLID_KINDS
+  do kind = 1, KIND_BEAM_RECT
     do law = LAW_HENCKY, LAW_SAINT_VENANT
       material%law = law
       call check_patch(kind, .true.)
@@ -322,7 +322,7 @@ contains
   !! modes of C3D20R (6), which do not propagate through a mesh.
   subroutine check_modes(kind)
     integer, intent(in) :: kind
-    integer, parameter :: EXPECTED(N_SOLID_KINDS) = [6, 7, 6, 6, 6, 6, 12, 6, 6, 6, 6, 6]
+    integer, parameter :: EXPECTED(KIND_BEAM_RECT) = [6, 7, 6, 6, 6, 6, 12, 6, 6, 6, 6, 6, 6]
     real(DP) :: X(3, MAX_ELEMENT_NODES), K(N_DOF, N_DOF), values(N_DOF)
     type(integration_points_type) :: points
     type(element_kind_type) :: entry
@@ -421,8 +421,8 @@ contains
 
 
   !> Internal forces of a uniform pressure equal those of the pressure on all faces, current and exact; their sum is
-  !! zero. (Not of C3D6, C3D15, C3D20R distorted, nor C3D10 curved: their points do not integrate the gradients exactly; nor of
-  !! solid shells, whose assumed strains are not those of the gradients.)
+  !! zero. (Not of C3D6, C3D15, C3D20R, beams distorted, nor C3D10 curved: their points do not integrate the gradients exactly; nor
+  !! of solid shells, whose assumed strains are not those of the gradients.)
   subroutine check_hydrostatic(kind)
     integer, intent(in) :: kind
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES), force(3, MAX_ELEMENT_NODES), outside(3, MAX_ELEMENT_NODES), &
@@ -455,7 +455,7 @@ contains
     end do
     call suite%near(title(kind, .true., 'closed surface: no force'), maxval(abs(sum(outside, 2))), 0.0_DP, 1e-14_DP * &
       norm2(outside))
-    if (any(kind == [KIND_C3D6, KIND_C3D15, KIND_C3D20R, KIND_CSS8, KIND_CSS6])) return
+    if (any(kind == [KIND_C3D6, KIND_C3D15, KIND_C3D20R, KIND_CSS8, KIND_CSS6, KIND_BEAM_RECT])) return
     call suite%near(title(kind, .true., 'pressure inside and outside'), norm2(force - outside), 0.0_DP, &
       1e-12_DP * norm2(outside))
   end subroutine check_hydrostatic

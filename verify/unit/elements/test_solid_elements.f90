@@ -7,7 +7,7 @@ program test_solid_elements
   use amontons_shape_functions, only: node_coordinates, shape_functions, quadrature
   use amontons_solid_elements, only: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, &
     set_solid_temperature_weights
-  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_BEAM_RECT, &
     KIND_CSS8, KIND_CSS6
   use check, only: suite_type
   implicit none
@@ -15,7 +15,7 @@ program test_solid_elements
   real(DP), parameter :: A(3, 3) = reshape([1.3_DP, 0.2_DP, -0.1_DP, 0.1_DP, 0.8_DP, 0.3_DP, -0.2_DP, 0.1_DP, 1.1_DP], [3, 3])
   real(DP), parameter :: E = 210000.0_DP, NU = 0.3_DP
   integer :: kind
-  do kind = 1, N_SOLID_KINDS
+  do kind = 1, KIND_BEAM_RECT
     call check_volume(kind)
     call check_body_force(kind)
     call check_temperatures(kind)

@@ -3,7 +3,7 @@
 program test_postprocess
   use amontons_kinds, only: DP
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_C3D8, &
-    KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_SOLID_KINDS
+    KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_BEAM_RECT
   use amontons_mesh, only: element_nodes, finalize_mesh, mesh_type
   use amontons_shape_functions, only: node_coordinates, quadrature, shape_functions
   use amontons_postprocess, only: average_at_nodes, integration_point_volumes
@@ -79,13 +79,13 @@ contains
   !> The volumes of the points add up to that of the element, sheared and stretched: |det| times the parent's.
   subroutine test_volumes(suite)
     type(suite_type), intent(inout) :: suite
-    real(DP), parameter :: PARENT(N_SOLID_KINDS) = [1 / 6.0_DP, 1.0_DP, 8.0_DP, 8.0_DP, &
-      1 / 6.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 1.0_DP, 8.0_DP, 1.0_DP]
+    real(DP), parameter :: PARENT(KIND_BEAM_RECT) = [1 / 6.0_DP, 1.0_DP, 8.0_DP, 8.0_DP, &
+      1 / 6.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 8.0_DP, 1.0_DP, 8.0_DP, 1.0_DP, 8.0_DP]
     type(mesh_type) :: mesh
     type(element_kind_type) :: entry
     real(DP) :: volumes(MAX_ELEMENT_POINTS)
     integer :: kind, n
-    do kind = 1, N_SOLID_KINDS
+    do kind = 1, KIND_BEAM_RECT
       call make_mesh(kind, mesh)
       call integration_point_volumes(mesh, 1, n, volumes)
       entry = element_kind(kind)

@@ -1,0 +1,194 @@
+!> BEAM SECTION; beams of two nodes that need a middle one, beams in the plane.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_beams
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, data_row_type, next_row
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields, check_no_data
+  use amontons_mesh, only: mesh_type, append_nodes
+  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
+  use amontons_structural_data, only: structural_section_type, structure_type, SECTION_RECT, SECTION_CIRC, SECTION_PIPE, &
+    SECTION_BOX
+  use amontons_text, only: parse_real, name_key, NUMBER_OK
+  use amontons_element_kinds, only: FAMILY_BEAM, KIND_B31, KIND_B31R, KIND_B32
+  implicit none
+  private
+  public :: read_beam_section, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
+
+contains
+
+  !> BEAM SECTION: dimensions along direction 1 and 2, or those of the section; then the first direction.
+  subroutine read_beam_section(reader, c, parameters, row, section)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(data_row_type), intent(inout) :: row
+    type(structural_section_type), intent(inout) :: section
+    integer :: i
+    logical :: is_ok
+    section%family = FAMILY_BEAM
+    section%card = 'BEAM SECTION'
+    section%offset = [section_offset(reader, c, parameters, 'OFFSET1'), section_offset(reader, c, parameters, 'OFFSET2')]
+    section%direction = [0.0_DP, 0.0_DP, -1.0_DP]
+    if (.not. next_row(reader%cards, row)) then
+      call report_error(reader, reader%cards%cards(c)%line, '*BEAM SECTION needs a data line with the dimensions of the section.')
+      return
+    end if
+    call read_dimensions(reader, row, parameter_word(parameters, 'SECTION', 'RECT'), section)
+    if (.not. next_row(reader%cards, row)) return
+    is_ok = .true.
+    call check_n_fields(reader, row, 3)
+    do i = 1, 3
+      call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, 0.0_DP)
+    end do
+    if (is_ok .and. .not. norm2(section%direction) > 0) call report_error(reader, row%line, 'The direction must not be zero.')
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
+  end subroutine read_beam_section
+
+
+  !> The dimensions of a section. Circles: the radius, in CalculiX the diameters along both directions; pipes: radius, thickness;
+  !! boxes: dimensions, then the walls at +1, +2, -1, -2.
+  subroutine read_dimensions(reader, row, word, section)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: word             !< RECT, CIRC, PIPE or BOX
+    type(structural_section_type), intent(inout) :: section
+    real(DP) :: value(6)
+    integer :: i, n
+    logical :: is_ok
+    is_ok = .true.
+    section%shape = SECTION_RECT
+    n = 2
+    if (word == 'CIRC') section%shape = SECTION_CIRC
+    if (word == 'PIPE') section%shape = SECTION_PIPE
+    if (word == 'BOX') section%shape = SECTION_BOX
+    if (word == 'BOX') n = 6
+    if (word == 'BOX' .and. reader%dialect /= DIALECT_CALCULIX) call report_error(reader, row%line, 'SECTION=BOX is for the ' // &
+      'calculix dialect, which is up to 4/3 too stiff in torsion, as CalculiX is. Build the box of shells.')
+    if (word == 'CIRC' .and. reader%dialect /= DIALECT_CALCULIX) n = 1
+    call check_n_fields(reader, row, n)
+    do i = 1, n
+      if (i == 2 .and. reader%dialect == DIALECT_CALCULIX .and. (word == 'RECT' .or. word == 'CIRC')) then
+        call read_real(reader, row, i, 'dimension of the section', value(i), is_ok, value(1))
+      else
+        call read_real(reader, row, i, 'dimension of the section', value(i), is_ok)
+      end if
+    end do
+    if (.not. is_ok) then
+      section%thickness = 1
+    else if (.not. all(value(:n) > 0)) then
+      call report_error(reader, row%line, 'The dimensions must be positive.')
+      section%thickness = 1
+    else if (section%shape == SECTION_PIPE) then
+      section%thickness = 2 * value(1)
+      section%walls(1) = value(2) / section%thickness(1)
+      if (value(2) > value(1)) call report_error(reader, row%line, 'The wall of a pipe must not be thicker than its ' // &
+        'radius: the line gives radius, thickness.')
+    else if (section%shape == SECTION_BOX) then
+      section%thickness = value(:2)
+      section%walls = value(3:) / value([1, 2, 1, 2])
+      if (any(section%walls(:2) + section%walls(3:) > 1)) call report_error(reader, row%line, 'Opposite walls of a box must ' // &
+        'not be thicker than the box: the line gives its dimensions along direction 1 and 2, then the walls at +1, +2, -1, -2.')
+    else
+      section%thickness = value(:2)
+      if (n == 1) section%thickness = 2 * value(1)
+    end if
+  end subroutine read_dimensions
+
+
+  !> An offset: a number, or SPOS and SNEG, the nodes lie on the top or the bottom.
+  real(DP) function section_offset(reader, c, parameters, name) result(offset)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name             !< of the parameter
+    character(:), allocatable :: text
+    integer :: status
+    offset = 0
+    if (.not. has_parameter(parameters, name)) return
+    text = name_key(parameter_text(parameters, name))
+    if (text == 'SPOS') offset = 0.5_DP
+    if (text == 'SNEG') offset = -0.5_DP
+    if (text == 'SPOS' .or. text == 'SNEG') return
+    call parse_real(text, offset, status)
+    if (status == NUMBER_OK) return
+    offset = 0
+    call report_error(reader, reader%cards%cards(c)%line, name // ' must be a number, the place of the nodes over the ' // &
+      'thickness from its middle' // trim(merge(', or SPOS or SNEG', '                 ', name == 'OFFSET')) // '; it is ''' // &
+      parameter_text(parameters, name) // '''.')
+  end function section_offset
+
+
+  !> Beams of two nodes with another section than RECT become beams of three nodes, with a new node between them: the points of
+  !! these sections belong to solids of 20 nodes.
+  subroutine add_middle_nodes(mesh, structure)
+    type(mesh_type), intent(inout) :: mesh       !< not yet expanded
+    type(structure_type), intent(in) :: structure   !< with the sections of the elements
+    logical :: is_changed(mesh%n_elements)
+    integer, allocatable :: first(:), nodes(:)
+    real(DP), allocatable :: x(:, :)
+    integer :: e, n, m
+    is_changed = .false.
+    do e = 1, mesh%n_elements
+      if (structure%section(e) == 0) cycle
+      is_changed(e) = (mesh%kind(e) == KIND_B31 .or. mesh%kind(e) == KIND_B31R) .and. &
+        structure%sections(structure%section(e))%shape /= SECTION_RECT
+    end do
+    if (.not. any(is_changed)) return
+    n = mesh%n_nodes
+    allocate (first(mesh%n_elements + 1), nodes(size(mesh%nodes) + count(is_changed)), x(3, count(is_changed)))
+    first(1) = 1
+    m = 0
+    do e = 1, mesh%n_elements
+      associate (ends => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+        first(e + 1) = first(e) + size(ends) + merge(1, 0, is_changed(e))
+        if (is_changed(e)) then
+          m = m + 1
+          x(:, m) = 0.5_DP * (mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
+          nodes(first(e):first(e + 1) - 1) = [ends(1), n + m, ends(2)]
+          mesh%kind(e) = KIND_B32
+        else
+          nodes(first(e):first(e + 1) - 1) = ends
+        end if
+      end associate
+    end do
+    call append_nodes(mesh, x)
+    mesh%first = first
+    mesh%nodes = nodes
+  end subroutine add_middle_nodes
+
+
+  !> Beams in the plane: their nodes keep the third displacement and the rotations about axes of the plane.
+  subroutine mark_plane_beams(mesh, structure)
+    type(mesh_type), intent(inout) :: mesh       !< not yet expanded; out: these beams are no trusses in the plane
+    type(structure_type), intent(inout) :: structure   !< out: their nodes are turned and held
+    integer :: e
+    allocate (structure%is_plane(mesh%n_nodes), source=.false.)
+    do e = 1, mesh%n_elements
+      if (structure%section(e) == 0 .or. .not. mesh%is_in_plane(e)) cycle
+      mesh%is_in_plane(e) = .false.
+      structure%is_plane(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
+    end do
+    where (structure%is_plane)
+      structure%is_turned = .true.
+      structure%held_from(3, :) = 1
+      structure%held_from(4, :) = 1
+      structure%held_from(5, :) = 1
+    end where
+  end subroutine mark_plane_beams
+
+
+  !> Holds the nodes of beams in the plane, once the rotation nodes exist.
+  subroutine hold_plane_beams(model)
+    type(model_type), intent(inout) :: model     !< expanded
+    integer :: i, k
+    do i = 1, size(model%structure%is_plane)
+      if (.not. model%structure%is_plane(i)) cycle
+      call append_equation(model, [i], [3], [1.0_DP], 'BEAM SECTION', 0)
+      do k = 1, 2
+        call append_equation(model, [model%rotation_of(i)], [k], [1.0_DP], 'BEAM SECTION', 0)
+      end do
+    end do
+  end subroutine hold_plane_beams
+
+end module amontons_deck_beams

@@ -1,0 +1,130 @@
+"""Cross-sections of beams: a cantilever of each bent about both axes, pulled, twisted and under its weight, against closed forms.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from verify.cases.proof import Case, Job
+from verify.decks.beams import LENGTH, MODULUS, RATIO, Section, beam, box, circle, pipe
+from verify.decks.shells import Floats
+
+Proof = Callable[..., Case]
+
+SECTIONS = {
+    "circ": circle(0.3),
+    "pipe": pipe(0.3, 0.05),
+    "thick-pipe": pipe(0.3, 0.2),
+}
+BEAM_THEORY = "S. Timoshenko, Strength of Materials, part I, 3rd edition, Van Nostrand 1955"
+
+
+def step(load: str) -> str:
+    """A clamped end and one linear step."""
+    return f"*BOUNDARY\n1, ENCASTRE\n*STEP\n*STATIC\n{load}*END STEP\n"
+
+
+def at(job: Job, x: float) -> Floats:
+    """The displacement of the node of the deck on the axis."""
+    return job.last("U")[int(np.argmin(np.abs(job.points - np.array([x, 0.0, 0.0])).sum(axis=1)))]
+
+
+def bend(job: Job, axis: int) -> float:
+    """The second difference of the deflection at x = 3, 5, 7: free of what the ends do within a diameter."""
+    return float(at(job, 7.0)[axis] - 2 * at(job, 5.0)[axis] + at(job, 3.0)[axis])
+
+
+def twist(job: Job, x: float) -> float:
+    """The rotation about x of a cross-section, by the displacements of the corners around it."""
+    places, u = job.points, job.last("U")
+    corners = np.flatnonzero((np.abs(places[:, 0] - x) < 1e-9) & (np.abs(places[:, 1]) > 1e-6) & (np.abs(places[:, 2]) > 1e-6))
+    r, v = places[corners], u[corners]
+    return float(np.mean((r[:, 1] * v[:, 2] - r[:, 2] * v[:, 1]) / (r[:, 1] ** 2 + r[:, 2] ** 2)))
+
+
+@pytest.mark.parametrize("kind", ["B31", "B32"])
+@pytest.mark.parametrize("name", list(SECTIONS))
+def test_cantilever(proof: Proof, name: str, kind: str) -> None:
+    """Tip deflection along both directions, stretch, twist and weight."""
+    section = SECTIONS[name]
+    case = proof(
+        f"beam-{name}-{kind.lower()}",
+        title=f"A cantilever of {kind} with a section {section.word} {section.data}",
+        model=f"Length 10, twenty elements, E = 2.1e5, nu = 0.3, direction 1 along y, clamped; five jobs: a unit force at the end along each axis, a unit moment about "
+        "x, and a weight of 1 per volume along -y.",
+        formula="w'' = F (L - x) / (E I), u' = F / (E A), turn' = T / (G J), w'' = q (L - x)^2 / (2 E I) by differences between x = 3 and 7; F L^3 / (3 E I) at the end; "
+        "A, I, J of the circle or the pipe in closed form.",
+        source=BEAM_THEORY,
+        proves="The points of the section have its area, moments of inertia and torsion constant; B31 with a middle node of its own.",
+    )
+    shear = MODULUS / (2 * (1 + RATIO))
+    loads = {"along y": "*CLOAD\nEND, 2, 1.\n", "along z": "*CLOAD\nEND, 3, 1.\n", "along x": "*CLOAD\nEND, 1, 1.\n", "about x": "*CLOAD\nEND, 4, 1.\n",
+             "weight": "*DLOAD\nE, GRAV, 1., 0., -1., 0.\n"}  # fmt: skip
+    jobs = {load: case.run(beam(kind, section, n=20) + step(rows), load) for load, rows in loads.items()}
+    why, place = "what the ends do has decayed", "x = 3 to 7"
+    case.near("bending along y", bend(jobs["along y"], 1), 4 * 5 / (MODULUS * section.inertia_1), 1e-3, why=why, place=place, time="the end")
+    case.near("bending along z", bend(jobs["along z"], 2), 4 * 5 / (MODULUS * section.inertia_2), 1e-3, why=why, place=place, time="the end")
+    tip = LENGTH**3 / (3 * MODULUS * section.inertia_1)
+    case.near("deflection", float(at(jobs["along y"], LENGTH)[1]), tip, 0.01, why="a clamp acts on the corners around the section: stiff by part of an element, "
+              "beside shear", place="the end", time="the end")  # fmt: skip
+    stretch = float(at(jobs["along x"], 7.0)[0] - at(jobs["along x"], 3.0)[0])
+    case.near("stretch", stretch, 4 / (MODULUS * section.area), 1e-3, why=why, place=place, time="the end")
+    turn = twist(jobs["about x"], 7.0) - twist(jobs["about x"], 3.0)
+    case.near("twist", turn, 4 / (shear * section.torsion), 1e-3, why=why, place=place, time="the end")
+    weight = -section.area * (4 * 12.5 + 16 / 12) / (MODULUS * section.inertia_1)
+    case.near("under its weight", bend(jobs["weight"], 1), weight, 2e-3, why=why, place=place, time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize("kind", ["B21", "B22"])
+def test_plane_frame(proof: Proof, kind: str) -> None:
+    """A right angle of plane beams, loaded at its end."""
+    step_size = 2 if kind == "B22" else 1
+    n = 8
+    count = step_size * n
+    case = proof(
+        f"plane-frame-{kind.lower()}",
+        title=f"A bent cantilever of {kind}",
+        model="A column of 4 along y and an arm of 4 along x, eight elements each, RECT 0.2 across the plane and 0.1 in it, E = 2.1e5, nu = 0; clamped below, a "
+        "force of 1 down at the end of the arm; nodes have no supports out of the plane.",
+        formula="The end sinks by F a^3 / (3 E I) + F a^2 h / (E I) + F h / (E A).",
+        source=BEAM_THEORY,
+        proves="Beams in the plane need no supports out of it; a knot carries their moment.",
+    )
+    places = [(0.0, 4 * i / count) for i in range(count + 1)] + [(4 * i / count, 4.0) for i in range(1, count + 1)]
+    rows = "*NODE, NSET=N\n" + "".join(f"{i + 1}, {x:.15g}, {y:.15g}\n" for i, (x, y) in enumerate(places))
+    rows += f"*ELEMENT, TYPE={kind}, ELSET=E\n"
+    rows += "".join(f"{e + 1}, {', '.join(str(step_size * e + 1 + k) for k in range(step_size + 1))}\n" for e in range(2 * n))
+    rows += "*MATERIAL, NAME=M\n*ELASTIC\n2.1e5, 0.\n*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n.2, .1\n"
+    job = case.run(rows + "*BOUNDARY\n1, ENCASTRE\n*STEP\n*STATIC\n*CLOAD\n" + f"{len(places)}, 2, -1.\n*END STEP\n", kind)
+    bending = 2.1e5 * 0.2 * 0.1**3 / 12
+    expected = 4**3 / (3 * bending) + 4**2 * 4 / bending + 4 / (2.1e5 * 0.02)
+    u = job.last("U")[len(places) - 1]
+    case.near("sinking", float(-u[1]), expected, 0.01, why="the corner is rigid over half a height, shear", place="end of the arm", time="the end")
+    case.near("out of the plane", float(abs(u[2])), 0.0, 1e-9, why="it is held", place="end of the arm", time="the end")
+    case.done()
+
+
+BOX: Section = box(0.6, 0.4, (0.02, 0.04, 0.03, 0.02))
+
+
+def test_box(proof: Proof) -> None:
+    """A box with four different walls, in the calculix dialect."""
+    case = proof(
+        "beam-box",
+        title="A cantilever with a section BOX",
+        model="The cantilever of B32R in the calculix dialect with a box 0.6 x 0.4 with walls 0.02, 0.04, 0.03, 0.02: a unit force at the end along y, z.",
+        formula="w'' = F (L - x) / (E I) about axes through the centre of the middle lines.",
+        source=BEAM_THEORY,
+        proves="The walls stand on their sides of the box.",
+    )
+    for load, axis, inertia in (("along y", 1, BOX.inertia_1), ("along z", 2, BOX.inertia_2)):
+        deck = beam("B32R", BOX, n=20) + "*BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n" + f"*CLOAD\nEND, {axis + 1}, 1.\n*END STEP\n"
+        job = case.run("** dialect: calculix\n" + deck, load)
+        case.near(f"bending {load}", bend(job, axis), 4 * 5 / (MODULUS * inertia), 3e-3, why="the product of inertia", place="x = 3 to 7", time="the end")
+    case.done()

@@ -1,0 +1,53 @@
+"""Cross-sections of beams in the calculix dialect against CalculiX itself (ccx), where it is installed: displacements and tables of stresses.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from verify.decks.beams import Section, beam, box, circle, pipe
+from verify.peers.test_mixed_decks import run_peer
+from verify.readers.dat_frd_files import compare_block, read_dat
+
+pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+
+NOISE = 1e-9  #: displacements below are rounding
+
+# kind, section, data line of CalculiX, degrees of freedom of the load
+CASES = {
+    "rect": ("B32", Section("RECT", ".4, .6", 0.24, 0.0, 0.0, 0.0), ""),
+    "rect-reduced": ("B32R", Section("RECT", ".4, .6", 0.24, 0.0, 0.0, 0.0), ""),
+    "pipe": ("B32R", pipe(0.3, 0.05), ""),
+    "box": ("B32R", box(0.6, 0.4, (0.02, 0.04, 0.03, 0.02)), ""),
+    "circ": ("B32", circle(0.3), ".6, .6"),
+    "circ-reduced": ("B32R", circle(0.3), ".6, .6"),
+}
+
+
+@pytest.mark.parametrize("dof", [1, 2, 3, 4])
+@pytest.mark.parametrize("name", list(CASES))
+def test_cantilever(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, name: str, dof: int) -> None:
+    """Stretched, bent about both axes, twisted."""
+    kind, section, data = CASES[name]
+    deck = beam(kind, section, data, n=5) + "*BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*CLOAD\n" + f"END, {dof}, 1.\n"
+    deck += "*NODE PRINT, NSET=N\nU\n*EL PRINT, ELSET=E\nS\n*END STEP\n"
+    done = run_deck(deck, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (tmp_path / "ccx").mkdir()
+    (tmp_path / "ccx" / "job.inp").write_text(deck)
+    run_peer(tmp_path / "ccx")
+    ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
+    assert [block.title for block in ours] == [block.title for block in theirs]
+    if name == "circ-reduced":  # tables of circles have the 18 points of our solid
+        ours, theirs = ours[:1], theirs[:1]
+    for one, other in zip(ours, theirs, strict=True):
+        assert len(one.rows) == len(other.rows)
+        if other.largest > NOISE:  # under a moment along the beam its nodes do not move
+            assert compare_block(one, other).deviation <= 0.01, f"{other.title}: 1 % of the largest value"
