@@ -54,17 +54,17 @@ module amontons_materials
 
   !> Values over the temperature or a field variable, interpolated linearly, constant outside.
   type :: property_table_type
-    integer :: variable = 0                     !< what it is over: 0 the temperature, k field variable k
     real(DP), allocatable :: temperature(:)     !< (n) ascending, or values of the field variable [temperature]
     real(DP), allocatable :: value(:, :)        !< (n_values, n)
+    integer :: variable = 0                     !< what it is over: 0 the temperature, k field variable k
   end type property_table_type
 
   !> Stress over the equivalent plastic strain at one temperature, interpolated linearly, constant outside.
   type :: hardening_curve_type
-    integer :: variable = 0                     !< what the curves of the material are over: 0 the temperature, k field variable k
     real(DP) :: temperature = 0                 !< or value of the field variable [temperature]
     real(DP), allocatable :: strain(:)          !< (n) ascending, the first 0 [-]
     real(DP), allocatable :: stress(:)          !< (n) yield stress [stress]
+    integer :: variable = 0                     !< what the curves of the material are over: 0 the temperature, k field variable k
   end type hardening_curve_type
 
   !> The law of the springs of one card.
