@@ -19,6 +19,7 @@ from inspect import signature
 from pathlib import Path
 
 import pytest
+from _pytest.mark import ParameterSet
 
 import amontons
 from verify.cases.contact import test_default_settings, test_mortar, test_sliding
@@ -202,10 +203,11 @@ ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for
 WITH_OTHERS = [*ALL, *(pytest.param(case, marks=[] if case.startswith("example") else [pytest.mark.slow]) for case in OTHERS)]
 
 
-def case_and_system() -> list[tuple[str, str]]:
+def case_and_system() -> list[ParameterSet]:
     """Each case in one of the systems of units, by turns; with AMONTONS_EVERY_CASE in all of them."""
     every = bool(os.environ.get("AMONTONS_EVERY_CASE"))
-    return [(case, system) for i, case in enumerate(WITH_OTHERS) for j, system in enumerate(SYSTEMS) if every or i % len(SYSTEMS) == j]
+    chosen = ((case, system) for i, case in enumerate(WITH_OTHERS) for j, system in enumerate(SYSTEMS) if every or i % len(SYSTEMS) == j)
+    return [pytest.param(*case.values, system, marks=case.marks) for case, system in chosen]
 
 
 @pytest.mark.parametrize(("case", "system"), case_and_system())
