@@ -296,7 +296,7 @@ contains
     call suite%near('at once', model%steps(2)%temperatures(1)%start, 50.0_DP, 0.0_DP)
     call suite%near('from what it was', model%steps(3)%temperatures(1)%start, 50.0_DP, 0.0_DP)
     call bad(START // S // '*TEMPERATURE;99,50.;*END STEP;', 'no node')
-    call bad(START // S // '*TEMPERATURE,USER;*END STEP;', 'user subroutines')
+    call bad(START // S // '*TEMPERATURE,USER;*END STEP;', 'Give the values')
   end subroutine check_temperatures
 
 end program test_deck_materials
