@@ -556,8 +556,8 @@ contains
       'unsymmetric terms of friction and sliding; LAGGED: by the stiffness of the bodies at the start of the attempt.', &
       allowed='EXACT|SYMMETRIC|LAGGED', default='EXACT')
     call table%option('INTERFACE', VALUE_WORD, 'For studies. DENSE: the contact subproblem is solved on the dense matrix of ' // &
-      'the interface; SKIN: iteratively, with the contact skin as preconditioner; AUTO: the cheaper one ' // &
-      '(compliant laws: DENSE up to 6000 unknowns of the interface).', &
+      'the interface; SKIN: iteratively, with the contact skin as preconditioner; AUTO: the ' // &
+      'cheaper one by the unknowns of interface and model; above 6000 of the interface SKIN.', &
       allowed='AUTO|DENSE|SKIN', default='AUTO')
 
     call table%card('SOLVER CONTROLS', SCOPE_STEP, 'The solver STATIC, SOLVER=CONJUGATE GRADIENTS, in this step and all later ' // &

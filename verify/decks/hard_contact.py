@@ -44,7 +44,7 @@ class Problem:
 
     deck: str
     mu: float  #: of all its pairs; 1e30 where friction has no limit
-    loads: tuple[float, ...]  #: resultant of all loads at the end
+    loads: tuple[float, ...]  #: resultant of all loads at the end; NaN: forces along the radius have none
     reaction: tuple[str, int, float, float] | None = None  #: node set, direction, its reaction in closed form, tolerance [-]
 
 
@@ -282,9 +282,9 @@ def belt(draw: Draw, options: str) -> Problem:
 
     band = grid("BAND", between(-np.pi / 2 - 0.4, np.pi / 2 + 0.4, n), [0, 0.05, 0.1], place=place)
     pulley = _annulus("PULLEY", [3.5, 4.2, 4.7, 5.0], (0, 0), 90)
-    ends = f"*ELSET, ELSET=BAND_END\n{', '.join(str(e + 1) for e, _ in band.sides['S0'])}\n"
-    cards = ends + pair("BAND_T0", "PULLEY_T0", mu, options)
-    pulled = f"*DLOAD\nBAND_END, P4, {-tension / 0.1:.6g}\n"
+    end = [i + 1 for i, (x, y) in enumerate(band.nodes) if abs(y - band.nodes[:, 1].min()) < 1e-9 and x < 0]
+    cards = pair("BAND_T0", "PULLEY_T0", mu, options)
+    pulled = "*CLOAD\n" + "".join(f"{node}, 2, {-tension * share:.6g}\n" for node, share in zip(end, (0.25, 0.5, 0.25), strict=True))
     cards += step(fix("PULLEY_T1, 1, 2", "BAND_S0, 1", "BAND_S1, 1, 2") + pulled, 5) + step(fix("BAND_S1, 2, 2, -0.3"), 10)
     return Problem(bodies_deck([(band, elastic(5000.0)), (pulley, STEEL)], "CPE4", cards), mu, (0.0, -tension),
                    ("BAND_S1", 2, -tension * np.exp(mu * np.pi), 0.05))
@@ -322,7 +322,7 @@ def plug(draw: Draw, options: str) -> Problem:
     bore = grid("BORE", [0, 0.4, 0.7, 1], between(-4, 0.3, 40),
                 place=lambda s, t: [(1 - over + (over + 0.05) * np.clip((t + 1) / 1, 0, 1)) * (1 - s) + 2.0 * s, t])
     cards = pair("PLUG_SIDE", "BORE_S0", mu, options) + step(fix("BORE_S1, 1, 2", "PLUG_S0, 1", "PLUG_T1, 2, 2, -2.8"), 30)
-    return Problem(bodies_deck([(rubber, RUBBER), (bore, STEEL)], "CAX4", cards), mu, (0.0, 0.0))
+    return Problem(bodies_deck([(rubber, RUBBER), (bore, STEEL)], "CAX4", cards), mu, (np.nan, 0.0))
 
 
 # ------------------------------------------------------------------------------------------------------------- g: whole exteriors

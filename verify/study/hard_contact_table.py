@@ -66,10 +66,10 @@ def check(problem: Problem, file: Path) -> str:
         reaction, normal, shear = (point_data(grid, name)[-1] for name in ("RF", "CNORMF", "CSHEARF"))
     loads = np.zeros(3)
     loads[: len(problem.loads)] = problem.loads
-    scale = np.abs(reaction).sum() + np.abs(loads).sum() + np.abs(normal).sum()
+    scale = np.abs(reaction).sum() + np.nansum(np.abs(loads)) + np.abs(normal).sum()
     if not scale > 0.0:
         return "NO FORCE"
-    if np.abs(reaction.sum(axis=0) + loads)[: len(problem.loads)].max() > TOLERANCE * scale:
+    if np.nanmax(np.abs(reaction.sum(axis=0) + loads)[: len(problem.loads)]) > TOLERANCE * scale:
         return "FORCES"
     p, t = np.linalg.norm(normal, axis=1), np.linalg.norm(shear, axis=1)
     if (t - problem.mu * p).max() > TOLERANCE * p.max():
