@@ -54,15 +54,16 @@ uses_element_integration_points = kinds tensor element_kinds materials user_mate
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
-uses_beam_rules = kinds element_kinds
-uses_shape_functions = kinds element_kinds beam_rules
+uses_beam_rules = kinds tensor element_kinds
+uses_shape_functions = kinds tensor element_kinds beam_rules
 uses_truss_spring_mass = kinds element_kinds materials elasticity material_point element_integration_points zero_stress_condition shape_functions
+uses_membrane_elements = kinds tensor element_kinds materials elasticity material_point element_integration_points zero_stress_condition shape_functions
 uses_hourglass = kinds tensor element_kinds
 uses_plane_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions hourglass
 uses_incompatible_modes = kinds tensor element_kinds
 uses_solid_shell = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions incompatible_modes
 uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition beam_rules shape_functions hourglass incompatible_modes solid_shell
-uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass plane_elements solid_elements
+uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass membrane_elements plane_elements solid_elements
 uses_hex8_simd = kinds element_kinds materials elasticity shape_functions
 
 # expansion
@@ -76,12 +77,13 @@ uses_cards = kinds text containers errors
 uses_card_schema = kinds text containers cards
 uses_card_materials = card_schema
 uses_card_table = card_schema card_materials
+uses_element_drafts = kinds containers
 uses_deck_labels = kinds text containers element_kinds cards card_schema
 uses_deck_reader = kinds text containers mesh model cards card_schema
-uses_deck_mesh = kinds text containers element_kinds materials mesh model cards card_schema deck_labels deck_reader
+uses_deck_mesh = kinds text containers element_kinds materials mesh model cards card_schema element_drafts deck_labels deck_reader
 uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader
-uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema deck_reader deck_mesh deck_beams
-uses_deck_initial_conditions = kinds text containers loads materials structural_data model cards card_schema deck_reader deck_structure
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
+uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader
@@ -95,15 +97,15 @@ uses_deck_generate = kinds text tensor cards card_schema deck_labels
 uses_deck_parameters = kinds text containers cards
 uses_deck_restart = kinds text errors restart_file model cards card_schema
 uses_explain = text element_kinds loads materials surfaces model cards card_schema deck_reader
-uses_deck_springs = kinds text element_kinds materials mpc_data model cards card_schema deck_reader deck_mesh deck_mpc deck_couplings
-uses_deck_sets = text containers mesh model cards card_schema deck_reader deck_mesh
+uses_deck_springs = kinds text element_kinds materials mpc_data model cards card_schema element_drafts deck_reader deck_mesh deck_mpc deck_couplings
+uses_deck_sets = text containers mesh model cards card_schema element_drafts deck_reader
 uses_deck_output = kinds text element_kinds steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text controls element_kinds materials mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions

@@ -19,8 +19,8 @@ module amontons_external_loads
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
-  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, FAMILY_SOLID, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
-    MAX_ELEMENT_POINTS, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
+    MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
     KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX8R, KIND_SPRINGA
   use amontons_user_state, only: evaluate_dload
   implicit none
@@ -117,7 +117,7 @@ contains
       if (load%is_user) then
         call evaluate_dload(model, load, kind%face_kind(load%face), x(:, :n), fields, pressure_factors)
         call integrate_facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, pressure_factors)
-      else if (kind%family == FAMILY_SOLID) then
+      else if (has_faces_in_space(mesh%kind(e))) then
         call integrate_facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness, rule=rule)
       else
         call integrate_edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section_value(e), pressure, force, &

@@ -1,4 +1,4 @@
-!> Algebra of 3x3 matrices and Voigt vectors: inverse, invariants, eigenvalues.
+!> Algebra of small matrices: inverse, invariants and eigenvalues of 3x3 matrices, Voigt vectors, least squares.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Voigt order is xx yy zz xy yz xz, always; a Voigt vector holds tensor components (no factor 2 at the shears).
@@ -8,7 +8,7 @@ module amontons_tensor
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
   public :: cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
-  public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen
+  public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen, solve_normal_equations
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
   real(DP), parameter :: VOIGT_IDENTITY(6) = [real(DP) :: 1, 1, 1, 0, 0, 0]
@@ -247,5 +247,33 @@ contains
       c(:, k) = a * b(k)
     end do
   end function outer_product
+
+
+  !> The matrix of a least squares fit: N becomes (N N^T)^-1 N, by Cholesky. Coefficients of functions from values at points.
+  pure subroutine solve_normal_equations(N)
+    real(DP), intent(inout) :: N(:, :)             !< (functions, points) in: values of the functions
+    real(DP) :: L(size(N, 1), size(N, 1))
+    integer :: m, i, j
+    m = size(N, 1)
+    L = matmul(N, transpose(N))
+    do j = 1, m
+      do i = 1, j - 1
+        L(j:m, j) = L(j:m, j) - L(j, i) * L(j:m, i)
+      end do
+      L(j:m, j) = L(j:m, j) / sqrt(L(j, j))
+    end do
+    do i = 1, m
+      do j = 1, i - 1
+        N(i, :) = N(i, :) - L(i, j) * N(j, :)
+      end do
+      N(i, :) = N(i, :) / L(i, i)
+    end do
+    do i = m, 1, -1
+      do j = i + 1, m
+        N(i, :) = N(i, :) - L(j, i) * N(j, :)
+      end do
+      N(i, :) = N(i, :) / L(i, i)
+    end do
+  end subroutine solve_normal_equations
 
 end module amontons_tensor

@@ -6,7 +6,7 @@ module amontons_contact_pairs
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_element_kinds, only: N_SOLID_KINDS
+  use amontons_element_kinds, only: has_faces_in_space
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, is_self_contact, pair_interactions
   use amontons_slave_nodes, only: detach_slave
@@ -308,9 +308,9 @@ contains
     logical, allocatable :: is_solid(:)
     associate (slave => model%surfaces(model%pairs(pair)%slave), master => model%surfaces(model%pairs(pair)%master), &
       kind => model%mesh%kind)
-      is_solid = kind(master%element) <= N_SOLID_KINDS
+      is_solid = has_faces_in_space(kind(master%element))
       if (allocated(master%profile)) is_solid = [master%profile%kind /= PROFILE_PLANAR]
-      if (.not. slave%is_node_based) is_solid = [is_solid, kind(slave%element) <= N_SOLID_KINDS]
+      if (.not. slave%is_node_based) is_solid = [is_solid, has_faces_in_space(kind(slave%element))]
       if (all(is_solid) .or. .not. any(is_solid)) return
       call set_error(error, EXIT_SETUP, 'The contact pair ' // slave%name // ' / ' // master%name // ' has faces of ' // &
         'solids and edges of plane elements; both surfaces must be of one kind.')

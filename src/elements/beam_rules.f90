@@ -18,6 +18,7 @@ module amontons_beam_rules
   use amontons_kinds, only: DP, PI
   use amontons_element_kinds, only: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS
+  use amontons_tensor, only: solve_normal_equations
   implicit none
   private
   public :: is_beam_kind, set_beam_rule, extrapolate_beam, interpolate_printed_points, MAX_PRINTED_POINTS, GAUSS_2, GAUSS_3
@@ -213,9 +214,8 @@ contains
     integer, intent(in) :: kind                    !< KIND_BEAM_...
     real(DP), intent(in) :: points(:, :), places(:, :)   !< (3, n) natural coordinates
     real(DP) :: matrix(size(places, 2), size(points, 2))
-    real(DP) :: L(MAX_FUNCTIONS, MAX_FUNCTIONS), at_points(MAX_FUNCTIONS, size(points, 2)), at_places(MAX_FUNCTIONS, size(places, &
-      2))
-    integer :: n, p, i, j
+    real(DP) :: at_points(MAX_FUNCTIONS, size(points, 2)), at_places(MAX_FUNCTIONS, size(places, 2))
+    integer :: n, p
     n = merge(18, 6, kind == KIND_BEAM_RECT)
     do p = 1, size(points, 2)
       at_points(:, p) = fit_functions(points(:, p))
@@ -223,25 +223,7 @@ contains
     do p = 1, size(places, 2)
       at_places(:, p) = fit_functions(places(:, p))
     end do
-    L(:n, :n) = matmul(at_points(:n, :), transpose(at_points(:n, :)))
-    do j = 1, n                                    ! Cholesky
-      do i = 1, j - 1
-        L(j:n, j) = L(j:n, j) - L(j, i) * L(j:n, i)
-      end do
-      L(j:n, j) = L(j:n, j) / sqrt(L(j, j))
-    end do
-    do i = 1, n
-      do j = 1, i - 1
-        at_points(i, :) = at_points(i, :) - L(i, j) * at_points(j, :)
-      end do
-      at_points(i, :) = at_points(i, :) / L(i, i)
-    end do
-    do i = n, 1, -1
-      do j = i + 1, n
-        at_points(i, :) = at_points(i, :) - L(j, i) * at_points(j, :)
-      end do
-      at_points(i, :) = at_points(i, :) / L(i, i)
-    end do
+    call solve_normal_equations(at_points(:n, :))
     matrix = matmul(transpose(at_places(:n, :)), at_points(:n, :))
   end function fit
 

@@ -2,12 +2,15 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory and symbols: doc/theory/elements.md. Kernels: `solid_elements` in three dimensions, `plane_elements` for plane and
-!! axisymmetric elements, `truss_spring_mass` for the rest. The pressure on a facet is the same for all solids.
+!! axisymmetric elements, `membrane_elements` for membranes, `truss_spring_mass` for the rest. The pressure on a
+!! facet is the same for all solids and membranes.
 module amontons_element
   use amontons_kinds, only: DP
   use amontons_truss_spring_mass, only: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, &
     evaluate_spring_element
   use amontons_materials, only: material_type
+  use amontons_membrane_elements, only: evaluate_membrane_element, evaluate_membrane_volumes, integrate_membrane_body_force, &
+    set_membrane_temperature_weights
   use amontons_plane_elements, only: evaluate_plane_element, evaluate_plane_volumes, integrate_plane_body_force, &
     set_plane_temperature_weights, integrate_edge_pressure
   use amontons_solid_elements, only: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, &
@@ -18,7 +21,7 @@ module amontons_element
   use amontons_tensor, only: cross_product, skew_matrix
   use amontons_element_kinds, only: facet_kind_type, kind_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
-    KIND_CPS3, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, N_SOLID_KINDS
+    KIND_CPS3, KIND_CAX8R, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, N_SOLID_KINDS
   implicit none
   private
   public :: integration_points_type, evaluate_element_forces, evaluate_element_tangent
@@ -43,6 +46,8 @@ contains
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
       call evaluate_plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_M3D3:KIND_M3D8R)
+      call evaluate_membrane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_T3D2, KIND_T3D3)
       call evaluate_truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_SPRINGA:KIND_GAPUNI)
@@ -101,6 +106,8 @@ contains
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
       call evaluate_plane_volumes(kind, X, section, n, volumes, status)
+    case (KIND_M3D3:KIND_M3D8R)
+      call evaluate_membrane_volumes(kind, X, section, n, volumes, status)
     case (KIND_T3D2, KIND_T3D3)
       call evaluate_truss_volumes(kind, X, section, n, volumes, status)
     case (KIND_SPRINGA)
@@ -127,6 +134,8 @@ contains
     select case (kind)
     case (KIND_CPS3:KIND_CAX8R)
       call integrate_plane_body_force(kind, X, section, b, force)
+    case (KIND_M3D3:KIND_M3D8R)
+      call integrate_membrane_body_force(kind, X, section, b, force)
     case (KIND_T3D2, KIND_T3D3)
       call integrate_truss_body_force(kind, X, section, b, force)
     case (KIND_MASS)
@@ -149,6 +158,8 @@ contains
       call set_solid_temperature_weights(kind, weight, walls)
     case (KIND_CPS3:KIND_CAX8R)
       call set_plane_temperature_weights(kind, weight)
+    case (KIND_M3D3:KIND_M3D8R)
+      call set_membrane_temperature_weights(kind, weight)
     case (KIND_T3D2, KIND_T3D3)
       weight(:2, :) = 0.5_DP
     end select

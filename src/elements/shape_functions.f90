@@ -9,9 +9,10 @@ module amontons_shape_functions
   use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, GAUSS_2, GAUSS_3
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
-    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX8R, KIND_T3D2, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
+    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES
+  use amontons_tensor, only: solve_normal_equations
   implicit none
   private
   public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
@@ -74,7 +75,7 @@ contains
       call tet10_shapes(xi, N(:10), dN(:, :10))
     case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_CIRC)
       call hex20_shapes(xi, N, dN)
-    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+    case (KIND_CPS3:KIND_T3D3)
       call embedded_shapes(kind, xi, N, dN)
     case default                                   ! unknown kind: nothing is set
     end select
@@ -275,7 +276,7 @@ contains
       n = 15
       call set_triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat(:, :3), weight(:3))
       call layered_rule(flat(:, :3), weight(:3), xi, w)
-    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+    case (KIND_CPS3:KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
     case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
       call set_beam_rule(kind, walls_or_none(walls), n, xi, w)
@@ -418,7 +419,7 @@ contains
       xi(:, :8) = HEXAHEDRON_NODES(:, :8)
     case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_CIRC)
       xi = HEXAHEDRON_NODES
-    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+    case (KIND_CPS3:KIND_T3D3)
       call facet_node_coordinates(facet_shape_kind(kind), flat)
       xi(:2, :MAX_FACE_NODES) = flat
     case default                                   ! unknown kind: nothing is set
@@ -467,7 +468,7 @@ contains
       call extrapolate_wedge(matrix)
     case (KIND_C3D20)
       call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
-    case (KIND_CPS3:KIND_CAX8R, KIND_T3D2, KIND_T3D3)
+    case (KIND_CPS3:KIND_T3D3)
       call extrapolate_embedded(kind, n_nodes, n_points, matrix)
     case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
       call extrapolate_beam(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)
@@ -576,33 +577,14 @@ contains
     integer, intent(in) :: n_nodes, n_points
     real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), shapes(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), dN(3, &
-      MAX_ELEMENT_NODES), &
-      L(MAX_ELEMENT_NODES, MAX_ELEMENT_NODES)
-    integer :: p, n, i, j
+      MAX_ELEMENT_NODES)
+    integer :: p, n
     shapes = 0
     call quadrature(kind, n, xi, w)
     do p = 1, n_points
       call shape_functions(kind, xi(:, p), shapes(:, p), dN)
     end do
-    L = matmul(shapes, transpose(shapes))
-    do j = 1, n_nodes
-      do i = 1, j - 1
-        L(j:n_nodes, j) = L(j:n_nodes, j) - L(j, i) * L(j:n_nodes, i)
-      end do
-      L(j:n_nodes, j) = L(j:n_nodes, j) / sqrt(L(j, j))
-    end do
-    do i = 1, n_nodes
-      do j = 1, i - 1
-        shapes(i, :) = shapes(i, :) - L(i, j) * shapes(j, :)
-      end do
-      shapes(i, :) = shapes(i, :) / L(i, i)
-    end do
-    do i = n_nodes, 1, -1
-      do j = i + 1, n_nodes
-        shapes(i, :) = shapes(i, :) - L(j, i) * shapes(j, :)
-      end do
-      shapes(i, :) = shapes(i, :) / L(i, i)
-    end do
+    call solve_normal_equations(shapes(:n_nodes, :n_points))
     matrix = shapes
   end subroutine extrapolate_serendipity
 

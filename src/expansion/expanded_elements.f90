@@ -1,4 +1,4 @@
-!> Expanded elements: the solids of shells, membranes and beams, and their nodes.
+!> Expanded elements: the solids of shells and beams, and their nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! | deck | solid | local nodes |
@@ -16,9 +16,9 @@ module amontons_expanded_elements
   use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
   use amontons_structural_data, only: structure_type, structural_section_type, director_type, SECTION_CIRC, SECTION_PIPE, &
     SECTION_BOX
-  use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, &
-    KIND_M3D6, KIND_M3D8, KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, &
-    KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, FAMILY_BEAM
+  use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_B31, KIND_B31R, KIND_B32, &
+    KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, &
+    KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, FAMILY_BEAM
   implicit none
   private
   public :: expand_elements, expanded_kind
@@ -95,19 +95,17 @@ contains
       solid = merge(KIND_C3D8I, KIND_CSS8, is_calculix)
     case (KIND_S4R)
       solid = merge(KIND_C3D8R, KIND_CSS8, is_calculix)
-    case (KIND_M3D3)
-      solid = KIND_C3D6
-    case (KIND_M3D4, KIND_B31)
+    case (KIND_B31)
       solid = KIND_C3D8I
-    case (KIND_M3D4R, KIND_B31R)
+    case (KIND_B31R)
       solid = merge(KIND_C3D8R, KIND_C3D8I, is_calculix)
-    case (KIND_S6, KIND_M3D6)
+    case (KIND_S6)
       solid = KIND_C3D15
-    case (KIND_S8, KIND_M3D8)
+    case (KIND_S8)
       solid = KIND_C3D20
     case (KIND_B32, KIND_B32R)                   ! a row of C3D20R has hourglass modes
       solid = KIND_C3D20
-    case (KIND_S8R, KIND_M3D8R)
+    case (KIND_S8R)
       solid = KIND_C3D20R
     case default                                 ! not structural
       solid = kind
@@ -157,9 +155,9 @@ contains
   pure integer function quadratic_corners(kind) result(n)
     integer, intent(in) :: kind                  !< KIND_... of the deck
     select case (kind)
-    case (KIND_S6, KIND_M3D6)
+    case (KIND_S6)
       n = 3
-    case (KIND_S8, KIND_S8R, KIND_M3D8, KIND_M3D8R)
+    case (KIND_S8, KIND_S8R)
       n = 4
     case (KIND_B32, KIND_B32R)
       n = 2

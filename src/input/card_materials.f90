@@ -217,6 +217,14 @@ contains
       'second line names (default 1) in the abaqus dialect, of axis 1 in that of calculix. Without it direction 1 is the ' // &
       'projection of global x in the abaqus dialect; the calculix dialect keeps the global axes. COMPOSITE is for S6 and S8R ' // &
       'in the calculix dialect, without angles.')
+    call table%card('MEMBRANE SECTION', SCOPE_MODEL, 'Gives membranes their material and thickness.', data='thickness')
+    call table%option('ELSET', VALUE_NAME, 'The membranes.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
+    call table%option('ORIENTATION', VALUE_NAME, 'Its first axis, projected on the membrane, is local direction 1.')
+    call table%option('CONTROLS|POISSON', VALUE_TEXT, 'The thickness changes by the material.', status=ENTRY_IGNORED)
+    call table%option('OFFSET', VALUE_TEXT, 'A membrane has no bending: its place over the thickness does not count.', &
+      status=ENTRY_IGNORED)
+    call table%option('NODAL THICKNESS|MEMBRANE THICKNESS', VALUE_TEXT, 'Give one thickness.', status=ENTRY_REJECTED)
     call table%card('BEAM SECTION', SCOPE_MODEL, 'Gives beams their material and cross-section; they are expanded into solids.', &
       data='RECT: dimensions along direction 1 and 2; CIRC: radius (calculix dialect: diameters along direction 1 and 2); ' // &
       'PIPE: outer radius, thickness; BOX: dimensions along direction 1 and 2, thickness of the walls at +1, +2, -1, -2; ' // &

@@ -10,7 +10,8 @@ module amontons_deck
     SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
   use amontons_card_table, only: make_card_table
   use amontons_containers, only: name_table_type
-  use amontons_deck_mesh, only: element_draft_type, read_nodes, read_elements, read_sections, select_elements
+  use amontons_element_drafts, only: element_draft_type
+  use amontons_deck_mesh, only: read_nodes, read_elements, read_sections, select_elements
   use amontons_deck_initial_conditions, only: read_orientations, read_initial_conditions
   use amontons_deck_materials, only: read_materials, finalize_materials
   use amontons_deck_surfaces, only: read_heading, read_amplitudes, read_surfaces, read_equations

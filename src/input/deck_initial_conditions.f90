@@ -4,9 +4,10 @@ module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_real
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_structure, only: spread_temperature
+  use amontons_deck_structure, only: spread_temperature, is_shell
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, check_n_fields, &
     check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
+  use amontons_element_kinds, only: is_membrane
   use amontons_loads, only: temperature_type, load_value
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
@@ -67,6 +68,7 @@ contains
     end do
     allocate (model%element_orientation(model%mesh%n_elements), source=0)
     call read_section_axes(reader, names, distribution, model)
+    call set_membrane_axes(reader, names, distribution, model)
     if (allocated(model%structure)) call set_shell_axes(reader, names, distribution, model)
     if (size(model%orientations) == 0) deallocate (model%element_orientation)
     call check_laminae(reader, model)
@@ -209,6 +211,43 @@ contains
   end subroutine set_shell_axes
 
 
+  !> Axes of membranes: an orientation, or the global axes where the material has directions, projected on the membrane.
+  subroutine set_membrane_axes(reader, names, distribution, model)
+    type(reader_type), intent(inout) :: reader
+    type(name_table_type), intent(in) :: names
+    integer, intent(in) :: distribution(:)
+    type(model_type), intent(inout) :: model
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(orientation_type) :: orientation
+    character(:), allocatable :: name
+    integer :: c, k, set, material
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'MEMBRANESECTION')) cycle
+      call open_card(reader, c, parameters, row)
+      name = parameter_text(parameters, 'ORIENTATION')
+      set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
+      material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
+      k = names%find(name)
+      if (name /= '' .and. k == 0) call report_error(reader, reader%cards%cards(c)%line, 'There is no orientation ''' // name &
+        // '''' // names%suggest(name))
+      if (set == 0 .or. material == 0) cycle
+      if (k == 0 .and. .not. has_directions(model%materials(material))) cycle
+      orientation = orientation_type()
+      if (k > 0) orientation = model%orientations(k)
+      orientation%is_projected = .true.
+      orientation%normal_axis = 3
+      if (k > 0 .and. reader%dialect /= DIALECT_CALCULIX) orientation%normal_axis = max(1, orientation%rotation_axis)
+      model%orientations = [model%orientations, orientation]
+      associate (members => model%mesh%element_sets(set)%members)
+        model%element_orientation(members) = size(model%orientations)
+        if (k == 0) cycle
+        if (distribution(k) > 0) call read_distribution(reader, distribution(k), members, model)
+      end associate
+    end do
+  end subroutine set_membrane_axes
+
+
   !> Laminae are in plane stress: they are materials of shells.
   subroutine check_laminae(reader, model)
     type(reader_type), intent(inout) :: reader
@@ -217,9 +256,7 @@ contains
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
       if (.not. model%materials(model%mesh%material(e))%is_lamina) cycle
-      if (allocated(model%mesh%is_shell)) then
-        if (model%mesh%is_shell(e)) cycle
-      end if
+      if (is_shell(model, e)) cycle
       call report_error(reader, 0, 'The material ''' // model%materials(model%mesh%material(e))%name // ''' of element ' // &
         to_text(model%mesh%element_label(e)) // ' has *ELASTIC, TYPE=LAMINA, which is for shells. Use ENGINEERING CONSTANTS.')
       return
@@ -481,6 +518,11 @@ contains
     end do
     if (.not. is_ok) return
     do i = 1, size(elements)
+      if (first == 3 .and. is_membrane(model%mesh%kind(elements(i)))) then
+        call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // ' is a ' // &
+          'membrane: CalculiX numbers the points of a solid here. Use --dialect=abaqus, with one line for all points.')
+        return
+      end if
       p = model%mesh%point_first(elements(i))
       last = model%mesh%point_first(elements(i) + 1) - 1
       if (first == 3 .and. (point < 1 .or. p + point - 1 > last)) then

@@ -21,7 +21,7 @@ module amontons_deck_loads
     is_same_region, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, FAMILY_SOLID
+  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, has_faces_in_space
   implicit none
   private
   public :: read_boundary, read_cload, read_dload, map_dof
@@ -352,9 +352,8 @@ contains
     type(model_type), intent(in) :: model
     type(data_row_type), intent(in) :: row
     integer, intent(in) :: e                     !< element
-    type(element_kind_type) :: entry
-    entry = element_kind(model%mesh%kind(e))
-    if (entry%family /= FAMILY_SOLID) call report_error(reader, row%line, 'The routine DLOAD is for the faces of solids in space.')
+    if (.not. has_faces_in_space(model%mesh%kind(e))) call report_error(reader, row%line, 'The routine DLOAD is for the faces ' &
+      // 'of solids in space.')
   end subroutine check_solid_faces
 
 
@@ -437,7 +436,7 @@ contains
     place%is_follower = is_following
     do i = 1, size(place%elements)
       entry = element_kind(model%mesh%kind(place%elements(i)))
-      if (entry%family == FAMILY_SOLID .or. .not. abs(place%direction(3)) > 0) cycle
+      if (has_faces_in_space(model%mesh%kind(place%elements(i))) .or. .not. abs(place%direction(3)) > 0) cycle
       call report_error(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
       return
     end do

@@ -12,6 +12,7 @@ module amontons_deck_mesh
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, &
     check_n_fields, check_no_data, has_decimal_comma, is_card, DECIMAL_COMMA_TEXT
   use amontons_containers, only: integer_list_type, label_table_type
+  use amontons_element_drafts, only: element_draft_type, resize_draft
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
@@ -22,36 +23,9 @@ module amontons_deck_mesh
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family
   implicit none
   private
-  public :: element_draft_type, read_nodes, read_elements, read_sections, select_elements, resize_draft, is_in_family, NOT_GIVEN
+  public :: read_nodes, read_elements, read_sections, select_elements, count_rows, is_in_family, NOT_GIVEN
 
   real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
-
-  !> All elements of the deck as written.
-  type :: element_draft_type
-    integer :: n = 0
-    integer, allocatable :: label(:)             !< (n)
-    integer, allocatable :: kind(:)              !< (n) KIND_..., 0: unsupported kind
-    logical, allocatable :: is_in_plane(:)       !< (n) T2D2, T2D3, B21, B22: a truss or beam in the plane
-    logical, allocatable :: is_rigid(:)          !< (n) R3D3, R3D4: its section comes from *RIGID BODY
-    integer, allocatable :: card(:)              !< (n) its ELEMENT card
-    integer, allocatable :: line(:)              !< (n) its line
-    integer, allocatable :: first(:)             !< (n + 1) start of its nodes
-    type(integer_list_type) :: nodes             !< node indices, 0: unknown node
-    integer, allocatable :: material(:)          !< (n) index of the material, 0: no section
-    real(DP), allocatable :: section_value(:)          !< (n) thickness, cross-section, spring constant, mass; or NOT_GIVEN
-    integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
-    integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
-    integer, allocatable :: section(:)           !< (n) index into the sections of shells and beams, 0: none
-    integer, allocatable :: n_layers(:)          !< (n) of a composite shell; 1: all others
-    integer, allocatable :: section_card(:)      !< (n) the card that gives its section, 0: none
-    integer, allocatable :: mesh_index(:)              !< (n) index in the mesh of its first layer, 0: dropped
-    integer, allocatable :: node_first(:)        !< (n_cards) first row of a NODE card among those of all
-    integer, allocatable :: node_last(:)         !< (n_cards) last row of a NODE card
-    integer, allocatable :: node_at(:)           !< (rows of NODE cards) index of its node
-    integer, allocatable :: element_first(:)     !< (n_cards) first element of an ELEMENT card
-    integer, allocatable :: element_last(:)      !< (n_cards) last element of an ELEMENT card
-    type(label_table_type) :: labels             !< label to index here
-  end type element_draft_type
 
 contains
 
@@ -243,58 +217,6 @@ contains
   end subroutine read_elements
 
 
-  !> Gives all arrays of the elements the length n: the elements there are stay, new ones have the values of an element without
-  !! section. The number of elements and their nodes stay as they are.
-  subroutine resize_draft(draft, n)
-    type(element_draft_type), intent(inout) :: draft
-    integer, intent(in) :: n
-    integer, allocatable :: directions(:, :)
-    real(DP), allocatable :: section_value(:)
-    associate (kept => min(n, draft%n))
-      allocate (directions(2, n), source=0)
-      allocate (section_value(n), source=1.0_DP)
-      if (kept > 0) directions(:, :kept) = draft%directions(:, :kept)
-      if (kept > 0) section_value(:kept) = draft%section_value(:kept)
-      call resize_integers(draft%label, kept, n, 0)
-      call resize_integers(draft%kind, kept, n, 0)
-      call resize_integers(draft%card, kept, n, 0)
-      call resize_integers(draft%line, kept, n, 0)
-      call resize_integers(draft%first, kept + 1, n + 1, 1)
-      call resize_integers(draft%material, kept, n, 0)
-      call resize_integers(draft%spring, kept, n, 0)
-      call resize_integers(draft%section, kept, n, 0)
-      call resize_integers(draft%n_layers, kept, n, 1)
-      call resize_integers(draft%section_card, kept, n, 0)
-      call resize_logicals(draft%is_in_plane, kept, n)
-      call resize_logicals(draft%is_rigid, kept, n)
-    end associate
-    call move_alloc(directions, draft%directions)
-    call move_alloc(section_value, draft%section_value)
-  end subroutine resize_draft
-
-
-  !> Gives an array n values: the first that are kept, then a default.
-  pure subroutine resize_integers(values, kept, n, default)
-    integer, allocatable, intent(inout) :: values(:)   !< in: unallocated, or at least kept values
-    integer, intent(in) :: kept, n, default
-    integer, allocatable :: resized(:)
-    allocate (resized(n), source=default)
-    if (allocated(values)) resized(:kept) = values(:kept)
-    call move_alloc(resized, values)
-  end subroutine resize_integers
-
-
-  !> The same for truth values; new ones are false.
-  pure subroutine resize_logicals(values, kept, n)
-    logical, allocatable, intent(inout) :: values(:)   !< in: unallocated, or at least kept values
-    integer, intent(in) :: kept, n
-    logical, allocatable :: resized(:)
-    allocate (resized(n), source=.false.)
-    if (allocated(values)) resized(:kept) = values(:kept)
-    call move_alloc(resized, values)
-  end subroutine resize_logicals
-
-
   !> The number of nodes of an element kind.
   pure function node_count(kind) result(n)
     integer, intent(in) :: kind                  !< KIND_...
@@ -433,10 +355,10 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     real(DP) :: thickness
-    integer :: c, set, material, n_overridden, i, e
+    integer :: c, set, material
     logical :: is_thick
     do c = 1, reader%cards%n_cards
-      if (.not. is_card(reader, c, 'SOLIDSECTION')) cycle
+      if (.not. (is_card(reader, c, 'SOLIDSECTION') .or. is_card(reader, c, 'MEMBRANESECTION'))) cycle
       call open_card(reader, c, parameters, row)
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
@@ -456,25 +378,51 @@ contains
           if (next_row(reader%cards, row)) call check_no_data(reader, row)
         end if
         if (set == 0) cycle
-        n_overridden = 0
-        associate (members => model%mesh%element_sets(set)%members)
-          do i = 1, size(members)
-            e = members(i)
-            if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
-            draft%material(e) = merge(material, -1, material > 0)
-            draft%section_card(e) = c
-            if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
-            if (.not. is_shell_or_beam(draft%kind(e))) cycle
-            call report_error(reader, line, 'The element ' // to_text(draft%label(e)) // ' is a shell, a membrane or a beam; ' // &
-              '*SHELL SECTION or *BEAM SECTION gives it its material.')
-            exit
-          end do
-        end associate
-        if (n_overridden > 0) call report_note(reader, line, plural(n_overridden, 'element') // &
-          ' had another material by an earlier section; this one counts.')
+        call assign_material(reader, c, model%mesh%element_sets(set)%members, material, thickness, draft)
       end associate
     end do
   end subroutine read_sections
+
+
+  !> Gives elements the material and thickness of a section, unless they are not of its kind.
+  subroutine assign_material(reader, c, members, material, thickness, draft)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< card
+    integer, intent(in) :: members(:)            !< drafts
+    integer, intent(in) :: material              !< 0: unknown, which is reported
+    real(DP), intent(in) :: thickness            !< or cross-section [length]
+    type(element_draft_type), intent(inout) :: draft
+    integer :: i, e, n_overridden
+    n_overridden = 0
+    associate (line => reader%cards%cards(c)%line)
+      do i = 1, size(members)
+        e = members(i)
+        if (draft%material(e) > 0 .and. draft%material(e) /= material) n_overridden = n_overridden + 1
+        draft%material(e) = merge(material, -1, material > 0)
+        draft%section_card(e) = c
+        if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
+        if (is_in_family(draft%kind(e), FAMILY_MEMBRANE) .eqv. is_card(reader, c, 'MEMBRANESECTION')) then
+          if (.not. is_expanded_kind(draft%kind(e))) cycle
+        end if
+        call report_error(reader, line, 'The element ' // to_text(draft%label(e)) // ' is a ' // kind_name(draft%kind(e)) // &
+          '; solids, plane elements and trusses have a *SOLID SECTION, shells a *SHELL SECTION, membranes a *MEMBRANE ' // &
+          'SECTION, beams a *BEAM SECTION.')
+        exit
+      end do
+      if (n_overridden > 0) call report_note(reader, line, plural(n_overridden, 'element') // &
+        ' had another material by an earlier section; this one counts.')
+    end associate
+  end subroutine assign_material
+
+
+  !> The name of a kind.
+  pure function kind_name(kind) result(name)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    character(:), allocatable :: name
+    type(element_kind_type) :: entry
+    if (kind > 0) entry = element_kind(kind)
+    name = trim(entry%name)
+  end function kind_name
 
 
   !> Whether a kind has a thickness or a cross-section.
@@ -489,12 +437,11 @@ contains
   end function is_thin
 
 
-  !> Whether a kind is that of a shell, a membrane or a beam.
-  pure logical function is_shell_or_beam(kind)
+  !> Whether a kind is that of a shell or a beam.
+  pure logical function is_expanded_kind(kind)
     integer, intent(in) :: kind                  !< KIND_..., 0: unknown
-    is_shell_or_beam = is_in_family(kind, FAMILY_SHELL) .or. is_in_family(kind, FAMILY_MEMBRANE) .or. &
-      is_in_family(kind, FAMILY_BEAM)
-  end function is_shell_or_beam
+    is_expanded_kind = is_in_family(kind, FAMILY_SHELL) .or. is_in_family(kind, FAMILY_BEAM)
+  end function is_expanded_kind
 
 
   !> Whether a set contains elements with a thickness or a cross-section.
@@ -763,8 +710,8 @@ contains
     if (begins_with(type, 'CPS') .or. begins_with(type, 'CPE') .or. begins_with(type, &
       'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
-    if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the beams B21, B22, B31, B31R, B32, ' // &
-      'B32R.'
+    if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the membranes M3D3, M3D4, M3D4R, M3D6, ' // &
+      'M3D8, M3D8R, the beams B21, B22, B31, B31R, B32, B32R.'
     if (begins_with(type, 'R')) advice = 'Rigid tools in space are R3D3 and R3D4 (abaqus dialect) or ' // &
       'solids in a *RIGID BODY; in the plane *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'

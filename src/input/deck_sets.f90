@@ -5,7 +5,7 @@
 module amontons_deck_sets
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
   use amontons_card_schema, only: has_parameter, parameter_text
-  use amontons_deck_mesh, only: element_draft_type
+  use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_integer, check_n_fields, is_card, &
     check_name
   use amontons_containers, only: integer_list_type, label_table_type, name_table_type

@@ -8,7 +8,8 @@ module amontons_deck_springs
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_deck_couplings, only: find_orientation
-  use amontons_deck_mesh, only: element_draft_type, resize_draft, is_in_family, NOT_GIVEN
+  use amontons_deck_mesh, only: count_rows, is_in_family, NOT_GIVEN
+  use amontons_element_drafts, only: element_draft_type, resize_draft
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, &
     is_card
@@ -357,31 +358,45 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     character(:), allocatable :: kind
-    integer :: c, line
+    type(spring_type), allocatable :: ropes(:)
+    integer :: c, line, n, label
     logical :: is_ok, has_row
+    label = maxval([0, draft%label(:draft%n)])
+    n = count_rows(reader, 'MPC')                ! no more ropes than that
+    if (n == 0) return
+    allocate (ropes(n))
+    call resize_draft(draft, draft%n + n)
+    n = 0
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'MPC')) cycle
       call open_card(reader, c, parameters, row)
       has_row = next_row(reader%cards, row)
       do while (has_row)
         call read_next_mpc(reader, model, row, 'DIST', has_row, kind, nodes, line, is_ok)
-        if (is_ok .and. kind == 'DIST') call add_distance_limit(reader, model, c, line, unique_nodes(nodes), draft)
+        if (.not. is_ok .or. kind /= 'DIST') cycle
+        nodes = unique_nodes(nodes)
+        call read_distance_limit(reader, model, line, nodes, ropes(n + 1), is_ok)
+        if (.not. is_ok) cycle
+        n = n + 1
+        call append_rope(draft, label + n, c, line, nodes(:2), size(model%springs) + n)
       end do
     end do
+    call resize_draft(draft, draft%n)
+    model%springs = [model%springs, ropes(:n)]
   end subroutine read_distance_limits
 
 
   !> A rope between the first two nodes; the first coordinate of the third is its length.
-  subroutine add_distance_limit(reader, model, c, line, nodes, draft)
+  subroutine read_distance_limit(reader, model, line, nodes, rope, is_ok)
     type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: c                     !< index of the card
+    type(model_type), intent(in) :: model
     integer, intent(in) :: line
     integer, intent(in) :: nodes(:)
-    type(element_draft_type), intent(inout) :: draft
-    type(spring_type) :: rope
+    type(spring_type), intent(inout) :: rope
+    logical, intent(out) :: is_ok
     real(DP) :: distance, modulus
-    if (size(nodes) /= 3) then
+    is_ok = size(nodes) == 3
+    if (.not. is_ok) then
       call report_error(reader, line, 'DIST needs a node three times, another one three times, and a node whose first ' // &
         'coordinate is the distance that they may have.')
       return
@@ -391,17 +406,13 @@ contains
       rope%clearance = x(1, nodes(3)) - distance
     end associate
     modulus = max_modulus(model)
-    if (.not. distance > 0.0_DP .or. .not. modulus > 0.0_DP .or. rope%clearance < -1.0e-6_DP * distance) then
-      call report_error(reader, line, 'DIST: the two nodes must be apart at the start, not farther than the distance given ' // &
-        '(first coordinate of the last node), and a material must be elastic.')
-      return
-    end if
+    is_ok = distance > 0.0_DP .and. modulus > 0.0_DP .and. rope%clearance >= -1.0e-6_DP * distance
+    if (.not. is_ok) call report_error(reader, line, 'DIST: the two nodes must be apart at the start, not farther than the ' // &
+      'distance given (first coordinate of the last node), and a material must be elastic.')
     rope%is_distance_limit = .true.
     rope%length_node = nodes(3)
     rope%stiffness = LIMIT_STIFFNESS_FACTOR * modulus * distance
-    model%springs = [model%springs, rope]
-    call append_draft(draft, c, line, nodes(:2), size(model%springs))
-  end subroutine add_distance_limit
+  end subroutine read_distance_limit
 
 
   !> The largest Young's modulus of all materials, or an estimate of it.
@@ -416,23 +427,22 @@ contains
   end function max_modulus
 
 
-  !> Appends an element to the drafts, with the next label.
-  subroutine append_draft(draft, c, line, nodes, spring)
+  !> Appends an element to the drafts, which are long enough.
+  subroutine append_rope(draft, label, c, line, nodes, spring)
     type(element_draft_type), intent(inout) :: draft
-    integer, intent(in) :: c, line, nodes(2)
+    integer, intent(in) :: label, c, line, nodes(2)
     integer, intent(in) :: spring                !< index of its law
-    integer :: n
-    n = draft%n + 1
-    call resize_draft(draft, n)
-    draft%label(n) = maxval(draft%label(:draft%n)) + 1
-    draft%kind(n) = KIND_SPRINGA
-    draft%card(n) = c
-    draft%line(n) = line
-    draft%spring(n) = spring
-    call draft%nodes%add(nodes(1))
-    call draft%nodes%add(nodes(2))
-    draft%first(n + 1) = draft%first(n) + 2
-    draft%n = n
-  end subroutine append_draft
+    draft%n = draft%n + 1
+    associate (n => draft%n)
+      draft%label(n) = label
+      draft%kind(n) = KIND_SPRINGA
+      draft%card(n) = c
+      draft%line(n) = line
+      draft%spring(n) = spring
+      call draft%nodes%add(nodes(1))
+      call draft%nodes%add(nodes(2))
+      draft%first(n + 1) = draft%first(n) + 2
+    end associate
+  end subroutine append_rope
 
 end module amontons_deck_springs

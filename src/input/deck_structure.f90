@@ -6,7 +6,7 @@ module amontons_deck_structure
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_controls, only: controls_type
   use amontons_deck_beams, only: read_beam_section, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
-  use amontons_deck_mesh, only: element_draft_type
+  use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
@@ -14,7 +14,7 @@ module amontons_deck_structure
   use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
-    is_structural_family
+    is_membrane, is_structural_family
   implicit none
   private
   public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature, &
@@ -576,12 +576,12 @@ contains
   end function named_nodes
 
 
-  !> Whether an element of the mesh is the solid of a shell.
+  !> Whether an element of the mesh has the faces of a shell: its solid, or a membrane.
   pure logical function is_shell(model, e)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                     !< element
-    is_shell = .false.
-    if (.not. allocated(model%structure)) return
+    is_shell = is_membrane(model%mesh%kind(e))
+    if (is_shell .or. .not. allocated(model%structure)) return
     if (model%structure%section(e) > 0) is_shell = model%structure%sections(model%structure%section(e))%family == FAMILY_SHELL
   end function is_shell
 
@@ -590,7 +590,7 @@ contains
   !! SPOS, En and EDNORn edge n, Sn under the calculix dialect; 0: it names none; OTHER_LAYER: one of another layer.
   pure integer function structural_face(model, e, label) result(face)
     type(model_type), intent(in) :: model
-    integer, intent(in) :: e                     !< element, a shell
+    integer, intent(in) :: e                     !< element, a shell or a membrane
     character(*), intent(in) :: label            !< squeezed
     integer :: n_faces, n_layers
     type(element_kind_type) :: entry
@@ -608,6 +608,7 @@ contains
       if (model%dialect == DIALECT_CALCULIX) face = iachar(label(2:)) - iachar('0')
     end select
     if (face > n_faces) face = 0
+    if (is_membrane(model%mesh%kind(e))) return
     n_layers = n_section_layers(model%structure%sections(model%structure%section(e)))
     if (face == 1 .and. model%mesh%layer(e) > 1) face = OTHER_LAYER
     if (face == 2 .and. model%mesh%layer(e) < n_layers) face = OTHER_LAYER

@@ -13,11 +13,11 @@ module amontons_element_kinds
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
   public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS
-  public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D4, KIND_M3D4R, KIND_M3D6, KIND_M3D8, &
-    KIND_M3D8R, KIND_B31, KIND_B31R, KIND_B32, KIND_B32R
+  public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D6, KIND_M3D8R, &
+    KIND_B31, KIND_B31R, KIND_B32, KIND_B32R
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
-    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family
+    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family, has_faces_in_space, is_membrane
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
   public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
@@ -58,27 +58,24 @@ module amontons_element_kinds
   integer, parameter :: KIND_CAX6 = 34
   integer, parameter :: KIND_CAX8 = 35
   integer, parameter :: KIND_CAX8R = 36
-  integer, parameter :: KIND_T3D2 = 37        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 38        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 39     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 40     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 41     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 42      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 43        !< point mass
-  integer, parameter :: N_KINDS = 43
+  integer, parameter :: KIND_M3D3 = 37        !< membranes in space: triangle, 1 point
+  integer, parameter :: KIND_M3D6 = 40        !< 38: M3D4, 39: M3D4R, both with 4 points; 40: quadratic triangle, 3 points
+  integer, parameter :: KIND_M3D8R = 42       !< 41: M3D8, 9 points; 42: the same, 4 points
+  integer, parameter :: KIND_T3D2 = 43        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 44        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 45     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 46     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 47     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 48      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 49        !< point mass
+  integer, parameter :: N_KINDS = 49
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 44          !< shells
-  integer, parameter :: KIND_S4 = 45
-  integer, parameter :: KIND_S4R = 46
-  integer, parameter :: KIND_S6 = 47
-  integer, parameter :: KIND_S8 = 48
-  integer, parameter :: KIND_S8R = 49
-  integer, parameter :: KIND_M3D3 = 50        !< membranes
-  integer, parameter :: KIND_M3D4 = 51
-  integer, parameter :: KIND_M3D4R = 52
-  integer, parameter :: KIND_M3D6 = 53
-  integer, parameter :: KIND_M3D8 = 54
-  integer, parameter :: KIND_M3D8R = 55
+  integer, parameter :: KIND_S3 = 50          !< shells
+  integer, parameter :: KIND_S4 = 51
+  integer, parameter :: KIND_S4R = 52
+  integer, parameter :: KIND_S6 = 53
+  integer, parameter :: KIND_S8 = 54
+  integer, parameter :: KIND_S8R = 55
   integer, parameter :: KIND_B31 = 56         !< beams
   integer, parameter :: KIND_B31R = 57
   integer, parameter :: KIND_B32 = 58         !< end, middle, end
@@ -88,7 +85,7 @@ module amontons_element_kinds
 
   ! Families: in which displacements an element has stiffness.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
-    FAMILY_TRUSS = 5, FAMILY_SPRING = 6, FAMILY_MASS = 7, FAMILY_SHELL = 8, FAMILY_MEMBRANE = 9, FAMILY_BEAM = 10
+    FAMILY_MEMBRANE = 5, FAMILY_TRUSS = 6, FAMILY_SPRING = 7, FAMILY_MASS = 8, FAMILY_SHELL = 9, FAMILY_BEAM = 10
 
   ! Edges are the facets of plane and axisymmetric elements.
   integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
@@ -181,6 +178,7 @@ contains
       entry = surface_kind('S', FAMILY_SHELL, kind - KIND_S3)
     case (KIND_M3D3:KIND_M3D8R)
       entry = surface_kind('M3D', FAMILY_MEMBRANE, kind - KIND_M3D3)
+      call set_sides(kind - KIND_M3D3, entry)
     case (KIND_B31)
       entry = element_kind_type(name='B31', family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
     case (KIND_B31R)
@@ -267,7 +265,39 @@ contains
   end function plane_kind
 
 
-  !> Entries of the shells and membranes; their faces are those of the solids into which they are expanded.
+  !> Points and faces of the membranes: 1 is SNEG, 2 is SPOS. M3D4R has the points of M3D4.
+  pure subroutine set_sides(shape, entry)
+    integer, intent(in) :: shape              !< 0 to 5: 3, 4, 4R, 6, 8, 8R
+    type(element_kind_type), intent(inout) :: entry
+    integer, parameter :: POINTS(0:5) = [1, 4, 4, 3, 9, 4]
+    integer, parameter :: FACES(0:5) = [FACET_TRI3, FACET_QUAD4, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_QUAD8]
+    integer :: i, n, corners
+    n = entry%n_nodes
+    corners = merge(3, 4, n == 3 .or. n == 6)
+    entry%n_points = POINTS(shape)
+    entry%n_faces = 2
+    entry%face_kind(:2) = FACES(shape)
+    entry%face_nodes(:n, 2) = [(i, i=1, n)]
+    entry%face_nodes(:corners, 1) = [1, (i, i=corners, 2, -1)]
+    if (n > corners) entry%face_nodes(corners + 1:n, 1) = [(i, i=n, corners + 1, -1)]
+  end subroutine set_sides
+
+
+  !> Whether a kind is a membrane.
+  elemental logical function is_membrane(kind)
+    integer, intent(in) :: kind               !< KIND_...
+    is_membrane = kind >= KIND_M3D3 .and. kind <= KIND_M3D8R
+  end function is_membrane
+
+
+  !> Whether the faces of a kind are surfaces in space: solids, membranes.
+  elemental logical function has_faces_in_space(kind)
+    integer, intent(in) :: kind               !< KIND_...
+    has_faces_in_space = kind <= N_SOLID_KINDS .or. is_membrane(kind)
+  end function has_faces_in_space
+
+
+  !> Entries of the shells and membranes; the faces of shells are those of the solids into which they are expanded.
   pure function surface_kind(prefix, family, shape) result(entry)
     character(*), intent(in) :: prefix
     integer, intent(in) :: family             !< FAMILY_...
@@ -279,10 +309,10 @@ contains
   end function surface_kind
 
 
-  !> Whether a family is one of shells, membranes or beams.
+  !> Whether a family is one of shells or beams, which are expanded.
   elemental logical function is_structural_family(family)
     integer, intent(in) :: family             !< FAMILY_...
-    is_structural_family = family == FAMILY_SHELL .or. family == FAMILY_MEMBRANE .or. family == FAMILY_BEAM
+    is_structural_family = family == FAMILY_SHELL .or. family == FAMILY_BEAM
   end function is_structural_family
 
 

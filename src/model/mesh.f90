@@ -4,7 +4,7 @@ module amontons_mesh
   use amontons_kinds, only: DP
   use amontons_containers, only: find_root, unite_trees
   use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
-    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
+    FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
@@ -117,7 +117,7 @@ contains
     integer, intent(in) :: family                  !< FAMILY_...
     logical :: resists(3)
     select case (family)
-    case (FAMILY_SOLID, FAMILY_TRUSS)
+    case (FAMILY_SOLID, FAMILY_MEMBRANE, FAMILY_TRUSS)
       resists = .true.
     case (FAMILY_MASS)
       resists = .false.

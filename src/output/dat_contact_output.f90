@@ -6,7 +6,7 @@ module amontons_dat_contact_output
   use amontons_kinds, only: DP
   use amontons_text, only: upper_case
   use amontons_tensor, only: cross_product
-  use amontons_element_kinds, only: N_SOLID_KINDS
+  use amontons_element_kinds, only: has_faces_in_space
   use amontons_postprocess, only: integrate_section, pair_sums_type, section_type, sector_share, printed_contact_energy, &
     printed_slip, sum_pair_forces
   use amontons_steps, only: print_request_type
@@ -160,7 +160,7 @@ contains
     end if
     associate (surface => model%surfaces(model%pairs(slave%pair)%slave))
       face = surface%face(slave%slave_facet)
-      if (model%mesh%kind(surface%element(slave%slave_facet)) > N_SOLID_KINDS) face = face + 2
+      if (.not. has_faces_in_space(model%mesh%kind(surface%element(slave%slave_facet)))) face = face + 2
       write (unit, FACE_FORMAT) model%mesh%element_label(surface%element(slave%slave_facet)), face, values
     end associate
   end subroutine print_slave

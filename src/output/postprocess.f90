@@ -16,8 +16,8 @@ module amontons_postprocess
   use amontons_kinds, only: DP, PI
   use amontons_beam_rules, only: is_beam_kind, interpolate_printed_points, MAX_PRINTED_POINTS
   use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, &
-    FAMILY_SOLID, &
-    FAMILY_SPRING, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
+    FAMILY_MEMBRANE, FAMILY_SPRING, has_faces_in_space, KIND_C3D6, KIND_C3D8, &
+    KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
     KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, N_KINDS, N_CIRCLE_SECTORS
@@ -285,7 +285,7 @@ contains
       call element_nodes(mesh, e, n, nodes)
       associate (kind => element_kind(mesh%kind(e)))
         n_rule = 0
-        if (kind%family <= FAMILY_AXISYMMETRIC) call quadrature(mesh%kind(e), n_rule, xi, w, wall_ratios(mesh, e))
+        if (kind%family <= FAMILY_MEMBRANE) call quadrature(mesh%kind(e), n_rule, xi, w, wall_ratios(mesh, e))
       end associate
       shape(:n) = 1 / real(n, DP)
       do p = 1, mesh%point_first(e + 1) - mesh%point_first(e)
@@ -385,7 +385,7 @@ contains
       call facet_shapes(kind%face_kind(face), xi(:, p), shape, slope, bend)
       at = matmul(x(:, :n), shape(:n))
       along = matmul(x(:, :n), transpose(slope(:, :n)))
-      if (kind%family /= FAMILY_SOLID) along(:, 2) = [0.0_DP, 0.0_DP, mesh%section_value(e)]
+      if (.not. has_faces_in_space(mesh%kind(e))) along(:, 2) = [0.0_DP, 0.0_DP, mesh%section_value(e)]
       a = w(p) * cross_product(along(:, 1), along(:, 2))
       f = matmul(unpack_voigt(matmul(stress(:, nodes(:n)), shape(:n))), a)
       section%force = section%force + f

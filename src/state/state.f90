@@ -13,7 +13,7 @@ module amontons_state
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
-  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, is_membrane, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
@@ -222,6 +222,7 @@ contains
         + nodes(:n))) / real(n, DP)
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         if (allocated(fields%frame)) frame = fields%frame(:, :, p)
+        if (is_membrane(model%mesh%kind(e))) frame = IDENTITY   ! the components are those along its axes
         if (model%materials(model%mesh%material(e))%is_user) then
           fields%history(USER_STRESS:USER_STRESS + 5, p) = rotate_stress_to_frame(model%initial_stress(:, p), frame)
           cycle

@@ -12,7 +12,7 @@ module amontons_user_state
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_state, only: state_type, fields_type
   use amontons_element_kinds, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
-    FAMILY_PLANE_STRESS, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
+    FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   use amontons_user_routines, only: call_dload, call_disp, call_sdvini, USER_NAME_LENGTH
   implicit none
   private
@@ -76,7 +76,7 @@ contains
     select case (entry%family)
     case (FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC)
       components = [3, 1]
-    case (FAMILY_PLANE_STRESS)
+    case (FAMILY_PLANE_STRESS, FAMILY_MEMBRANE)
       components = [2, 1]
     case (FAMILY_TRUSS)
       components = [1, 0]

@@ -50,7 +50,7 @@ TRIALS = [
     ("heat transfer", "step", "*HEAT TRANSFER\n0.1, 1.\n", r"\*HEAT TRANSFER is not supported"),
     ("coupled temperature", "step", "*COUPLED TEMPERATURE-DISPLACEMENT\n0.1, 1.\n", r"\*COUPLED TEMPERATURE-DISPLACEMENT is not supported"),
     ("submodels", "step", "*SUBMODEL\nALL\n*STATIC\n", r"\*SUBMODEL is not supported"),
-    ("membranes", "elements", "*ELEMENT, TYPE=M3D4, ELSET=SKIN\n2, 5, 6, 7, 8\n*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=STEEL\n0.1\n", r"\*MEMBRANE SECTION is not supported"),
+    ("membranes with nodal thickness", "elements", "*ELEMENT, TYPE=M3D4, ELSET=SKIN\n2, 5, 6, 7, 8\n*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=STEEL, NODAL THICKNESS\n0.1\n", "NODAL THICKNESS"),
     ("composite shells", "elements", "*ELEMENT, TYPE=S8R, ELSET=SKIN\n2, 5, 6, 7, 8\n*SHELL SECTION, ELSET=SKIN, COMPOSITE\n0.1, 3, STEEL\n", "COMPOSITE"),
     ("other cross-sections", "elements", "*ELEMENT, TYPE=B31, ELSET=BEAM\n2, 5, 6\n*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=I\n1., 0.1\n", "build open sections of shells"),
     ("connectors, joints", "elements", "*ELEMENT, TYPE=CONN3D2, ELSET=LINK\n2, 5, 6\n", "CONN3D2"),

@@ -4,7 +4,7 @@ program test_tensor
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX, cross_product, &
     determinant, determinant_minus_one, invert, skew_matrix, pack_voigt, unpack_voigt, double_dot, von_mises, &
-    symmetric_eigen
+    symmetric_eigen, solve_normal_equations
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -13,9 +13,25 @@ program test_tensor
   call check_matrices()
   call check_voigt()
   call check_eigen()
+  call check_least_squares()
   call suite%finish()
 
 contains
+
+  !> The coefficients of a parabola from its values at five points; the fit leaves no normal residual for other values.
+  subroutine check_least_squares()
+    real(DP), parameter :: AT(5) = [-1.0_DP, -0.3_DP, 0.1_DP, 0.8_DP, 1.5_DP], WANTED(3) = [0.7_DP, -2.0_DP, 3.0_DP]
+    real(DP) :: functions(3, 5), fit(3, 5), values(5), residual(5)
+    functions = transpose(reshape([spread(1.0_DP, 1, 5), AT, AT**2], [5, 3]))
+    fit = functions
+    call solve_normal_equations(fit)
+    call suite%near('fit of a parabola', maxval(abs(matmul(fit, matmul(WANTED, functions)) - WANTED)), 0.0_DP, 1e-14_DP)
+    call random_number(values)
+    residual = values - matmul(matmul(fit, values), functions)
+    call suite%near('no normal residual', maxval(abs(matmul(functions, residual))), 0.0_DP, 1e-14_DP)
+    call suite%that('values that no parabola has', maxval(abs(residual)) > 1e-3_DP)
+  end subroutine check_least_squares
+
 
   subroutine set_seed()
     integer :: n, i

@@ -8,7 +8,7 @@ program test_shape_functions
   use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_CSS6, &
-    KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_CAX8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
+    KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_M3D8R, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FACET_TRI3, &
     FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, element_kind_by_name
   use check, only: suite_type
   implicit none
@@ -23,7 +23,7 @@ program test_shape_functions
     call check_faces(kind)
     if (.not. is_beam_kind(kind)) call check_extrapolation(kind)
   end do
-  do kind = KIND_C3D4, KIND_CAX8R
+  do kind = KIND_C3D4, KIND_M3D8R
     call check_calculix_rules(kind)
   end do
   do kind = FACET_TRI3, FACET_LINE3
@@ -137,7 +137,7 @@ contains
       is_exact = i + j + k <= 2
     case (KIND_C3D20)
       is_exact = max(i, j, k) <= 5
-    case (KIND_CPS3:KIND_CAX8R)
+    case (KIND_CPS3:KIND_M3D8R)
       is_exact = k == 0 .and. is_exact_in_plane(entry, i, j)
     case (KIND_T3D2, KIND_T3D3)
       is_exact = j + k == 0 .and. i <= 2 * entry%n_points - 1
@@ -151,12 +151,19 @@ contains
   logical function is_exact_in_plane(entry, i, j) result(is_exact)
     type(element_kind_type), intent(in) :: entry
     integer, intent(in) :: i, j
-    if (entry%n_faces == 3) then
+    if (is_triangle(entry)) then
       is_exact = i + j <= merge(1, 2, entry%n_points == 1)
     else
       is_exact = max(i, j) <= 2 * nint(sqrt(real(entry%n_points, DP))) - 1
     end if
   end function is_exact_in_plane
+
+
+  !> Whether a plane kind or a membrane is a triangle.
+  logical function is_triangle(entry)
+    type(element_kind_type), intent(in) :: entry
+    is_triangle = entry%n_nodes == 3 .or. entry%n_nodes == 6
+  end function is_triangle
 
 
   !> The integral of xi^i eta^j zeta^k over the parent element.
@@ -169,9 +176,9 @@ contains
       exact_integral = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3)
     case (KIND_C3D6, KIND_C3D15, KIND_CSS6)
       exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2) * line_integral(k)
-    case (KIND_CPS3:KIND_CAX8R)
+    case (KIND_CPS3:KIND_M3D8R)
       exact_integral = line_integral(i) * line_integral(j)
-      if (entry%n_faces == 3) exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2)
+      if (is_triangle(entry)) exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2)
     case (KIND_T3D2, KIND_T3D3)
       exact_integral = line_integral(i)
     case default

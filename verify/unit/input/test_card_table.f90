@@ -72,7 +72,8 @@ contains
     call expect('STATIC', SCOPE_STEP, ENTRY_SUPPORTED)
     call expect('MODAL DYNAMIC', SCOPE_BOTH, ENTRY_REJECTED)
     call expect('FREQUENCY', SCOPE_BOTH, ENTRY_REJECTED)
-    call expect('MEMBRANESECTION', SCOPE_BOTH, ENTRY_REJECTED)
+    call expect('GASKETSECTION', SCOPE_BOTH, ENTRY_REJECTED)
+    call expect('MEMBRANESECTION', SCOPE_MODEL, ENTRY_SUPPORTED)
     call expect('PREPRINT', SCOPE_BOTH, ENTRY_IGNORED)
     call suite%that('variables of prints', is_one_of('RF', NODE_VARIABLES) .and. is_one_of('PEEQ', ELEMENT_VARIABLES) .and. &
       is_one_of('CSTR', CONTACT_VARIABLES) .and. is_one_of('SOF', SECTION_VARIABLES))

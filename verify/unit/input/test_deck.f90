@@ -311,7 +311,7 @@ contains
     call expect_error(suite, MODEL_PART // '*MASS,ELSET=E;1.;' // STEP_PART, 'is no mass')
     call expect_error(suite, MODEL_PART // M // STEP_PART, 'no *MASS names')
     call expect_error(suite, MODEL_PART // '*ELEMENT,TYPE=S4R,ELSET=S;15,1,2,3,4;*SOLID SECTION,ELSET=S,MATERIAL=steel;' // &
-      STEP_PART, 'is a shell, a membrane or a beam')
+      STEP_PART, 'is a S4R; solids, plane elements')
   end subroutine test_sections
 
 
@@ -927,7 +927,7 @@ contains
   subroutine test_refused(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    character(18), parameter :: REFUSED(7) = [character(18) :: 'RELEASE', 'EMBEDDED ELEMENT', 'MEMBRANE SECTION', 'SYSTEM', &
+    character(18), parameter :: REFUSED(7) = [character(18) :: 'RELEASE', 'EMBEDDED ELEMENT', 'GASKET SECTION', 'SYSTEM', &
       'TRANSFORMF', 'JOINT', 'NETWORK MPC']
     integer :: i
     do i = 1, size(REFUSED)

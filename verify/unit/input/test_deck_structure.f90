@@ -132,7 +132,7 @@ contains
     call expect_message(SHELL, 'no section: no *BEAM SECTION')
     call expect_message(BEAM, 'no section: no *SHELL SECTION')
     call expect_message(SHELL // '*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT;.1,.2;' // BEAM, 'is for beams')
-    call expect_message(SHELL // BEAM // '*SOLID SECTION, ELSET=E, MATERIAL=M;', 'is a shell, a membrane or a beam')
+    call expect_message(SHELL // BEAM // '*SOLID SECTION, ELSET=E, MATERIAL=M;', 'shells a *SHELL SECTION')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M;-.1;' // BEAM, 'thickness must be positive')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M;' // BEAM, 'needs a data line')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, OFFSET=TOP;.1;' // BEAM, 'OFFSET must be a number')
