@@ -209,12 +209,13 @@ uses_hdf5_file = kinds errors posix
 uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_preconditioner equilibrium newton increment_control hdf5_file
 uses_postprocess = kinds tensor element_kinds materials mesh surfaces structural_data model material_point beam_rules shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor element_kinds steps model state postprocess
-uses_dat_output = kinds text tensor element_kinds materials mesh steps model beam_rules state postprocess dat_contact_output
+uses_section_forces = kinds tensor element_kinds materials mesh structural_data model material_point shape_functions element state
+uses_dat_output = kinds text tensor element_kinds materials mesh steps model beam_rules state postprocess dat_contact_output section_forces
 uses_frd_output = kinds text containers errors iteration_records posix version dense element_kinds mesh steps model shape_functions state postprocess dat_contact_output dat_output
 uses_result_cells = errors mesh hdf5_file
 uses_result_schema = kinds errors iteration_records hdf5_file
 uses_result_model = kinds errors iteration_records version analytic_profiles element_kinds materials mesh surfaces steps model analytic_master hdf5_file result_schema
-uses_results = kinds errors iteration_records tensor materials mesh steps model state hdf5_file postprocess result_cells result_schema result_model
+uses_results = kinds errors iteration_records tensor materials mesh steps model state hdf5_file postprocess section_forces result_cells result_schema result_model
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver

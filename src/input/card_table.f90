@@ -13,9 +13,9 @@ module amontons_card_table
   public :: make_card_table, list_cards, NODE_VARIABLES, ELEMENT_VARIABLES, CONTACT_VARIABLES, &
     SECTION_VARIABLES
 
-  character(*), parameter :: NODE_VARIABLES = 'U|V|RF|NT|COOR'      !< variables of NODE PRINT
+  character(*), parameter :: NODE_VARIABLES = 'U|UR|V|RF|NT|COOR'      !< variables of NODE PRINT
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< variables of SECTION PRINT, each of which prints all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR' !< variables of EL PRINT
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR|SF|SM' !< variables of EL PRINT
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'
 
 contains

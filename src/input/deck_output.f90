@@ -16,7 +16,7 @@ module amontons_deck_output
   public :: output_requests_type, begin_output, read_output_card, set_output_times, read_time_points
 
   integer, parameter :: MAX_TIME_POINTS = 1000000     !< times of one GENERATE line
-  character(*), parameter :: FILE_VARIABLES = 'U|RF|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
+  character(*), parameter :: FILE_VARIABLES = 'U|UR|RF|SF|SM|S|E|LE|CDIS|CDISP|CSTR|CSTRESS|COPEN|CSLIP|CPRESS|CSHEAR|' // &
     'CSTATUS|CFORCE|CNORMF|CSHEARF|CELS|PEEQ|CEEQ|PE|CE|ENER|ME|THE|SDV|ERR|NOE|NT|MISES|PRESELECT|ALL|ALLSE|ALLWK|ALLFD|' // &
     'ALLSD'                                               !< contents of the result files
   character(*), parameter :: FRD_WORDS(N_FRD) = [character(24) :: 'U', 'NT', 'S', 'E|THE', 'ME|THE', 'THE', 'RF', &

@@ -17,12 +17,14 @@ module amontons_dat_output
   use amontons_materials, only: HISTORY_CEEQ
   use amontons_model, only: model_type, is_out, absent_elements, DIALECT_CALCULIX
   use amontons_state, only: history_variable, equivalent_plastic_strain, state_variables, n_state_variables, fields_type
+  use amontons_section_forces, only: find_section_forces, find_node_rotations, N_SECTION_FORCES
   use amontons_dat_contact_output, only: print_contact_variable, print_section_sums, block_name, NODE_FORMAT, TOTAL_FORMAT
   implicit none
   private
   public :: print_request, printed_forces, in_transform, in_orientation
 
   character(*), parameter :: POINT_FORMAT = '(i10,1x,i3,1p,*(1x,e13.6))'
+  character(*), parameter :: ELEMENT_FORMAT = '(i10,1p,*(1x,e13.6))'
 
 contains
 
@@ -69,7 +71,7 @@ contains
   end function set_of
 
 
-  !> U, RF, NT, COORD of a node set.
+  !> U, UR, RF, NT, COORD of a node set.
   subroutine print_node_variable(unit, model, fields, request, variable, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
@@ -78,12 +80,16 @@ contains
     character(*), intent(in) :: variable
     logical, intent(in) :: is_nlgeom
     type(set_type) :: set
-    real(DP), allocatable :: force(:, :)
+    real(DP), allocatable :: force(:, :), rotation(:, :)
     set = set_of(model%mesh, request)
     select case (variable)
     case ('U')
       call print_node_rows(unit, 'displacements (vx,vy,vz)', model%mesh, set, fields, &
         in_transform(model, fields%u, request%is_local))
+    case ('UR')
+      allocate (rotation(3, model%mesh%n_nodes))
+      call find_node_rotations(model, fields, rotation)
+      call print_node_rows(unit, 'rotations (rx,ry,rz)', model%mesh, set, fields, in_transform(model, rotation, request%is_local))
     case ('V')
       call print_node_rows(unit, 'velocities (vx,vy,vz)', model%mesh, set, fields, &
         in_transform(model, fields%v, request%is_local))
@@ -195,7 +201,7 @@ contains
   end subroutine print_node_rows
 
 
-  !> S, E, ME, PEEQ, CEEQ, ENER, COORD at the integration points of an element set; ELSE, EVOL of its elements.
+  !> S, E, ME, PEEQ, CEEQ, ENER, COORD at the integration points of an element set; ELSE, EVOL, SF, SM of its elements.
   subroutine print_element_variable(unit, model, fields, request, variable, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
@@ -242,6 +248,12 @@ contains
       case ('EVOL')
         call print_element_rows(unit, ['volume (element, volume)', 'total volume            '], model, fields%step, &
           request, time)
+      case ('SF')
+        call print_head(unit, 'section forces (elem, sf1,sf2,sf3,sf4,sf5,sf6)', set, time)
+        call print_section_rows(unit, model, fields, set, 1, 6)
+      case ('SM')
+        call print_head(unit, 'section moments (elem, sm1,sm2,sm3)', set, time)
+        call print_section_rows(unit, model, fields, set, 7, N_SECTION_FORCES)
       end select
     end associate
 
@@ -257,6 +269,27 @@ contains
     end subroutine print_tensors
 
   end subroutine print_element_variable
+
+
+  !> Rows of section forces of the shells and beams of a set; a composite shell has one.
+  subroutine print_section_rows(unit, model, fields, set, first, last)
+    integer, intent(in) :: unit
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(set_type), intent(in) :: set
+    integer, intent(in) :: first, last             !< of the section forces
+    real(DP), allocatable :: forces(:, :)
+    integer :: i
+    if (.not. allocated(model%structure)) return
+    allocate (forces(N_SECTION_FORCES, model%mesh%n_elements))
+    call find_section_forces(model, fields, forces)
+    do i = 1, size(set%members)
+      associate (e => set%members(i))
+        if (model%structure%section(e) == 0 .or. model%mesh%layer(e) > 1 .or. is_out(model, fields%step, e)) cycle
+        write (unit, ELEMENT_FORMAT) model%mesh%element_label(e), forces(first:last, e)
+      end associate
+    end do
+  end subroutine print_section_rows
 
 
   !> Tensors at the points, in the axes of their orientation if requested.

@@ -14,7 +14,7 @@ module amontons_result_schema
   implicit none
   private
   public :: result_column_type, create_columns, open_columns, append_columns, write_columns, check_finite
-  public :: POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS
+  public :: POINT_COLUMNS, STRUCTURE_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS
   public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, PAIR_COLUMNS, N_PAIR_INTEGERS, N_PAIR_REALS
   public :: HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
   public :: field_rows, ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS, STEP_COLUMNS, CONTROL_COLUMNS
@@ -48,6 +48,11 @@ module amontons_result_schema
     result_column_type('CSTATUS', 1, '[-]', 'Status of slave nodes: 0 open, 1 stick, 2 slip; -1 elsewhere.', .true.), &
     result_column_type('CSCENARIO', 1, '[-]', &
       'Slip scenario 1 to 4 of the last iteration that moved the slave node, else 0.', .true.)]
+  !> Further columns of a model with shells or beams.
+  type(result_column_type), parameter :: STRUCTURE_COLUMNS(3) = [ &
+    result_column_type('UR', 3, '[rad]', 'Rotation vector of the fibre or cross-section, of a reference node.'), &
+    result_column_type('SF', 6, '[force(/length)]', 'Section forces of shells, per length, and of beams: mean of the elements.'), &
+    result_column_type('SM', 3, '[force(*length)]', 'Section moments of shells, per length, and of beams, likewise.')]
   integer, parameter :: N_POINT_INTEGERS = sum(POINT_COLUMNS%width, mask=POINT_COLUMNS%is_integer)
   integer, parameter :: N_POINT_REALS = sum(POINT_COLUMNS%width, mask=.not. POINT_COLUMNS%is_integer)
   integer, parameter :: STRAIN_COLUMN = findloc(POINT_COLUMNS%name, 'E', dim=1)

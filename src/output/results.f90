@@ -30,7 +30,7 @@ module amontons_results
   use amontons_mesh, only: mesh_type, mesh_extent
   use amontons_steps, only: is_output_due
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
-  use amontons_model, only: job_options_type, job_path, model_type, absent_elements, DIALECT_CALCULIX
+  use amontons_model, only: job_options_type, job_path, model_type, absent_elements, is_out, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type, REPORT_LINE_LENGTH
   use amontons_state, only: history_variable, fields_type, slave_state_type, STATUS_OPEN
   use amontons_hdf5_file, only: append_rows, apply_pages, close_hdf5, create_group, create_hdf5, create_table, &
@@ -39,10 +39,12 @@ module amontons_results
     write_attribute, write_data, STORAGE_I64, STORAGE_TEXT, STORAGE_I32
   use amontons_result_model, only: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
   use amontons_result_cells, only: write_cells
+  use amontons_section_forces, only: find_section_forces, find_node_rotations, N_SECTION_FORCES
   use amontons_result_schema, only: append_columns, check_finite, result_column_type, create_columns, open_columns, &
     CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
     N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
-    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, field_rows, STRAIN_COLUMN
+    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, STRUCTURE_COLUMNS, field_rows, &
+    STRAIN_COLUMN
   use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_midside_nodes, nodal_slaves, fill_midside_values, &
     sum_pair_forces
   implicit none
@@ -112,10 +114,8 @@ contains
     results%n_nodes = model%mesh%n_nodes + results%drawn%n_points
     results%n_points = model%mesh%n_points
     results%no_projection_gap = mesh_extent(model%mesh)
-    results%point_columns = POINT_COLUMNS
+    results%point_columns = columns_of_nodes(model)
     results%integration_columns = columns_of_points(model)
-    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
-      results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call create_hdf5(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
     if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%drawn, error)
     if (.not. allocated(error)) call write_cells(results%store, model%mesh, results%drawn%n_cells, error)
@@ -138,10 +138,8 @@ contains
     results%n_points = model%mesh%n_points
     results%n_slaves = n_slaves
     results%no_projection_gap = mesh_extent(model%mesh)
-    results%point_columns = POINT_COLUMNS
+    results%point_columns = columns_of_nodes(model)
     results%integration_columns = columns_of_points(model)
-    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) &
-      results%point_columns(STRAIN_COLUMN)%name = 'LE'
     call open_hdf5(results%store, job_path(options, '.vtkhdf'), error)
     if (.not. allocated(error)) call open_frames(results, error)
     if (.not. allocated(error) .and. size(model%pairs) > 0) call open_columns(results%store, '/AMONTONS/pair_history', &
@@ -348,6 +346,16 @@ contains
   end subroutine create_frames
 
 
+  !> The columns of the nodes: LE in place of E under NLGEOM, and those of shells and beams.
+  pure function columns_of_nodes(model) result(columns)
+    type(model_type), intent(in) :: model
+    type(result_column_type), allocatable :: columns(:)
+    columns = POINT_COLUMNS
+    if (any(model%steps%is_nlgeom) .and. model%dialect /= DIALECT_CALCULIX) columns(STRAIN_COLUMN)%name = 'LE'
+    if (allocated(model%structure)) columns = [columns, STRUCTURE_COLUMNS]
+  end function columns_of_nodes
+
+
   !> The columns of the integration points, with STATEV if a user material has state variables.
   pure function columns_of_points(model) result(columns)
     type(model_type), intent(in) :: model
@@ -389,11 +397,13 @@ contains
       call set_error(error, EXIT_INTERNAL, 'The number of slave nodes has changed since the first increment.')
       return
     end if
-    allocate (reals(N_POINT_REALS, results%n_nodes), integers(N_POINT_INTEGERS, results%n_nodes))
+    allocate (reals(sum(results%point_columns%width, mask=.not. results%point_columns%is_integer), results%n_nodes), &
+      integers(N_POINT_INTEGERS, results%n_nodes))
     call check_points(results, fields, error)
     if (allocated(error)) return
     associate (n => model%mesh%n_nodes)
-      call point_fields(model, fields, slaves, results%no_projection_gap, reals(:, :n), integers(:, :n))
+      call point_fields(model, fields, slaves, results%no_projection_gap, reals(:N_POINT_REALS, :n), integers(:, :n))
+      if (size(reals, 1) > N_POINT_REALS) call pack_structure(model, fields, reals(N_POINT_REALS + 1:, :n))
       reals(:, n + 1:) = 0.0_DP
       reals(:3, n + 1:) = drawn_displacements(results%drawn, fields%u)
       integers(:, n + 1:) = 0
@@ -508,6 +518,37 @@ contains
       end associate
     end do
   end subroutine point_fields
+
+
+  !> Rotations, section forces and moments at the nodes of the deck and at those into which they expand.
+  subroutine pack_structure(model, fields, reals)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(out) :: reals(:, :)            !< (12, n_nodes) in the order of STRUCTURE_COLUMNS
+    real(DP), allocatable :: forces(:, :)
+    integer :: n_elements_of(size(reals, 2)), e, i
+    allocate (forces(N_SECTION_FORCES, model%mesh%n_elements))
+    reals = 0
+    n_elements_of = 0
+    call find_node_rotations(model, fields, reals(:3, :))
+    call find_section_forces(model, fields, forces)
+    associate (structure => model%structure)
+      do e = 1, model%mesh%n_elements
+        if (structure%section(e) == 0 .or. model%mesh%layer(e) > 1 .or. is_out(model, fields%step, e)) cycle
+        associate (nodes => structure%nodes(structure%first(e):structure%first(e + 1) - 1))
+          n_elements_of(nodes) = n_elements_of(nodes) + 1
+          do i = 1, size(nodes)
+            reals(4:, nodes(i)) = reals(4:, nodes(i)) + (forces(:, e) - reals(4:, nodes(i))) / real(n_elements_of(nodes(i)), DP)
+          end do
+        end associate
+      end do
+      do i = 1, size(structure%directors)
+        associate (director => structure%directors(i))
+          reals(4:, director%nodes) = spread(reals(4:, director%node), 2, size(director%nodes))
+        end associate
+      end do
+    end associate
+  end subroutine pack_structure
 
 
   !> Displacement, reaction, stress, strain, Mises stress, plastic strain and temperature of all nodes.
