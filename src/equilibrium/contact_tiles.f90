@@ -90,24 +90,32 @@ contains
     type(tangent_parts_type), intent(in) :: parts
     type(tile_type), intent(inout) :: tiles(:)     !< with their members
     type(error_type), allocatable, intent(out) :: error
-    integer :: t, n_failed
+    integer :: n_failed
     n_failed = 0
     !$omp parallel reduction(+:n_failed)
-    block
-      type(spike_type) :: y, z
-      integer, allocatable :: place(:)
-      allocate (place(parts%relation%n_columns), source=0)
-      call clear_spike(parts%relation%n_rows, y)
-      call clear_spike(parts%relation%n_rows, z)
-      !$omp do schedule(dynamic)
-      do t = 1, size(tiles)
-        call factorise_tile(parts, place, y, z, tiles(t), n_failed)
-      end do
-      !$omp end do
-    end block
+    call factorise_share(parts, tiles, n_failed)
     !$omp end parallel
     if (n_failed > 0) call set_error(error, EXIT_SOLVER, 'Not enough memory for the tiles of the contact skin.')
   end subroutine factorise_tiles
+
+
+  !> One thread's share of the tiles. (A procedure: gfortran 12 frees no allocatable variable of a block within a parallel region.)
+  subroutine factorise_share(parts, tiles, n_failed)
+    type(tangent_parts_type), intent(in) :: parts
+    type(tile_type), intent(inout) :: tiles(:)     !< with their members
+    integer, intent(inout) :: n_failed             !< tiles whose allocation failed
+    type(spike_type) :: y, z
+    integer, allocatable :: place(:)
+    integer :: t
+    allocate (place(parts%relation%n_columns), source=0)
+    call clear_spike(parts%relation%n_rows, y)
+    call clear_spike(parts%relation%n_rows, z)
+    !$omp do schedule(dynamic)
+    do t = 1, size(tiles)
+      call factorise_tile(parts, place, y, z, tiles(t), n_failed)
+    end do
+    !$omp end do
+  end subroutine factorise_share
 
 
   !> An empty sparse vector.

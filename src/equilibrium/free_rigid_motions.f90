@@ -243,7 +243,7 @@ contains
     m = size(moved)
     if (m == 0) return
     allocate (values(m), vectors(m, m))
-    gram = gram_matrix(n_free, images(moved))
+    gram = gram_matrix(n_free, images, moved)
     do k = 1, m
       gram(:, k) = gram(:, k) / (length * length(k))
     end do
@@ -251,39 +251,45 @@ contains
     if (status /= DENSE_OK) return
     if (values(1) > TOL_GRAM_MATRIX**2) return
     y = vectors(:, 1) / length
-    is_singular = length_of(n_free, images(moved), y) <= free_ratio * length_of(n_free, scales(moved), y)
+    is_singular = length_of(n_free, images, moved, y) <= free_ratio * length_of(n_free, scales, moved, y)
   end function is_singular_along
 
 
-  !> The products of the vectors with each other.
-  pure function gram_matrix(n, vectors) result(gram)
+  !> The products of the chosen vectors with each other. (An argument vectors(chosen) would be a copy that gfortran 12 never frees.)
+  pure function gram_matrix(n, vectors, chosen) result(gram)
     integer, intent(in) :: n                       !< length of the vectors
     type(sparse_vector_type), intent(in) :: vectors(:)
-    real(DP) :: gram(size(vectors), size(vectors))
+    integer, intent(in) :: chosen(:)
+    real(DP) :: gram(size(chosen), size(chosen))
     real(DP), allocatable :: x(:)
     integer :: k, l
     allocate (x(n), source=0.0_DP)
-    do k = 1, size(vectors)
-      x(vectors(k)%at) = vectors(k)%value
-      do l = 1, k
-        gram(l, k) = dot_product(x(vectors(l)%at), vectors(l)%value)
-        gram(k, l) = gram(l, k)
-      end do
-      x(vectors(k)%at) = 0.0_DP
+    do k = 1, size(chosen)
+      associate (vector => vectors(chosen(k)))
+        x(vector%at) = vector%value
+        do l = 1, k
+          gram(l, k) = dot_product(x(vectors(chosen(l))%at), vectors(chosen(l))%value)
+          gram(k, l) = gram(l, k)
+        end do
+        x(vector%at) = 0.0_DP
+      end associate
     end do
   end function gram_matrix
 
 
-  !> The length of a sum of vectors.
-  pure real(DP) function length_of(n, vectors, factors) result(length)
+  !> The length of a sum of the chosen vectors.
+  pure real(DP) function length_of(n, vectors, chosen, factors) result(length)
     integer, intent(in) :: n                       !< length of the vectors
     type(sparse_vector_type), intent(in) :: vectors(:)
-    real(DP), intent(in) :: factors(:)
+    integer, intent(in) :: chosen(:)
+    real(DP), intent(in) :: factors(:)             !< of the chosen vectors
     real(DP), allocatable :: x(:)
     integer :: k
     allocate (x(n), source=0.0_DP)
-    do k = 1, size(vectors)
-      x(vectors(k)%at) = x(vectors(k)%at) + factors(k) * vectors(k)%value
+    do k = 1, size(chosen)
+      associate (vector => vectors(chosen(k)))
+        x(vector%at) = x(vector%at) + factors(k) * vector%value
+      end associate
     end do
     length = norm2(x)
   end function length_of
