@@ -5,7 +5,8 @@
 !! |---|---|---|
 !! | S3, S4 | CSS6, CSS8; under the calculix dialect C3D6, C3D8I | bottom, top |
 !! | S6, S8 | C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
-!! | B31, B32 | C3D8I, C3D20, or 20 nodes with points in the cross-section | the axes below |
+!! | B31 | C3D8I | the axes below |
+!! | B32 | 20 nodes with points in the cross-section; under the calculix dialect C3D20 | the axes below |
 !!
 !! The first local axis of a beam's solid lies along the beam, the second against direction 2, the third along direction 1.
 !!
@@ -61,7 +62,8 @@ contains
   end subroutine expand_elements
 
 
-  !> The kind and the walls of a beam by its cross-section. CalculiX integrates B32R at two places along the beam.
+  !> The kind and the walls of a beam by its cross-section. Three places along a curved beam lock: B32 of the abaqus dialect has
+  !! two, as B32R. CalculiX integrates B32 at three.
   subroutine set_beam_section(mesh, section, kind, is_calculix, e)
     type(mesh_type), intent(inout) :: mesh
     type(structural_section_type), intent(in) :: section
@@ -69,7 +71,7 @@ contains
     logical, intent(in) :: is_calculix           !< dialect
     integer, intent(in) :: e                     !< element
     if (section%family /= FAMILY_BEAM) return
-    if (is_calculix .and. kind == KIND_B32R) mesh%kind(e) = KIND_BEAM_RECT
+    if (kind == KIND_B32R .or. (kind == KIND_B32 .and. .not. is_calculix)) mesh%kind(e) = KIND_BEAM_RECT
     select case (section%shape)
     case (SECTION_CIRC)
       if (.not. is_calculix) mesh%kind(e) = KIND_BEAM_CIRC
