@@ -2,14 +2,15 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two faces are the same if their corners are; nodes on both sides of a pre-tension section count as one. A *body* is a set of
-!! elements with faces that are connected by nodes. Membranes do not count. A *patch* is a piece of the exterior without a crease:
-!! faces are connected across an edge that exactly two of them have, if their normals differ by less than the feature angle.
+!! elements with faces that are connected by nodes. Membranes and rigid edges do not count. A *patch* is a piece of the exterior
+!! without a crease: faces are connected across an edge that exactly two of them have, if their normals differ by less than the
+!! feature angle.
 !! Cost: linear.
 module amontons_exterior_surface
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
   use amontons_containers, only: find_root, unite_trees
-  use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind, facet_kind_type, FAMILY_MEMBRANE, MAX_FACE_NODES
+  use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind, facet_kind_type, is_two_sided, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_facets, only: facets_type, facet_nodes, n_facet_corners
   implicit none
@@ -74,14 +75,14 @@ contains
     n = 0
     do e = 1, mesh%n_elements
       kind = element_kind(mesh%kind(e))
-      if (.not. is_absent(e) .and. kind%family /= FAMILY_MEMBRANE) n = n + kind%n_faces
+      if (.not. (is_absent(e) .or. is_two_sided(mesh%kind(e)))) n = n + kind%n_faces
     end do
     allocate (keys(MAX_FACE_CORNERS, n), source=0)
     allocate (element(n), face(n))
     n = 0
     do e = 1, mesh%n_elements
       kind = element_kind(mesh%kind(e))
-      if (is_absent(e) .or. kind%family == FAMILY_MEMBRANE) cycle
+      if (is_absent(e) .or. is_two_sided(mesh%kind(e))) cycle
       do k = 1, kind%n_faces
         n = n + 1
         shape = facet_kind(kind%face_kind(k))

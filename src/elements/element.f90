@@ -21,7 +21,8 @@ module amontons_element
   use amontons_tensor, only: cross_product, skew_matrix
   use amontons_element_kinds, only: facet_kind_type, kind_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
-    KIND_CPS3, KIND_CAX8R, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, N_SOLID_KINDS
+    KIND_CPS3, KIND_CAX8R, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, KIND_RAX2, &
+    N_SOLID_KINDS
   implicit none
   private
   public :: integration_points_type, evaluate_element_forces, evaluate_element_tangent
@@ -52,10 +53,10 @@ contains
       call evaluate_truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_SPRINGA:KIND_GAPUNI)
       call evaluate_spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
-    case (KIND_MASS)
+    case (KIND_MASS:KIND_RAX2)                     ! no stiffness of their own
       force = 0
       status = ELEMENT_OK
-      if (present(stiffness)) stiffness(:3, :3) = 0
+      if (present(stiffness)) stiffness(:3 * size(X, 2), :3 * size(X, 2)) = 0
     case default
       call evaluate_solid_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     end select
@@ -142,7 +143,7 @@ contains
       force(:, 1) = section * b
     case (:N_SOLID_KINDS)
       call integrate_solid_body_force(kind, X, b, force, walls)
-    case default                                   ! a spring has no weight
+    case default                                   ! springs and rigid edges have no weight
     end select
   end subroutine integrate_body_force
 

@@ -202,7 +202,7 @@ contains
     if (surface > 0) call attach_profile(model, surface, mpc)
     if (size(mpc%node) == 0 .and. surface == 0) then
       call report_error(reader, reader%cards%cards(c)%line, 'The rigid body has no nodes: its sets ' // &
-        'hold no node and no element of a supported type. Rigid elements are R3D3 and R3D4.')
+        'hold no node and no element of a supported type. Rigid elements are R3D3, R3D4, R2D2, RAX2.')
     else if (any(mpc%rotation == model%mesh%nodes)) then
       call report_error(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
         'be a rotation. Name a node of its own.')

@@ -4,7 +4,7 @@ module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
   use amontons_containers, only: integer_list_type, list_groups
   use amontons_mesh, only: mesh_type
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_MEMBRANE
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, is_two_sided
   implicit none
   private
   public :: node_elements_type, find_free_faces, find_omitted_faces, find_side_elements, count_shared_faces
@@ -63,7 +63,7 @@ contains
           if (e == excluded) cycle
         end if
         entry = element_kind(mesh%kind(e))
-        if (entry%family == FAMILY_MEMBRANE) cycle   ! it hides no face
+        if (is_two_sided(mesh%kind(e))) cycle   ! it hides no face
         do i = 1, entry%n_faces
           found = corner_nodes(mesh, e, i)
           if (size(found) /= size(corners)) cycle
@@ -109,7 +109,7 @@ contains
       entry = element_kind(mesh%kind(members(i)))
       do k = 1, entry%n_faces
         call match_face(faces, mesh, corner_nodes(mesh, members(i), k), n, e, f)
-        if (n /= 1 .and. entry%family /= FAMILY_MEMBRANE) cycle
+        if (n /= 1 .and. .not. is_two_sided(mesh%kind(members(i)))) cycle
         call elements%add(members(i))
         call numbers%add(k)
       end do

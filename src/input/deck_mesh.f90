@@ -20,11 +20,13 @@ module amontons_deck_mesh
   use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_CPE4, &
     KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
-    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, is_structural_family
+    FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, &
+    is_structural_family
   implicit none
   private
   public :: read_nodes, read_elements, read_sections, select_elements, count_rows, is_in_family, NOT_GIVEN
 
+  character(*), parameter :: RIGID_TYPES = 'R3D3|R3D4|R2D2|RAX2'   !< no section: their *RIGID BODY holds them
   real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
 contains
@@ -207,7 +209,8 @@ contains
       draft%element_last(c) = draft%n
       draft%is_in_plane(draft%element_first(c):draft%n) = kind > 0 .and. (begins_with(parameter_word(parameters, 'TYPE', ''), &
         'T2D') .or. begins_with(parameter_word(parameters, 'TYPE', ''), 'B2'))
-      draft%is_rigid(draft%element_first(c):draft%n) = kind > 0 .and. begins_with(parameter_word(parameters, 'TYPE', ''), 'R3D')
+      draft%is_rigid(draft%element_first(c):draft%n) = kind > 0 .and. is_one_of(parameter_word(parameters, 'TYPE', ''), &
+        RIGID_TYPES)
     end do
     call resize_draft(draft, draft%n)
     call draft%labels%build(draft%label)
@@ -252,6 +255,7 @@ contains
       taken = type(:len(type) - len_trim(ENDINGS(i)))
     end do
     kind = element_kind_by_name(taken)
+    if (reader%dialect == DIALECT_CALCULIX .and. is_one_of(type, RIGID_TYPES)) kind = 0   ! CalculiX has none
     if (kind == 0) return
     if (taken /= type .and. .not. is_one_of(type(:min(3, len(type))), 'T2D|R3D|B21|B22')) call report_note(reader, &
       reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // taken // '.')
@@ -433,7 +437,8 @@ contains
     is_so = .false.
     if (kind == 0) return
     entry = element_kind(kind)
-    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS]) .and. .not. is_structural_family(entry%family)
+    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID]) .and. .not. &
+      is_structural_family(entry%family)
   end function is_thin
 
 
@@ -632,6 +637,7 @@ contains
         if (is_in_family(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
         if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
         if (is_in_family(draft%kind(e), FAMILY_MASS)) card = 'MASS'
+        if (is_in_family(draft%kind(e), FAMILY_RIGID)) card = 'RIGID BODY'
         if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, index(card, 'SECTION') > 0)) cycle
         n = n + 1
         if (first == 0) first = draft%label(e)
@@ -712,8 +718,8 @@ contains
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
     if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the membranes M3D3, M3D4, M3D4R, M3D6, ' // &
       'M3D8, M3D8R, the beams B21, B22, B31, B31R, B32, B32R.'
-    if (begins_with(type, 'R')) advice = 'Rigid tools in space are R3D3 and R3D4 (abaqus dialect) or ' // &
-      'solids in a *RIGID BODY; in the plane *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
+    if (begins_with(type, 'R')) advice = 'Rigid tools are R3D3, R3D4, in the plane R2D2, RAX2 (abaqus ' // &
+      'dialect), or solids in a *RIGID BODY; or *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
     if (begins_with(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
     if (begins_with(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'

@@ -14,7 +14,7 @@ module amontons_deck_structure
   use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
-    is_membrane, is_structural_family
+    FAMILY_RIGID, is_two_sided, is_structural_family
   implicit none
   private
   public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature, &
@@ -87,6 +87,8 @@ contains
       associate (all_members => model%mesh%element_sets(set)%members)
         members = pack(all_members, draft%is_rigid(all_members))
       end associate
+      draft%section_card(members) = c
+      members = pack(members, is_expanded_rigid(draft%kind(members)))
       if (size(members) == 0) cycle
       section = structural_section_type(family=FAMILY_SHELL, card='RIGID BODY')
       section%line = reader%cards%line_number(reader%cards%cards(c)%line)
@@ -98,19 +100,29 @@ contains
       model%structure%sections = [model%structure%sections, section]
       draft%material(members) = merge(1, -1, size(model%materials) > 0)
       draft%section(members) = size(model%structure%sections)
-      draft%section_card(members) = c
     end do
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ELEMENT')) cycle
       associate (first => draft%element_first(c), last => draft%element_last(c))
-        if (.not. any(draft%is_rigid(first:last) .and. draft%section(first:last) == 0)) cycle
-        set = first - 1 + findloc(draft%is_rigid(first:last) .and. draft%section(first:last) == 0, .true., dim=1)
+        if (.not. any(draft%is_rigid(first:last) .and. draft%section_card(first:last) == 0)) cycle
+        set = first - 1 + findloc(draft%is_rigid(first:last) .and. draft%section_card(first:last) == 0, .true., dim=1)
         draft%material(first:last) = -1          ! one message is enough
         call report_error(reader, reader%cards%cards(c)%line, 'The rigid element ' // to_text(draft%label(set)) // &
           ' belongs to no *RIGID BODY, ELSET=, REF NODE=.')
       end associate
     end do
   end subroutine add_rigid_sections
+
+
+  !> Whether a rigid element becomes a thin shell: R3D3, R3D4. Those in the plane have faces of their own.
+  elemental logical function is_expanded_rigid(kind)
+    integer, intent(in) :: kind                  !< KIND_..., 0: unknown
+    type(element_kind_type) :: entry
+    is_expanded_rigid = kind > 0
+    if (kind == 0) return
+    entry = element_kind(kind)
+    is_expanded_rigid = entry%family /= FAMILY_RIGID
+  end function is_expanded_rigid
 
 
   !> Reports the first rigid element that a section names.
@@ -576,11 +588,11 @@ contains
   end function named_nodes
 
 
-  !> Whether an element of the mesh has the faces of a shell: its solid, or a membrane.
+  !> Whether an element of the mesh has the faces of a shell: its solid, a membrane, a rigid edge.
   pure logical function is_shell(model, e)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                     !< element
-    is_shell = is_membrane(model%mesh%kind(e))
+    is_shell = is_two_sided(model%mesh%kind(e))
     if (is_shell .or. .not. allocated(model%structure)) return
     if (model%structure%section(e) > 0) is_shell = model%structure%sections(model%structure%section(e))%family == FAMILY_SHELL
   end function is_shell
@@ -608,7 +620,7 @@ contains
       if (model%dialect == DIALECT_CALCULIX) face = iachar(label(2:)) - iachar('0')
     end select
     if (face > n_faces) face = 0
-    if (is_membrane(model%mesh%kind(e))) return
+    if (is_two_sided(model%mesh%kind(e))) return
     n_layers = n_section_layers(model%structure%sections(model%structure%section(e)))
     if (face == 1 .and. model%mesh%layer(e) > 1) face = OTHER_LAYER
     if (face == 2 .and. model%mesh%layer(e) < n_layers) face = OTHER_LAYER

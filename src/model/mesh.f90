@@ -4,7 +4,8 @@ module amontons_mesh
   use amontons_kinds, only: DP
   use amontons_containers, only: find_root, unite_trees
   use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
-    FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC
+    FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
+    FAMILY_RIGID
   implicit none
   private
   public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
@@ -100,7 +101,7 @@ contains
     end do
     do e = 1, mesh%n_elements
       entry = element_kind(mesh%kind(e))
-      is_plane = any(entry%family == [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC])
+      is_plane = any(entry%family == [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_RIGID])
       if (allocated(mesh%is_in_plane)) is_plane = is_plane .or. mesh%is_in_plane(e)
       if (.not. is_plane) cycle
       do i = mesh%first(e), mesh%first(e + 1) - 1

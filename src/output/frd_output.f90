@@ -19,7 +19,7 @@ module amontons_frd_output
   use amontons_containers, only: sort_integers
   use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, &
     FACET_TRI3, &
-    FAMILY_MASS, FAMILY_SOLID, MAX_FACE_NODES
+    FAMILY_MASS, FAMILY_RIGID, FAMILY_SOLID, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
@@ -269,7 +269,7 @@ contains
       case (15); shape = 5
       case (20); shape = 4
       end select
-    else if (entry%n_faces > 0) then               ! plane and axisymmetric
+    else if (entry%n_faces > 0 .and. entry%family /= FAMILY_RIGID) then   ! plane, axisymmetric, membranes
       select case (entry%n_nodes)
       case (3); shape = 7
       case (6); shape = 8

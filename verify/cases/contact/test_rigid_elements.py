@@ -1,4 +1,4 @@
-"""Rigid elements R3D3 and R3D4 as masters of contact.
+"""Rigid elements R3D3, R3D4, R2D2 and RAX2 as masters of contact.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -114,12 +114,12 @@ def refusal(run_deck: Run, cards: str, old: str = "", new: str = "", top: str = 
 
 
 def test_refused(run_deck: Run) -> None:
-    """Rigid elements without a rigid body, with a section, in the plane, under the calculix dialect."""
+    """Rigid elements without a rigid body, with a section, of another kind, under the calculix dialect."""
     alone = f"*NODE\n{PILOT}, 0.5, 0.5, 2.\n"
     assert f"The rigid element {FIRST} belongs to no *RIGID BODY, ELSET=, REF NODE=." in refusal(run_deck, alone)
     section = RIGID + "*SHELL SECTION, ELSET=UP, MATERIAL=LOW\n0.1\n"
     assert f"The element {FIRST} is rigid and needs no section" in refusal(run_deck, section)
-    assert "solids in a *RIGID BODY; in the plane *SURFACE, TYPE=SEGMENTS" in refusal(run_deck, RIGID, "TYPE=R3D4", "TYPE=RAX2")
+    assert "Rigid tools are R3D3, R3D4, in the plane R2D2, RAX2" in refusal(run_deck, RIGID, "TYPE=R3D4", "TYPE=RB3D2")
     assert "The element type R3D4 is not supported" in refusal(run_deck, RIGID, top="** dialect: calculix\n")
 
 
@@ -130,3 +130,60 @@ def test_explained(run_deck: Run) -> None:
     done = run_deck(deck, "--explain")
     assert done.returncode == 0, done.stdout
     assert "TYPE=R3D4: used" in done.stdout, done.stdout
+
+
+def plane_block(kind: str, n: int) -> str:
+    """The unit square on the floor, from x = 0.5: nodes 1 on, set LOW, surface TOP, sets FLOOR."""
+    nodes = "".join(f"{(n + 1) * j + i + 1}, {0.5 + i / n:.15g}, {j / n:.15g}\n" for j in range(n + 1) for i in range(n + 1))
+    corners = [[(n + 1) * j + i + 1, (n + 1) * j + i + 2, (n + 1) * (j + 1) + i + 2, (n + 1) * (j + 1) + i + 1] for j in range(n) for i in range(n)]
+    body = "".join(f"{e + 1}, {', '.join(map(str, nodes_of))}\n" for e, nodes_of in enumerate(corners))
+    top = "".join(f"{n * (n - 1) + i + 1}, S3\n" for i in range(n))
+    floor = "".join(f"{i + 1}\n" for i in range(n + 1))
+    return (
+        f"*NODE\n{nodes}*ELEMENT, TYPE={kind}, ELSET=LOW\n{body}*NSET, NSET=FLOOR\n{floor}*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, {NU}\n"
+        f"*SOLID SECTION, ELSET=LOW, MATERIAL=M\n{'' if kind.startswith('CAX') else '1.' + chr(10)}*SURFACE, NAME=TOP\n{top}"
+    )
+
+
+@pytest.mark.parametrize("contact", TYPES)
+@pytest.mark.parametrize("kind, side", [("R2D2", "SPOS"), ("R2D2", "SNEG"), ("RAX2", "SPOS")])
+def test_plane_punch(proof: Proof, kind: str, side: str, contact: str) -> None:
+    """The same punch as rigid edges and as a rigid body of plane elements."""
+    is_round = kind == "RAX2"
+    case = proof(
+        f"rigid-edges-{kind.lower()}-{side.lower()}-{contact.split()[0]}",
+        title=f"A punch of {kind}, {side}, {contact}",
+        model=f"A square of edge 1 ({'CAX4, from radius 0.5' if is_round else 'CPE4'}, E = 1000, nu = 0.3, fixed below, slave, friction 0.2) under a flat punch with its edge on it that "
+        f"goes down by 0.05{'' if is_round else ' and then along by 0.02 and turns by 0.02'}; NLGEOM.",
+        formula="The results of the punch as a rigid body of plane elements.",
+        source="the same model with another rigid tool",
+        proves="Rigid edges in the plane: sides, section, reference node, reactions.",
+    )
+    n = 8
+    solid = "CAX4" if is_round else "CPE4"
+    right = 1.22  # the sole ends within the square
+    pilot = f"*NODE\n{PILOT}, {0.0 if is_round else 0.8}, 2.\n"
+    profile = [(0.3, 1.0), (0.8, 1.0), (right, 1.0), (right, 1.5)]
+    edges = "*NODE\n" + "".join(f"{FIRST + i}, {x}, {y}\n" for i, (x, y) in enumerate(profile)) + f"*ELEMENT, TYPE={kind}, ELSET=UP\n"
+    for i in range(len(profile) - 1):  # left of 1 to 2 is the side of SPOS: the punch lies there from left to right
+        ends = [FIRST + i, FIRST + i + 1] if side == "SNEG" else [FIRST + i + 1, FIRST + i]
+        edges += f"{FIRST + i}, {ends[0]}, {ends[1]}\n"
+    edges += f"*RIGID BODY, ELSET=UP, REF NODE={PILOT}\n*SURFACE, NAME=PUNCH\nUP, {side}\n"
+    places = [(0.3, 1.0), (0.8, 1.0), (right, 1.0), (0.3, 1.5), (0.8, 1.5), (right, 1.5)]
+    body = "*NODE\n" + "".join(f"{FIRST + i}, {x}, {y}\n" for i, (x, y) in enumerate(places)) + f"*ELEMENT, TYPE={solid}, ELSET=UP\n"
+    body += f"{FIRST}, {FIRST}, {FIRST + 1}, {FIRST + 4}, {FIRST + 3}\n{FIRST + 1}, {FIRST + 1}, {FIRST + 2}, {FIRST + 5}, {FIRST + 4}\n"
+    body += "*SOLID SECTION, ELSET=UP, MATERIAL=M\n" + ("" if is_round else "1.\n") + f"*RIGID BODY, ELSET=UP, REF NODE={PILOT}\n"
+    body += f"*SURFACE, NAME=PUNCH\n{FIRST}, S1\n{FIRST + 1}, S1\n{FIRST + 1}, S2\n"
+    contacts = f"*SURFACE INTERACTION, NAME=I\n*FRICTION\n.2\n*CONTACT PAIR, INTERACTION=I{TYPES[contact]}\nTOP, PUNCH\n"
+    held = "FLOOR, 1, 2" if not is_round else "FLOOR, 2"
+    steps = step(fix(held, f"{PILOT}, 1", f"{PILOT}, 6", f"{PILOT}, 2, 2, -0.05"), 2, True)
+    if not is_round:
+        steps += step(fix(f"{PILOT}, 1, 1, 0.02", f"{PILOT}, 6, 6, 0.02"), 2, True)
+    jobs = [case.run(plane_block(solid, n) + pilot + tool + contacts + steps, name) for tool, name in ((edges, "edges"), (body, "solids"))]
+    count = (n + 1) ** 2
+    for field in ("U", "CNORMF", "CSHEARF"):
+        found, wanted = (job.field(field)[:, :count] for job in jobs)
+        case.near(field, found, wanted, 1e-7, why="the same rows of contact; the criteria allow 1e-8 of the largest force", place="the square", time="all increments")
+    found, wanted = (job.last("RF")[list(job.results.points[:, 1]).index(2.0)] for job in jobs)
+    case.near("reaction", found, wanted, 1e-7, why="the same", place="the reference node", time="the end")
+    case.done()
