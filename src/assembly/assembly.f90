@@ -336,7 +336,7 @@ contains
   end subroutine add_node_block
 
 
-  !> Internal forces F_int and the stresses, strains and energies at u.
+  !> Internal forces F_int and the stresses, strains and energies at u, if the fields have them.
   !! Stress and history are updated from the committed history, never from a trial one.
   subroutine assemble_forces(assembly, model, is_nlgeom, state, failed_element)
     type(assembly_type), intent(in) :: assembly
@@ -381,7 +381,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(inout) :: fields     !< forces were evaluated
     integer :: e
-    if (.not. allocated(assembly%is_foreign)) return
+    if (.not. (allocated(assembly%is_foreign) .and. allocated(fields%stress))) return
     do e = 1, mesh%n_elements
       if (.not. assembly%is_foreign(e)) cycle
       call clear_points(mesh, e, fields)
@@ -477,6 +477,7 @@ contains
             fields%internal_force(:, node) = fields%internal_force(:, node) + batch%force(lane, :, a)
           end associate
         end do
+        if (.not. allocated(fields%stress)) cycle
         p = mesh%point_first(list(lane))
         fields%stress(:, p:p + 7) = batch%stress(lane, :, :)
         fields%strain(:, p:p + 7) = batch%strain(lane, :, :)
@@ -588,6 +589,7 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
     type(fields_type), intent(inout) :: fields
+    if (.not. allocated(fields%stress)) return
     associate (first => mesh%point_first(e), last => mesh%point_first(e + 1) - 1)
       fields%stress(:, first:last) = 0
       fields%strain(:, first:last) = 0
@@ -685,10 +687,12 @@ contains
     integer :: m, p
     p = mesh%point_first(e)
     m = mesh%point_first(e + 1) - p
-    fields%stress(:, p:p + m - 1) = points%stress(:, :m)
-    fields%strain(:, p:p + m - 1) = points%strain(:, :m)
-    fields%energy(p:p + m - 1) = points%energy(:m)
-    fields%volume(p:p + m - 1) = points%volume(:m)
+    if (allocated(fields%stress)) then
+      fields%stress(:, p:p + m - 1) = points%stress(:, :m)
+      fields%strain(:, p:p + m - 1) = points%strain(:, :m)
+      fields%energy(p:p + m - 1) = points%energy(:m)
+      fields%volume(p:p + m - 1) = points%volume(:m)
+    end if
     if (n_history > 0) fields%history(:n_history, p:p + m - 1) = points%history(:n_history, :m)
   end subroutine store_points
 

@@ -153,7 +153,7 @@ contains
   pure real(DP) function implicit_loss(old, new) result(loss)
     type(fields_type), intent(in) :: old, new      !< at the start and at the end
     loss = sum((new%u - old%u) * (new%internal_force - new%contact_force)) &
-      - sum(new%energy * new%volume - old%energy * old%volume) - sum(new%slaves%energy - old%slaves%energy) &
+      - (new%strain_energy - old%strain_energy) - sum(new%slaves%energy - old%slaves%energy) &
       - (new%friction_work - old%friction_work) - (new%plastic_work - old%plastic_work)
   end function implicit_loss
 

@@ -9,7 +9,8 @@
 !! beforehand whether their sum is available (`reserve_...`).
 module amontons_analysis
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER
+  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER, &
+    EXIT_INTERNAL
   use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
   use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error
@@ -29,10 +30,11 @@ module amontons_analysis
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
   use amontons_user_state, only: initialize_state_variables
-  use amontons_stabilization, only: update_damping
+  use amontons_stabilization, only: is_damped, update_damping
   use amontons_arc_length, only: begin_path, is_path_done, path_fraction
   use amontons_inertia, only: begin_motion, conclude_inertia, implicit_loss
-  use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment
+  use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment, evaluate_points, &
+    is_matrix_free_step, OUTCOME_OK
   use amontons_model_check, only: check_model, summarize_model
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
   use amontons_globalization, only: delay_snap_through
@@ -49,7 +51,7 @@ module amontons_analysis
   use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state
   use amontons_restart_file, only: read_restart_state
   use amontons_driven_loads, only: create_driven_loads, select_step_loads, list_driven, restore_driven
-  use amontons_job_files, only: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, &
+  use amontons_job_files, only: analysis_type, is_at_end, is_batch, open_files, reopen_files, write_committed, close_files, &
     describe_result_files
   use amontons_dense, only: solve_symmetric_eigen
   use amontons_factorization, only: set_blas_threads, choose_blas_kernels
@@ -96,20 +98,22 @@ contains
     call set_up_model(analysis%model, options, logger, error)
     if (allocated(error)) return
     call create_driven_loads(analysis%driven_loads, analysis%model)
-    call reserve_matrices(analysis%model, error)
+    call reserve_matrices(analysis%model, .not. is_batch(analysis), error)
     if (allocated(error)) return
-    call create_equilibrium(analysis%system, analysis%model, analysis%state, error)
+    call create_equilibrium(analysis%system, analysis%model, analysis%state, error, &
+      needs_trial_points(analysis%model, .not. is_batch(analysis)))
     if (.not. allocated(error)) call initialize_state_variables(analysis%model, analysis%state, error)
     if (allocated(error)) return
     if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call check_initial_model(analysis, logger, error)
     if (allocated(error) .or. analysis%options%is_check) return
-    call save_commit(analysis)
+    call save_commit(analysis, .not. is_batch(analysis) .or. options%is_resumed .or. allocated(analysis%model%origin%path))
     if (options%is_resumed) then
       call resume_from_checkpoint(analysis, logger, error)
     else if (allocated(analysis%model%origin%path)) then
       call continue_from_restart(analysis, logger, error)
     end if
     if (allocated(error)) return
+    if (is_batch(analysis)) analysis%snapshot%fields = fields_type()
     if (options%has_files .and. .not. options%is_resumed) then
       !$omp critical (result_files)
       if (is_first_rank()) call open_files(analysis, error)
@@ -118,6 +122,17 @@ contains
     end if
     analysis%is_open = .not. allocated(error)
   end subroutine start_analysis
+
+
+  !> Whether stress, strain, energy and volume of a trial state are needed before it is accepted: they are read between, damping
+  !! takes its volumes from them, or a law with history compares them with those at the start of the increment.
+  pure logical function needs_trial_points(model, is_inspected) result(is_needed)
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_inspected            !< between the commits
+    integer :: i
+    is_needed = is_inspected .or. any(model%materials%n_history > 0) .or. &
+      any([(is_damped(model%steps(i)), i=1, size(model%steps))])
+  end function needs_trial_points
 
 
   !> What several ranks cannot do. User routines keep data of their own between calls.
@@ -334,7 +349,7 @@ contains
     type(logger_type), intent(inout) :: logger
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
-    integer :: turn
+    integer :: turn, outcome
     associate (step => analysis%driven_loads%step)
       turn = suspend_lock()                            ! other jobs of the process may read, write and log meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
@@ -342,7 +357,13 @@ contains
       if (.not. allocated(error)) call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
       if (allocated(error)) return
       call log_iteration(analysis, logger)
-      if (verdict == VERDICT_CONVERGED) call accept_attempt(analysis, step)
+      if (verdict /= VERDICT_CONVERGED) return
+      call evaluate_points(analysis%system, analysis%model, step, analysis%state, outcome)
+      if (outcome == OUTCOME_OK) then
+        call accept_attempt(analysis, step)
+      else
+        call set_error(error, EXIT_INTERNAL, 'The forces of a converged state cannot be evaluated again.')
+      end if
     end associate
   end subroutine iterate_trial
 
@@ -390,7 +411,7 @@ contains
     peak = peak_megabytes()
     first = analysis%n_committed + 1
     if (analysis%n_records < first) return
-    call save_commit(analysis)
+    call save_commit(analysis, .not. is_batch(analysis))
     if (analysis%has_files) then
       !$omp critical (result_files)
       call write_committed(analysis, first, error)
@@ -428,11 +449,12 @@ contains
 
 
   !> Stores the state as the last commit.
-  subroutine save_commit(analysis)
+  subroutine save_commit(analysis, has_fields)
     type(analysis_type), intent(inout) :: analysis
+    logical, intent(in) :: has_fields              !< the committed fields are copied
     analysis%n_committed = analysis%n_records
     call take_snapshot(analysis%snapshot, analysis%state, analysis%system, analysis%newton, analysis%stepping, &
-      analysis%is_step_start)
+      analysis%is_step_start, has_fields)
     call list_driven(analysis%driven_loads, analysis%model, analysis%snapshot%driven, analysis%snapshot%friction)
   end subroutine save_commit
 
@@ -616,6 +638,7 @@ contains
     real(DP) :: start_share                        ! of the forces at the start in the work: half, but none for backward Euler [-]
     integer :: s
     call accumulate_slip(state%old, state%new)
+    state%new%strain_energy = sum(state%new%energy * state%new%volume)
     start_share = merge(0.0_DP, 0.5_DP, step%is_dynamic)
     associate (old => state%old, new => state%new, is_abstract => model%mesh%is_auxiliary)
       call add_inelastic_work(model, old, new)
@@ -641,7 +664,7 @@ contains
       record%kinetic_energy = new%kinetic_energy
       record%integration_loss = new%integration_loss
       record%proximal_work_increment = new%proximal_work - old%proximal_work
-      record%strain_energy = sum(new%energy * new%volume)
+      record%strain_energy = new%strain_energy
       record%contact_energy = sum(new%slaves%energy)
     end associate
   end subroutine sum_works
@@ -665,7 +688,7 @@ contains
     type(fields_type), intent(in) :: old, new      !< at the start and at the end
     real(DP) :: external, stored, taken, allowed
     external = new%external_work - old%external_work
-    stored = sum(new%energy * new%volume - old%energy * old%volume)
+    stored = new%strain_energy - old%strain_energy
     taken = (new%friction_work - old%friction_work) + (new%plastic_work - old%plastic_work) &
       + sum(new%slaves%energy - old%slaves%energy) + (new%stabilization_work - old%stabilization_work)
     allowed = 0.5_DP * sum(abs((new%u - old%u) * (new%applied_force + new%reaction_force - old%applied_force &
@@ -757,11 +780,13 @@ contains
 
 
   !> Checks the least memory of a model of this size without its factor, which is checked later: structure and entries of the
-  !! stiffness and of one more matrix, stresses and history variables of three states.
-  subroutine reserve_matrices(model, error)
+  !! stiffness and of one more matrix if a step has one, and the fields of committed and trial state, of the last commit too where
+  !! a program inspects them.
+  subroutine reserve_matrices(model, is_inspected, error)
     type(model_type), intent(in) :: model
+    logical, intent(in) :: is_inspected            !< between the commits
     type(error_type), allocatable, intent(out) :: error
-    integer(I64) :: n_pairs, n_bytes
+    integer(I64) :: n_pairs, n_bytes, n_copies
     integer :: e, n
     associate (mesh => model%mesh)
       n_pairs = 0
@@ -769,7 +794,11 @@ contains
         n = mesh%first(e + 1) - mesh%first(e)
         n_pairs = n_pairs + int(n * (n + 1) / 2, I64)
       end do
-      n_bytes = 40 * n_pairs + 3 * 8 * 14 * int(mesh%n_points, I64) + 3 * 8 * 24 * int(mesh%n_nodes, I64)
+      if (all([(is_matrix_free_step(model%steps(n)), n=1, size(model%steps))])) n_pairs = 0
+      n_copies = merge(3_I64, 2_I64, is_inspected)
+      n_bytes = 40 * n_pairs + n_copies * 8 * 24 * int(mesh%n_nodes, I64)
+      if (.not. needs_trial_points(model, is_inspected)) n_copies = 1
+      n_bytes = n_bytes + n_copies * 8 * 14 * int(mesh%n_points, I64)
     end associate
     call reserve_memory('solve a model of this size', n_bytes, error)
   end subroutine reserve_matrices

@@ -28,7 +28,7 @@ module amontons_job_files
   use amontons_mpi_ranks, only: is_first_rank
   implicit none
   private
-  public :: analysis_type, is_at_end, open_files, reopen_files, write_committed, close_files, describe_result_files
+  public :: analysis_type, is_at_end, is_batch, open_files, reopen_files, write_committed, close_files, describe_result_files
 
   real(DP), parameter :: MAX_CHECKPOINT_SHARE = 0.03_DP     !< largest share of checkpoints in the run time [-]
 
@@ -75,6 +75,14 @@ contains
     is_at_end = analysis%options%is_check .or. &
       (analysis%is_step_start .and. analysis%stepping%step >= size(analysis%model%steps))
   end function is_at_end
+
+
+  !> Whether no program looks at the state between two commits, or returns to the last one: each increment is committed as soon as
+  !! it is solved. Then the committed fields are those of the last commit.
+  pure logical function is_batch(analysis)
+    type(analysis_type), intent(in) :: analysis
+    is_batch = analysis%options%handles_signals
+  end function is_batch
 
 
   !> Opens new result files, and writes the state before the first increment.
@@ -126,7 +134,7 @@ contains
         total_time=old%total_time, external_work=old%external_work, friction_work=old%friction_work, &
         stabilization_work=old%stabilization_work, plastic_work=old%plastic_work, &
         kinetic_energy=old%kinetic_energy, integration_loss=old%integration_loss, load_factor=old%load_factor, &
-        strain_energy=sum(old%energy * old%volume))
+        strain_energy=old%strain_energy)
     end associate
   end function first_record
 
@@ -220,7 +228,7 @@ contains
       is_due = analysis%is_step_start .or. mod(record%increment, step%restart_frequency) == 0
       if (is_calculix) is_due = analysis%is_step_start .and. mod(record%step, step%restart_frequency) == 0
       if (.not. is_due) return
-      call pack_state(analysis%model, analysis%snapshot, words)
+      call pack_snapshot(analysis, words)
       if (is_calculix .and. step%is_restart_overlay) analysis%restart_file%step = record%step   ! OVERLAY keeps only the last state
       call append_restart_state(analysis%restart_file, state_key_type(step=record%step, increment=record%increment, &
         is_step_done=analysis%is_step_start, step_time=record%step_time, total_time=record%total_time), words, &
@@ -267,7 +275,7 @@ contains
   logical function is_finished(analysis)
     type(analysis_type), intent(in) :: analysis
     is_finished = is_at_end(analysis) .and. analysis%n_committed == analysis%n_records .and. &
-      analysis%options%handles_signals .and. .not. analysis%model%keeps_checkpoint
+      is_batch(analysis) .and. .not. analysis%model%keeps_checkpoint
   end function is_finished
 
 
@@ -287,14 +295,40 @@ contains
     files%lengths = analysis%lengths
     files%frd = analysis%frd_counts
     files%restart_file = [analysis%restart_file%last, analysis%restart_file%end, int(analysis%restart_file%step, I64)]
-    if (.not. allocated(error)) call write_checkpoint(job_path(analysis%options, '.restart'), analysis%model, &
-      analysis%snapshot, files, error)
+    if (.not. allocated(error)) call write_snapshot(analysis, files, error)
     if (.not. allocated(error)) call apply_result_pages(analysis%results, error)
     if (allocated(error)) call discard_results(analysis%results)
     analysis%is_guarded = .not. allocated(error)
     call system_clock(analysis%checkpoint_clock, rate)
     analysis%checkpoint_seconds = real(analysis%checkpoint_clock - start, DP) / real(rate, DP)
   end subroutine save_checkpoint
+
+
+  !> Writes the checkpoint of the last commit.
+  subroutine write_snapshot(analysis, files, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(output_lengths_type), intent(inout) :: files   !< not changed
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    path = job_path(analysis%options, '.restart')
+    if (is_batch(analysis)) then
+      call write_checkpoint(path, analysis%model, analysis%snapshot, files, error, analysis%state%old)
+    else
+      call write_checkpoint(path, analysis%model, analysis%snapshot, files, error)
+    end if
+  end subroutine write_snapshot
+
+
+  !> Packs the last commit into words.
+  subroutine pack_snapshot(analysis, words)
+    type(analysis_type), intent(inout) :: analysis
+    integer(I64), allocatable, intent(out) :: words(:)
+    if (is_batch(analysis)) then
+      call pack_state(analysis%model, analysis%snapshot, words, analysis%state%old)
+    else
+      call pack_state(analysis%model, analysis%snapshot, words)
+    end if
+  end subroutine pack_snapshot
 
 
   !> Writes the attempts that failed since the last commit and closes the files. The checkpoint then contains the pages that

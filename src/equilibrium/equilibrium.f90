@@ -15,7 +15,7 @@ module amontons_equilibrium
   use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_GRADIENTS
   use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
-    DAMPING_NOW, STATUS_OPEN, STATUS_STICK
+    take_points, DAMPING_NOW, STATUS_OPEN, STATUS_STICK
   use amontons_model_change, only: find_unconnected_unknowns
   use amontons_sparse, only: multiply_symmetric
   use amontons_factorization, only: lu_type
@@ -46,7 +46,7 @@ module amontons_equilibrium
     directional_residual, residual_sizes, largest_above_rounding
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
-  public :: mean_diagonal_stiffness, is_matrix_free_step
+  public :: mean_diagonal_stiffness, is_matrix_free_step, evaluate_points
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns, start_clock, stop_clock
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
@@ -155,12 +155,13 @@ module amontons_equilibrium
 contains
 
   !> Creates assembly, contact and the initial state.
-  subroutine create_equilibrium(system, model, state, error)
+  subroutine create_equilibrium(system, model, state, error, has_trial_points)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(state_type), intent(out) :: state
     type(error_type), allocatable, intent(out) :: error
-    call prepare_state(system, model, state, error)
+    logical, intent(in), optional :: has_trial_points !< of the state
+    call prepare_state(system, model, has_trial_points, state, error)
     if (allocated(error)) return
     call prepare_nonlinear_mpcs(system, model, error)
     if (allocated(error)) return
@@ -191,15 +192,16 @@ contains
 
 
   !> Creates the slave nodes of contact and the state.
-  subroutine prepare_state(system, model, state, error)
+  subroutine prepare_state(system, model, has_trial_points, state, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
+    logical, intent(in), optional :: has_trial_points
     type(state_type), intent(out) :: state
     type(error_type), allocatable, intent(out) :: error
     type(slave_state_type), allocatable :: slaves(:)
     call create_contact(system%contact, model, slaves, error)
     if (allocated(error)) return
-    call create_state(state, model%mesh, slaves)
+    call create_state(state, model%mesh, slaves, has_trial_points)
     call create_material_state(state, model)
   end subroutine prepare_state
 
@@ -353,6 +355,25 @@ contains
     call stop_clock(system, clock, PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) outcome = OUTCOME_NOT_FINITE
   end subroutine evaluate_equilibrium
+
+
+  !> Stress, strain, energy and volume at the points of a converged state, if its trial fields have none: the forces are evaluated
+  !! once more.
+  subroutine evaluate_points(system, model, step, state, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: outcome                !< OUTCOME_OK or OUTCOME_ELEMENT
+    integer(I64) :: clock
+    outcome = OUTCOME_OK
+    if (state%has_trial_points) return
+    call start_clock(system, clock)
+    call take_points(state)
+    call assemble_forces(system%assembly, model, step%is_nlgeom, state, system%failed_element)
+    if (system%failed_element /= 0) outcome = OUTCOME_ELEMENT
+    call stop_clock(system, clock, PHASE_ASSEMBLY)
+  end subroutine evaluate_points
 
 
   !> A node that was open at the start of the increment and is open now, or outside the range of its compliant law, has no origin of

@@ -15,7 +15,7 @@ module amontons_checkpoint
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_hdf5_file, only: hdf5_pages_type
-  use amontons_state, only: state_type, fields_type, slave_state_type
+  use amontons_state, only: state_type, fields_type, slave_state_type, restore_state
   use amontons_equilibrium, only: equilibrium_type, begin_step
   use amontons_reduced_system, only: discard_analysis
   use amontons_contact_preconditioner, only: skin_memory_type
@@ -28,13 +28,13 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 16
+  integer(I64), parameter :: FORMAT_VERSION = 17
   integer(I64), parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
   integer(I64), parameter :: N_BUFFER_WORDS = 131072            !< words of a piece of the file
 
   !> All data on which the next increment depends.
   type :: snapshot_type
-    type(fields_type) :: fields                    !< committed
+    type(fields_type) :: fields                    !< committed; of a batch job without values, but for a job that continues
     type(increment_control_type) :: stepping
     logical :: is_step_start = .true.
     real(DP) :: force_scale = 0                    !< newton%force_scale [force]
@@ -76,14 +76,14 @@ module amontons_checkpoint
 contains
 
   !> Takes a snapshot of the data on which the next increment depends.
-  subroutine take_snapshot(snapshot, state, system, newton, stepping, is_step_start)
+  subroutine take_snapshot(snapshot, state, system, newton, stepping, is_step_start, has_fields)
     type(snapshot_type), intent(inout) :: snapshot
     type(state_type), intent(in) :: state          !< its committed fields are copied
     type(equilibrium_type), intent(in) :: system
     type(newton_type), intent(in) :: newton
     type(increment_control_type), intent(in) :: stepping
     logical, intent(in) :: is_step_start
-    snapshot%fields = state%old
+    logical, intent(in), optional :: has_fields    !< .false.: the committed fields are not copied
     snapshot%stepping = stepping
     snapshot%is_step_start = is_step_start
     snapshot%force_scale = newton%force_scale
@@ -93,6 +93,11 @@ contains
     snapshot%u_start = system%u_start
     snapshot%skin = system%skin%memory
     call save_bulk_factor(snapshot, system)
+    snapshot%fields = fields_type()
+    if (present(has_fields)) then
+      if (.not. has_fields) return
+    end if
+    snapshot%fields = state%old
   end subroutine take_snapshot
 
 
@@ -125,7 +130,7 @@ contains
     logical, intent(out) :: is_step_start
     type(error_type), allocatable, intent(out) :: error
     state%old = snapshot%fields
-    state%new = snapshot%fields
+    call restore_state(state)
     stepping = snapshot%stepping
     is_step_start = snapshot%is_step_start
     newton%force_scale = snapshot%force_scale
@@ -176,12 +181,13 @@ contains
 
 
   !> Writes a checkpoint in place of the one before.
-  subroutine write_checkpoint(path, model, snapshot, files, error)
+  subroutine write_checkpoint(path, model, snapshot, files, error, committed)
     character(*), intent(in) :: path
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot   !< not changed
     type(output_lengths_type), intent(inout) :: files         !< not changed
     type(error_type), allocatable, intent(out) :: error
+    type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot; not changed
     type(packer_type) :: packer
     integer(I64) :: head(N_HEADER_WORDS)
     allocate (packer%words(N_BUFFER_WORDS), packer%file)
@@ -190,7 +196,7 @@ contains
     call append_words(packer%file, head)
     packer%n = N_HEADER_WORDS
     packer%n_written = N_HEADER_WORDS
-    call exchange_all(packer, model, snapshot, files)
+    call exchange_all(packer, model, snapshot, files, committed)
     call empty_buffer(packer)
     head = [MAGIC, FORMAT_VERSION, packer%n, packer%checksum]
     call place_new_file(packer%file, head, error)
@@ -209,15 +215,16 @@ contains
 
 
   !> Packs a snapshot into words, for a restart file.
-  subroutine pack_state(model, snapshot, words)
+  subroutine pack_state(model, snapshot, words, committed)
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot   !< not changed
     integer(I64), allocatable, intent(out) :: words(:)
+    type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot; not changed
     type(packer_type) :: packer
     type(output_lengths_type) :: files
     allocate (files%pages%bytes(0, 0), files%pages%index(0))
-    allocate (packer%words(4096 + 2 * size(snapshot%fields%stress, kind=I64)))
-    call exchange_all(packer, model, snapshot, files)
+    allocate (packer%words(4096 + 2 * 6 * int(model%mesh%n_points, I64)))
+    call exchange_all(packer, model, snapshot, files, committed)
     words = packer%words(:packer%n)
   end subroutine pack_state
 
@@ -316,11 +323,12 @@ contains
 
 
   !> Packs or unpacks the contents of a checkpoint, in the order of the file.
-  subroutine exchange_all(packer, model, snapshot, files)
+  subroutine exchange_all(packer, model, snapshot, files, committed)
     type(packer_type), intent(inout) :: packer
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot
     type(output_lengths_type), intent(inout) :: files
+    type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot
     integer(I64) :: deck
     deck = checksum_of_text(model%deck_text)
     call packer%exchange(deck)
@@ -335,7 +343,11 @@ contains
     call exchange_skin(packer, snapshot%skin)
     call exchange_table(packer, 8, snapshot%driven)
     call packer%exchange(snapshot%friction)
-    call exchange_fields(packer, snapshot%fields)
+    if (present(committed)) then
+      call exchange_fields(packer, committed)
+    else
+      call exchange_fields(packer, snapshot%fields)
+    end if
     call exchange_files(packer, files)
   end subroutine exchange_all
 
@@ -477,6 +489,7 @@ contains
     call packer%exchange(fields%step_time)
     call packer%exchange(fields%total_time)
     call packer%exchange(fields%creep_time)
+    call packer%exchange(fields%strain_energy)
     call packer%exchange(fields%external_work)
     call packer%exchange(fields%friction_work)
     call packer%exchange(fields%plastic_work)

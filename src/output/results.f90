@@ -416,6 +416,7 @@ contains
     if (allocated(error)) return
     associate (store => results%store)
       call append_columns(store, results%point_columns, integers, reals, results%point, error)
+      deallocate (integers, reals)
       if (.not. allocated(error)) call append_points(results, fields, error)
       if (.not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, contact_integers, contact_reals, &
         results%contact, error)

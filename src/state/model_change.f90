@@ -6,7 +6,7 @@
 module amontons_model_change
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type
-  use amontons_state, only: state_type
+  use amontons_state, only: state_type, restore_state
   implicit none
   private
   public :: activate_elements, find_unconnected_unknowns
@@ -30,8 +30,8 @@ contains
         old%history(:, mesh%point_first(e):mesh%point_first(e + 1) - 1) = 0
         if (size(old%modes, 2) > 0) old%modes(:, e) = 0
       end do
-      state%new = old
     end associate
+    call restore_state(state)
   end subroutine activate_elements
 
 

@@ -18,6 +18,7 @@ module amontons_state
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
   public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state, load_time
+  public :: take_points, commit_fields
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
   integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values of the plasticity state in CalculiX
@@ -86,6 +87,7 @@ module amontons_state
     real(DP), allocatable :: applied_force(:, :)    !< (3, n_nodes) F_ext [force]
     real(DP), allocatable :: contact_force(:, :)    !< (3, n_nodes) F_c on slaves and masters [force]
     real(DP), allocatable :: reaction_force(:, :)   !< (3, n_nodes) F_int - F_ext - F_c at supports, else 0 [force]
+    real(DP) :: strain_energy = 0           !< of all points, when the increment was accepted [energy]
     real(DP) :: external_work = 0           !< since the start [energy]
     real(DP) :: friction_work = 0           !< since the start [energy]
     real(DP) :: damping(2) = 0              !< factor of STABILIZE: DAMPING_NOW, DAMPING_NEXT [force time/length^4]
@@ -104,16 +106,20 @@ module amontons_state
   type :: state_type
     type(fields_type) :: old                !< last converged increment
     type(fields_type) :: new                !< trial
+    logical :: has_trial_points = .true.    !< .false.: the trial fields have no stress, strain, energy and volume until an
+                                            !! increment is accepted (take_points)
   end type state_type
 
 contains
 
   !> Initializes the state at rest for a mesh with its contact slaves.
-  subroutine create_state(state, mesh, slaves)
+  subroutine create_state(state, mesh, slaves, has_trial_points)
     type(state_type), intent(out) :: state
     type(mesh_type), intent(in) :: mesh
     type(slave_state_type), intent(in) :: slaves(:)   !< all slave nodes of all pairs
+    logical, intent(in), optional :: has_trial_points !< .true. by default
     integer :: n, m
+    if (present(has_trial_points)) state%has_trial_points = has_trial_points
     n = mesh%n_nodes
     m = mesh%n_points
     associate (new => state%new)
@@ -124,7 +130,7 @@ contains
       allocate (new%history(0, m), new%modes(9, 0), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
-    state%old = state%new
+    call commit_fields(state)
   end subroutine create_state
 
 
@@ -161,7 +167,7 @@ contains
       if (any([(allocated(model%steps(i)%is_reactivated), i=1, size(model%steps))])) &
         allocate (new%birth_displacement(3, size(model%mesh%nodes)), source=0.0_DP)
     end associate
-    state%old = state%new
+    call commit_fields(state)
   end subroutine create_material_state
 
 
@@ -339,8 +345,17 @@ contains
     dt = state%new%total_time - state%old%total_time
     if (dt > 0.0_DP) state%new%v = (state%new%u - state%old%u) / dt
     if (dt > 0.0_DP) state%new%load_rate = (state%new%load_factor - state%old%load_factor) / dt
-    state%old = state%new
+    call commit_fields(state)
   end subroutine commit_state
+
+
+  !> The committed fields become those of the trial state, with the only set of values at points if there is only one.
+  subroutine commit_fields(state)
+    type(state_type), intent(inout) :: state
+    if (.not. (state%has_trial_points .or. allocated(state%new%stress))) call move_points(state%old, state%new)
+    call copy_fields(state%has_trial_points, state%new, state%old)
+    if (.not. state%has_trial_points) call move_points(state%new, state%old)
+  end subroutine commit_fields
 
 
   !> The time within a step at which its loads are taken: the loads of a RIKS step are linear in the load factor [time].
@@ -355,7 +370,41 @@ contains
   !> Restores the trial fields from the last commit, bitwise.
   subroutine restore_state(state)
     type(state_type), intent(inout) :: state
-    state%new = state%old
+    call copy_fields(state%has_trial_points, state%old, state%new)
   end subroutine restore_state
+
+
+  !> Gives the values at points of the last commit to the trial fields, zero, to be evaluated there. The committed fields have none
+  !! until the trial ones are committed.
+  subroutine take_points(state)
+    type(state_type), intent(inout) :: state
+    call move_points(state%old, state%new)
+    state%new%stress = 0.0_DP
+    state%new%strain = 0.0_DP
+    state%new%energy = 0.0_DP
+    state%new%volume = 0.0_DP
+  end subroutine take_points
+
+
+  !> Copies fields; without values at points the copy has none.
+  subroutine copy_fields(has_points, from, to)
+    logical, intent(in) :: has_points
+    type(fields_type), intent(inout) :: from       !< not changed
+    type(fields_type), intent(inout) :: to
+    type(fields_type) :: points
+    if (.not. has_points) call move_points(from, points)
+    to = from
+    if (.not. has_points) call move_points(points, from)
+  end subroutine copy_fields
+
+
+  !> Moves the values at points, without a copy.
+  subroutine move_points(from, to)
+    type(fields_type), intent(inout) :: from, to
+    call move_alloc(from%stress, to%stress)
+    call move_alloc(from%strain, to%strain)
+    call move_alloc(from%energy, to%energy)
+    call move_alloc(from%volume, to%volume)
+  end subroutine move_points
 
 end module amontons_state

@@ -10,7 +10,7 @@ module amontons_user_state
   use amontons_element_integration_points, only: integration_points_type
   use amontons_loads, only: distributed_type, prescribed_type
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_state, only: state_type, fields_type
+  use amontons_state, only: state_type, fields_type, commit_fields
   use amontons_element_kinds, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
     FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   use amontons_user_routines, only: call_dload, call_disp, call_sdvini, USER_NAME_LENGTH
@@ -129,7 +129,7 @@ contains
       end associate
       if (.not. is_accepted) exit
     end do
-    state%old = state%new
+    call commit_fields(state)
     if (.not. is_accepted) call set_error(error, EXIT_NOT_CONVERGED, 'The user routine SDVINI has ended the job (XIT).')
   end subroutine initialize_state_variables
 

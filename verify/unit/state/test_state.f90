@@ -3,13 +3,14 @@
 program test_state
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type
-  use amontons_state, only: state_type, slave_state_type, create_state, commit_state, restore_state, history_variable, &
-    STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_state, only: state_type, slave_state_type, create_state, commit_state, restore_state, take_points, &
+    history_variable, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   call check_rest(suite)
   call check_commit(suite)
+  call check_points(suite)
   call check_history(suite)
   call suite%finish()
 
@@ -66,6 +67,28 @@ contains
       0.0_DP, 0.0_DP)
     call suite%that('restore: slaves', all(state%new%slaves%status == [STATUS_SLIP, STATUS_STICK]))
   end subroutine check_commit
+
+
+  !> Trial fields without values at points: one set of them exists at any time, and moves with acceptance and commit.
+  subroutine check_points(suite)
+    type(suite_type), intent(inout) :: suite
+    type(state_type) :: state
+    call make_state(state)
+    state%old%stress = 3.0_DP
+    state%old%volume = 2.0_DP
+    state%has_trial_points = .false.
+    call restore_state(state)
+    call suite%that('points: none in the trial', .not. (allocated(state%new%stress) .or. allocated(state%new%strain) .or. &
+      allocated(state%new%energy) .or. allocated(state%new%volume)) .and. allocated(state%new%u))
+    call suite%that('points: committed', all(state%old%stress == 3.0_DP) .and. all(state%old%volume == 2.0_DP))
+    call take_points(state)
+    call suite%that('points: taken, zero', all(state%new%stress == 0.0_DP) .and. .not. allocated(state%old%stress))
+    state%new%stress = 5.0_DP
+    state%new%u(1, 2) = 0.5_DP
+    call commit_state(state)
+    call suite%that('points: committed again', all(state%old%stress == 5.0_DP) .and. .not. allocated(state%new%stress))
+    call suite%near('points: the rest is copied', state%old%u(1, 2) + state%new%u(1, 2), 1.0_DP, 0.0_DP)
+  end subroutine check_points
 
 
   !> A variable that no material keeps is zero.
