@@ -4,7 +4,8 @@
         [--only ball] [--sizes 20 5 1] [--program bin/amontons] [--outdir DIR] [--seconds 60]
     python -m verify.study.gradients_table --show doc/study/gradients.csv [--figure doc/study/gradients.png]
 
-The problems are those of contact_table.py, all steps with SOLVER=CONJUGATE GRADIENTS. A run counts its rounds, its iterations and its
+The problems are those of contact_table.py and of ironing_table.py (20, 5, 1 increments a step stand for slides of 0.15, 0.4, 0.75 in an
+increment), all steps with SOLVER=CONJUGATE GRADIENTS. A run counts its rounds, its iterations and its
 evaluations of the residual, failed attempts included, and the processor's seconds, and compares the displacements at its end with those of
 Newton's method. One that fails, makes more than ten times the requested increments and forty, or takes longer than allowed does not
 finish. Each run is a row of the file of runs, which is kept: runs that are made again take the place of the old ones.
@@ -25,12 +26,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from verify.study.contact_table import FRICTIONS, PROBLEMS, SIZES, head
-from verify.study.ironing_table import ROOT, count_rows
+from verify.study.contact_table import FRICTIONS, SIZES, head
+from verify.study.contact_table import PROBLEMS as CONTACT
+from verify.study.ironing_table import DRAG, ROOT, count_rows, ironing_deck
 from verify.study.runs import execute, read_runs, write_runs
 
+SLIDES = {20: 0.15, 5: 0.4, 1: 0.75}  #: of the indenter in one increment, by the number of increments that stands for it
+IRONING = {"ironing curved": "curved", "ironing flat": "flat"}
+PROBLEMS = {**CONTACT, **{name: (lambda mu, mode, size, shape=shape: ironing_deck(shape, mu, SLIDES[size], mode), 0) for name, shape in IRONING.items()}}
 MODES = ("ALL", "NONE", "GLOBAL", "NODAL")
 PRECONDITIONERS = ("NODAL", "FACTOR")
+NEAR = 1e-4  #: of a limit, over it: a status there depends on rounding and on the tolerance of the residual
 KRYLOV, ROUNDS = 18, 22  #: columns of .cvg
 
 
@@ -51,11 +57,17 @@ class Run:
     evaluations: int  #: of the residual
     seconds: float  #: of the processor
     difference: float  #: of the displacements from Newton's method, over the largest; -1: one of both does not finish
+    statuses: int  #: slave nodes of another status than by Newton's method that are not near a limit; -1: one of both does not finish
 
     @property
     def case(self) -> tuple[str, str, float, int]:
         """What is run, but for the lengths."""
         return self.preconditioner, self.problem, self.mu, self.size
+
+
+def requested_increments(problem: str, size: int) -> int:
+    """In all steps."""
+    return 5 + round(DRAG / SLIDES[size]) if problem in IRONING else PROBLEMS[problem][1] * size
 
 
 def displacements(file: Path) -> np.ndarray:
@@ -65,29 +77,49 @@ def displacements(file: Path) -> np.ndarray:
         return np.asarray(results["VTKHDF/PointData/U"][start : start + n])
 
 
+def slaves(file: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """At the end of a run: status, normal force and friction of the slave nodes."""
+    with h5py.File(file) as results:
+        contact = results["AMONTONS/contact"]
+        n = len(contact["node"])
+        force, shear = (np.linalg.norm(contact[name][-n:], axis=1) for name in ("force", "shear"))
+        return np.asarray(contact["status"][-n:]).ravel(), force, shear
+
+
+def other_statuses(exact: Path, file: Path, mu: float) -> int:
+    """Slave nodes whose statuses differ, but for those that are within NEAR of the limit at which their status changes in one of both runs."""
+    (status, force, shear), (status_too, force_too, shear_too) = slaves(exact), slaves(file)
+    largest = max(force.max(), force_too.max())
+    both_closed = (status > 0) & (status_too > 0)
+    slack = [abs(mu * f - t) / np.maximum(mu * f, 1e-300) for f, t in ((force, shear), (force_too, shear_too))]
+    is_near = np.where(both_closed, np.maximum(*slack), np.maximum(force, force_too) / largest) <= NEAR
+    return int(((status != status_too) & ~is_near).sum())
+
+
 def run(program: Path, folder: Path, case: tuple[str, str, float, int], mode: str, seconds: float) -> Run:
     """Runs one deck, and once for all modes the same by Newton's method."""
     preconditioner, problem, mu, size = case
-    make_deck, n_steps = PROBLEMS[problem]
+    make_deck, requested = PROBLEMS[problem][0], requested_increments(problem, size)
     exact = f"newton_{problem}_{mu:g}_{size}".replace(" ", "_")
     if not (folder / f"{exact}.sta").exists():
         execute(program, folder, exact, make_deck(mu, "AUTO", size), seconds)
     cards = f"*SOLVER CONTROLS, PRECONDITIONER={preconditioner}\n*STATIC, SOLVER=CONJUGATE GRADIENTS"
     name = f"{mode}_{preconditioner}_{problem}_{mu:g}_{size}".replace(" ", "_").lower()
     is_done, spent = execute(program, folder, name, re.sub(r"^\*STATIC", cards, make_deck(mu, mode, size), flags=re.M), seconds)
-    o = count_rows(folder / f"{name}.sta", n_steps * size, is_done)
+    o = count_rows(folder / f"{name}.sta", requested, is_done)
     rows = [line.split() for line in (folder / f"{name}.cvg").read_text().splitlines() if re.match(r"\s*\d+\s+\d+\s+\d+\s+\d", line)]
-    difference = -1.0
-    if is_done and count_rows(folder / f"{exact}.sta", n_steps * size, True).made > 0:
+    difference, statuses = -1.0, -1
+    if is_done and count_rows(folder / f"{exact}.sta", requested, True).made > 0:
         try:
             u, v = displacements(folder / f"{exact}.vtkhdf"), displacements(folder / f"{name}.vtkhdf")
             difference = float(np.abs(u - v).max() / np.abs(u).max())
+            statuses = other_statuses(folder / f"{exact}.vtkhdf", folder / f"{name}.vtkhdf", mu)
         except (OSError, KeyError, IndexError):
-            difference = -1.0
+            difference, statuses = -1.0, -1
     (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
     return Run(
         preconditioner, problem, mu, size, mode, o.requested, int(o.is_done), o.failed, len(rows), sum(int(w[KRYLOV]) for w in rows),
-        sum(int(w[ROUNDS]) for w in rows), round(spent, 2), float(f"{difference:.2g}"),
+        sum(int(w[ROUNDS]) for w in rows), round(spent, 2), float(f"{difference:.2g}"), statuses,
     )
 
 
@@ -193,7 +225,7 @@ def main() -> int:
     for case in cases:
         for mode in options.modes:
             r = kept[*case, mode] = run(options.program, folder, case, mode, options.seconds)
-            print(*case, mode, cell(r), f"{r.seconds:.1f} s", r.difference, flush=True)
+            print(*case, mode, cell(r), f"{r.seconds:.1f} s", r.difference, r.statuses, flush=True)
         write_runs(options.runs, sorted(kept.values(), key=place))
     return 0
 
