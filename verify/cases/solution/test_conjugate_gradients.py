@@ -14,7 +14,11 @@ import pytest
 
 from verify.conftest import ROOT, Run
 from verify.readers.sta_cvg_files import read_sta
+from verify.library.test_restart import kill_often
 from verify.study.contact_table import ball_by_faces, cylinder
+from verify.study.gradients_growth import run as measure
+from verify.study.gradients_growth import two_blocks
+from verify.study.gradients_table import KRYLOV
 
 PRECONDITIONERS = ("NODAL", "DIAGONAL", "TWO LEVEL", "FACTOR")
 
@@ -143,6 +147,74 @@ def test_cut_back(run: Run, tmp_path: Path) -> None:
     assert any(a.is_failed for a in attempts)
     assert done.returncode in (0, 5)
     assert (done.returncode == 0) == (not attempts[-1].is_failed)
+
+
+@pytest.mark.parametrize("preconditioner", ["NODAL", "FACTOR"])
+def test_shear_block(run: Run, tmp_path: Path, preconditioner: str) -> None:
+    """The shear block: with a factor as preconditioner an increment takes at most 30 iterations in the mean, which is required of it."""
+    deck = sample("shear_block")
+    compare(run, tmp_path, deck, with_gradients(deck, preconditioner))
+    attempts = read_sta(tmp_path / "gradients" / "job.sta")
+    assert not any(a.is_failed for a in attempts)
+    counts: dict[tuple[str, ...], int] = {}
+    for line in (tmp_path / "gradients" / "job.cvg").read_text().splitlines():
+        if re.match(r"\s*\d+\s+\d+\s+\d+\s+\d", line):
+            words = line.split()
+            counts[tuple(words[:2])] = counts.get(tuple(words[:2]), 0) + int(words[KRYLOV])
+    assert len(counts) == len(attempts)
+    assert preconditioner == "NODAL" or sum(counts.values()) <= 30 * len(attempts)
+
+
+def test_memory(program: Path, tmp_path: Path) -> None:
+    """Two blocks with friction: from one size to another the peak of memory grows by at most 1.2 kB an unknown, which is required."""
+    peaks, unknowns = [], []
+    for n in (10, 22):
+        deck, count = two_blocks(n, "NODAL", 1)
+        deck = deck.replace("*STATIC", "*CONTROLS, PARAMETERS=FIELD\n0.1, 0.1\n*STATIC")
+        (tmp_path / f"blocks_{n}.inp").write_text(deck)
+        is_done, _, megabytes = measure([program, "--quiet", "--no-checkpoint", "--outdir", tmp_path, tmp_path / f"blocks_{n}.inp"])
+        assert is_done
+        peaks, unknowns = [*peaks, megabytes], [*unknowns, count]
+    assert 1024**2 * (peaks[1] - peaks[0]) <= 1200 * (unknowns[1] - unknowns[0])
+
+
+def test_threads(run: Run, tmp_path: Path) -> None:
+    """Two threads give the same bits when they run again, and the results of one thread."""
+    (tmp_path / "job.inp").write_text(with_gradients(sample("three_cubes"), "NODAL"))
+    found = []
+    for threads in (1, 2, 2):
+        done = run(["--quiet", "--no-checkpoint", "--threads", threads, "job"], cwd=tmp_path, threads=threads)
+        assert done.returncode == 0, done.stdout
+        found.append(result(tmp_path))
+    assert (found[1][0] == found[2][0]).all()
+    assert np.abs(found[0][0] - found[1][0]).max() <= 1e-10 * np.abs(found[0][0]).max()
+    assert (found[0][1] == found[1][1]).all()
+
+
+def test_library(run: Run, tmp_path: Path) -> None:
+    """The library gives the bits of the program, and a rollback leaves no trace in what follows."""
+    import amontons
+
+    deck = with_gradients(sample("three_cubes"), "NODAL")
+    u, _ = finish(run, tmp_path / "program", deck)
+    with amontons.Job(text=deck) as job:
+        job.advance()
+        job.try_step(0.1)
+        job.rollback()
+        job.run()
+        assert (job.get("U").astype(u.dtype) == u).all()
+
+
+def test_resume(run: Run, program: Path, tmp_path: Path) -> None:
+    """A job that is killed, again and again, continues with the same bits."""
+    deck = with_gradients(sample("three_cubes"), "NODAL")
+    u, _ = finish(run, tmp_path / "whole", deck)
+    folder = tmp_path / "killed"
+    folder.mkdir()
+    (folder / "block.inp").write_text(deck)
+    assert kill_often(program, run, folder / "block.inp", folder, 4, 1, 0.3) > 0
+    (folder / "block.vtkhdf").rename(folder / "job.vtkhdf")
+    assert (result(folder)[0] == u).all()
 
 
 def test_same_bits(run: Run, tmp_path: Path) -> None:
