@@ -257,8 +257,9 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 	@$(PY) -m verify.study.random_contact --program $(BIN)/amontons --seeds 1 200
 	@$(PY) -m verify.study.contact_table --program $(BIN)/amontons --runs $(B)/study.csv
 	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
-	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv
+	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 6
 	@$(PY) -m verify.study.gradients_table --show $(B)/gradients.csv --figure $(B)/gradients.png
+	@$(PY) -m verify.study.gradients_growth --program $(BIN)/amontons
 
 # --- the documentation --------------------------------------------------------------------------------------------
 doc: all $(VENV)-doc/installed ## Build the documentation site into build/site, and the pages of the source into build/site/api

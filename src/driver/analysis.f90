@@ -60,6 +60,7 @@ module amontons_analysis
   public :: analysis_type, start_analysis, advance_analysis, finish_analysis
   public :: solve_increment, enter_step, begin_trial, iterate_trial, commit_analysis, rollback_analysis, is_at_end, use_threads
 
+  integer(I64), parameter :: MEGABYTE = 1048576              !< [bytes]
   integer, parameter :: BLAS_BUFFER_MEGABYTES = 160          !< allocated by OpenBLAS at its first call, with a margin [megabytes]
 
   real(DP), parameter :: ENERGY_ROUNDING = 1.0e-9_DP   !< of an energy balance over its energies [-]
@@ -796,11 +797,15 @@ contains
       end do
       if (all([(is_matrix_free_step(model%steps(n)), n=1, size(model%steps))])) n_pairs = 0
       n_copies = merge(3_I64, 2_I64, is_inspected)
-      n_bytes = 40 * n_pairs + n_copies * 8 * 24 * int(mesh%n_nodes, I64)
+      n_bytes = n_copies * 8 * 24 * int(mesh%n_nodes, I64)
       if (.not. needs_trial_points(model, is_inspected)) n_copies = 1
       n_bytes = n_bytes + n_copies * 8 * 14 * int(mesh%n_points, I64)
     end associate
     call reserve_memory('solve a model of this size', n_bytes, error)
+    if (allocated(error) .or. n_pairs == 0) return
+    call reserve_memory('solve a model of this size', n_bytes + 40 * n_pairs, error)
+    if (allocated(error)) error%message = error%message // ' *STATIC, SOLVER=CONJUGATE GRADIENTS needs no matrix: ' // &
+      to_text(int(n_bytes / MEGABYTE) + 1) // ' megabytes at least.'
   end subroutine reserve_matrices
 
 
@@ -809,7 +814,6 @@ contains
     character(*), intent(in) :: what                 !< to follow 'to'
     integer(I64), intent(in) :: n_bytes
     type(error_type), allocatable, intent(out) :: error
-    integer(I64), parameter :: MEGABYTE = 1048576
     integer :: megabytes
     megabytes = int(min(n_bytes / MEGABYTE, int(huge(1), I64))) + 1
     if (.not. has_memory(megabytes)) call set_error(error, EXIT_SOLVER, 'There is not enough memory to ' // what // &

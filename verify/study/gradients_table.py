@@ -36,6 +36,7 @@ IRONING = {"ironing curved": "curved", "ironing flat": "flat"}
 PROBLEMS = {**CONTACT, **{name: (lambda mu, mode, size, shape=shape: ironing_deck(shape, mu, SLIDES[size], mode), 0) for name, shape in IRONING.items()}}
 MODES = ("ALL", "NONE", "GLOBAL", "NODAL")
 PRECONDITIONERS = ("NODAL", "FACTOR")
+SAME = 1e-5  #: difference of displacements, over the largest, of the same result
 NEAR = 1e-4  #: of a limit, over it: a status there depends on rounding and on the tolerance of the residual
 KRYLOV, ROUNDS = 18, 22  #: columns of .cvg
 
@@ -169,6 +170,27 @@ def sums_table(runs: list[Run]) -> Iterator[str]:
             yield f"| {preconditioner} | {words} | " + " | ".join(f"{sum(getattr(row[mode], value) for row in kept):.0f}" for mode in MODES) + " |"
 
 
+def dependence_table(runs: list[Run]) -> Iterator[str]:
+    """Iterations of ALL per requested increment by friction and increments, the mean over the problems that finish with all of these."""
+    yield from head("preconditioner", "increments a step", *(f"mu = {mu:g}" for mu in FRICTIONS), "problems")
+    for preconditioner in PRECONDITIONERS:
+        done = {(r.problem, r.mu, r.size): r for r in runs if r.preconditioner == preconditioner and r.mode == "ALL" and r.is_done}
+        for size in SIZES:
+            problems = [p for p in PROBLEMS if all((p, mu, size) in done for mu in FRICTIONS)]
+            if not problems:
+                continue
+            means = (sum(r.iterations / r.requested for p in problems for r in [done[p, mu, size]]) / len(problems) for mu in FRICTIONS)
+            yield f"| {preconditioner} | {size} | " + " | ".join(f"{mean:.0f}" for mean in means) + f" | {len(problems)} |"
+
+
+def agreement(runs: list[Run]) -> str:
+    """How far the finished runs are from Newton's method."""
+    same = [r for r in runs if 0 <= r.difference <= SAME and r.statuses == 0]
+    others = [r for r in runs if r.difference >= 0 and r not in same]
+    words = [f"{r.preconditioner}, {r.problem}, mu {r.mu:g}, {r.size}, {r.mode}: {r.difference:.1g}, {r.statuses} nodes" for r in others]
+    return f"Runs with the results of Newton's method: {len(same)} of {len(same) + len(others)}. Others: {'; '.join(words) or 'none'}"
+
+
 def draw(runs: list[Run], file: Path) -> None:
     """Runs finished, and iterations over the cases that all modes finish, over those of ALL."""
     from matplotlib.figure import Figure
@@ -193,9 +215,8 @@ def draw(runs: list[Run], file: Path) -> None:
 
 def show(runs: list[Run]) -> str:
     """All tables, as they stand in doc/study/line_search.md."""
-    parts = [sums_table(runs), *(cases_table(runs, p) for p in PRECONDITIONERS)]
-    worst = max((r.difference for r in runs), default=-1)
-    return "\n\n".join("\n".join(part) for part in parts) + f"\n\nLargest difference from Newton's method: {worst:.2g}"
+    parts = [sums_table(runs), dependence_table(runs), *(cases_table(runs, p) for p in PRECONDITIONERS)]
+    return "\n\n".join("\n".join(part) for part in parts) + f"\n\n{agreement(runs)}"
 
 
 def main() -> int:

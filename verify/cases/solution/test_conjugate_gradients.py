@@ -5,7 +5,10 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import os
 import re
+import resource
+import subprocess
 from pathlib import Path
 
 import h5py
@@ -176,6 +179,24 @@ def test_memory(program: Path, tmp_path: Path) -> None:
         assert is_done
         peaks, unknowns = [*peaks, megabytes], [*unknowns, count]
     assert 1024**2 * (peaks[1] - peaks[0]) <= 1200 * (unknowns[1] - unknowns[0])
+
+
+@pytest.mark.slow
+def test_little_memory(program: Path, tmp_path: Path) -> None:
+    """Where a matrix does not fit and the vectors do, the error names this solver; less memory is an error without it."""
+    deck, _ = two_blocks(24, "NODAL", 1)
+    (tmp_path / "job.inp").write_text(deck.replace("*STATIC, SOLVER=CONJUGATE GRADIENTS", "*STATIC"))
+    said = []
+    for megabytes in range(200, 500, 10):
+        done = subprocess.run([program, "--check", tmp_path / "job.inp"], capture_output=True, text=True, check=False,
+                              preexec_fn=lambda n=megabytes << 20: resource.setrlimit(resource.RLIMIT_AS, (n, n)),
+                              env={**os.environ, "OMP_NUM_THREADS": "1"})  # fmt: skip
+        said.append(done.stdout + done.stderr)
+        if done.returncode == 0:
+            break
+    assert any("not enough memory" in words and "SOLVER=CONJUGATE GRADIENTS needs no matrix" in words for words in said)
+    assert "needs no matrix" not in said[0]
+    assert "needs no matrix" not in said[-1]
 
 
 def test_threads(run: Run, tmp_path: Path) -> None:
