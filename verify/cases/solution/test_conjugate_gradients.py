@@ -152,6 +152,7 @@ def test_cut_back(run: Run, tmp_path: Path) -> None:
     assert (done.returncode == 0) == (not attempts[-1].is_failed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preconditioner", ["NODAL", "FACTOR"])
 def test_shear_block(run: Run, tmp_path: Path, preconditioner: str) -> None:
     """The shear block: with a factor as preconditioner an increment takes at most 30 iterations in the mean, which is required of it."""
