@@ -29,6 +29,7 @@ module amontons_surface_projection
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
   real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< extension zone beyond a free edge, over facet length [-]
+  real(DP), parameter :: FACET_BOX_MARGIN = 2.0_DP * EXTENSION_ZONE   !< of the box of a facet, over its largest side [-]
   real(DP), parameter :: TOL_ON_EDGE = 1.0e-8_DP  !< tolerance beyond any edge within which a node is on the facet, same unit [-]
   real(DP), parameter :: EDGE_HYSTERESIS = 1.0e-3_DP  !< a facet keeps a node up to this excess where normals jump at edges, same
                                                       !! unit [-]
@@ -131,7 +132,7 @@ contains
     type(projection_type), intent(out) :: projection
     real(DP), intent(in), optional :: slave_normal(3)   !< out of the slave; zero: unknown [-]
     integer, intent(in), optional :: own_node    !< self contact: the node of the surface; slave_normal is the current one
-    type(projection_type) :: candidate
+    type(projection_type), allocatable :: candidates(:)
     integer, allocatable :: list(:)
     real(DP) :: path_length, shortest, min_distance, same_path_length
     integer :: i, n, nearest
@@ -147,35 +148,100 @@ contains
     is_self = present(own_node) .and. allocated(facets%unseen)
     nearest = 0
     call find_near_facets(search, point, list, n)
+    call project_on_nearest(facets, x, point, list(:n), max_distance, candidates, slave_normal, own_node)
     do i = 1, n
-      if (is_self) then
-        if (is_unseen(facets, own_node, list(i))) cycle
-      end if
-      candidate = project_on_facet(facets, x, point, list(i))
-      if (candidate%status /= PROJECTION_INSIDE) cycle
-      if (is_hidden_behind(facets, list(i), candidate%gap)) cycle
-      if (is_self) then
-        if (dot_product(candidate%normal, slave_normal) > -MIN_OPPOSED_COSINE) cycle
-      end if
-      same_path_length = TOL_EQUAL_DISTANCE * facets%edge_length(list(i))
-      path_length = find_facet_distance(facets, candidate)
-      if (path_length < min_distance - same_path_length) nearest = list(i)
-      min_distance = min(path_length, min_distance)
-      if (abs(candidate%gap) > max_distance .or. .not. is_projection_inside(facets, candidate)) cycle
-      is_facing = is_facing_slave(candidate%normal, slave_normal)
-      if (has_facing .and. .not. is_facing) cycle
-      if ((has_facing .eqv. is_facing) .and. path_length > shortest - same_path_length) then
-        if (.not. facets%is_faceted .or. path_length > shortest + same_path_length) cycle
-        if (find_centre_distance(facets, x, list(i), point) >= find_centre_distance(facets, x, projection%facet, &
-          point) - same_path_length) cycle
-      end if
-      has_facing = is_facing
-      shortest = path_length
-      projection = candidate
+      associate (candidate => candidates(i))
+        if (candidate%status /= PROJECTION_INSIDE) cycle
+        same_path_length = TOL_EQUAL_DISTANCE * facets%edge_length(list(i))
+        path_length = find_facet_distance(facets, candidate)
+        if (path_length < min_distance - same_path_length) nearest = list(i)
+        min_distance = min(path_length, min_distance)
+        if (.not. is_within(facets, candidate, max_distance)) cycle
+        is_facing = is_facing_slave(candidate%normal, slave_normal)
+        if (has_facing .and. .not. is_facing) cycle
+        if ((has_facing .eqv. is_facing) .and. path_length > shortest - same_path_length) then
+          if (.not. facets%is_faceted .or. path_length > shortest + same_path_length) cycle
+          if (find_centre_distance(facets, x, list(i), point) >= find_centre_distance(facets, x, projection%facet, &
+            point) - same_path_length) cycle
+        end if
+        has_facing = is_facing
+        shortest = path_length
+        projection = candidate
+      end associate
     end do
     if (projection%facet == 0 .and. nearest > 0 .and. .not. is_self) call walk_from_facet(facets, x, point, max_distance, nearest, &
       projection)
   end subroutine find_projection
+
+
+  !> Projects a point on facets in the order of the distances of their boxes, until one that faces the slave contains it: no facet
+  !! whose box is farther than that path has a shorter one. The others, and those that the point does not see, have the status
+  !! FAILED.
+  pure subroutine project_on_nearest(facets, x, point, list, max_distance, candidates, slave_normal, own_node)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    integer, intent(in) :: list(:)               !< facets
+    real(DP), intent(in) :: max_distance         !< largest |g| [length]
+    type(projection_type), allocatable, intent(out) :: candidates(:)   !< one for each facet of the list
+    real(DP), intent(in), optional :: slave_normal(3)   !< as in find_projection
+    integer, intent(in), optional :: own_node
+    real(DP) :: distance(size(list)), limit      ! [length]
+    logical :: is_left(size(list)), is_self
+    integer :: i, k
+    allocate (candidates(size(list)))
+    is_self = present(own_node) .and. allocated(facets%unseen)
+    is_left = .true.
+    do i = 1, size(list)
+      if (is_self) is_left(i) = .not. is_unseen(facets, own_node, list(i))
+      distance(i) = box_distance(facets, x, point, list(i))
+    end do
+    limit = huge(1.0_DP)
+    do k = 1, count(is_left)
+      i = minloc(distance, dim=1, mask=is_left)
+      if (distance(i) > limit) exit
+      is_left(i) = .false.
+      candidates(i) = project_on_facet(facets, x, point, list(i))
+      if (candidates(i)%status /= PROJECTION_INSIDE) cycle
+      if (is_hidden_behind(facets, list(i), candidates(i)%gap)) candidates(i)%status = PROJECTION_FAILED
+      if (is_self) then
+        if (dot_product(candidates(i)%normal, slave_normal) > -MIN_OPPOSED_COSINE) candidates(i)%status = PROJECTION_FAILED
+      end if
+      if (candidates(i)%status /= PROJECTION_INSIDE .or. .not. is_within(facets, candidates(i), max_distance)) cycle
+      if (is_facing_slave(candidates(i)%normal, slave_normal)) limit = min(limit, find_facet_distance(facets, candidates(i)) + &
+        2.0_DP * TOL_EQUAL_DISTANCE * facets%edge_length(list(i)))
+    end do
+  end subroutine project_on_nearest
+
+
+  !> Whether a projection is on its facet and near enough.
+  pure logical function is_within(facets, projection, max_distance)
+    type(facets_type), intent(in) :: facets
+    type(projection_type), intent(in) :: projection
+    real(DP), intent(in) :: max_distance         !< largest |g| [length]
+    is_within = .false.
+    if (abs(projection%gap) <= max_distance) is_within = is_projection_inside(facets, projection)
+  end function is_within
+
+
+  !> The distance of a point from the box of a facet, enlarged for its extension zone and its curvature: no larger than the path to
+  !! it.
+  pure real(DP) function box_distance(facets, x, point, f) result(distance)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: point(3)             !< x_s [length]
+    integer, intent(in) :: f                     !< facet
+    real(DP) :: low(3), high(3), more            ! [length]
+    integer :: k
+    low = x(:, facets%nodes(facets%first(f)))
+    high = low
+    do k = facets%first(f) + 1, facets%first(f + 1) - 1
+      low = min(low, x(:, facets%nodes(k)))
+      high = max(high, x(:, facets%nodes(k)))
+    end do
+    more = FACET_BOX_MARGIN * maxval(high - low)
+    distance = norm2(max(low - more - point, point - high - more, 0.0_DP))
+  end function box_distance
 
 
   !> The thickness of the body below each facet, where the surface has facets on its other side too, as that of a sheet; huge where

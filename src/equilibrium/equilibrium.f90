@@ -119,6 +119,8 @@ module amontons_equilibrium
     real(DP) :: largest_force = 0                  !< largest internal, applied or contact force on a node [force]
     real(DP) :: bulk_force = 0                     !< largest internal or applied force on a node [force]
     real(DP) :: force_rounding = 0                       !< force error from rounding of gaps, treated as zero residual [force]
+    real(DP) :: linearized_rounding = 0            !< error of the merit from rounding of K du, at the last linearised evaluation
+                                                   !! [force]
     real(DP) :: merit = 0                          !< norm of residual, gaps and stick violations scaled to forces [force]
     logical :: is_nlgeom = .false.
     logical :: is_constant = .false.               !< the stiffness is constant in this step
@@ -533,6 +535,9 @@ contains
     call start_clock(system, clock)
     allocate (change(size(du)))
     call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
+    associate (K => system%assembly%stiffness)
+      system%linearized_rounding = ROUNDING_FACTOR * epsilon(1.0_DP) * norm2(K%value(K%first(:K%n_rows)) * reshape(du, [size(du)]))
+    end associate
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
     applied_force = start%applied_force

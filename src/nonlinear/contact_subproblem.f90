@@ -234,7 +234,7 @@ contains
     end if
     has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(tolerance * start%merit, &
       step%controls%subproblem%rounding * largest_merit, &
-      negligible_force, system%force_rounding * sqrt(real(size(start%u), DP)))
+      negligible_force, system%linearized_rounding, system%force_rounding * sqrt(real(size(start%u), DP)))
   end function has_subproblem_converged
 
 

@@ -50,3 +50,11 @@ def test_whole_exteriors(run: Run, tmp_path: Path, name: str, form: str) -> None
     expected = read_field(sides, "U")[-1]
     assert np.abs(read_field(whole, "U")[-1] - expected).max() <= EQUAL * np.abs(expected).max()
     assert effort(whole)[1] == 0
+
+
+@pytest.mark.parametrize("form", list(FORMS))
+def test_free_motion_takes_no_rounds(run: Run, tmp_path: Path, form: str) -> None:
+    """A pin that its supports move within its play has no force at all: rounding of K du is no residual, and no correction is made."""
+    solve(run, tmp_path / "job", problems()["g"]["pin in bore"](Draw(), FORMS[form]).deck)
+    first = next(line.split() for line in (tmp_path / "job" / "job.cvg").read_text().splitlines() if line.split()[:4] == ["1", "1", "1", "1"])
+    assert first[-1] == "0"  # ROUNDS
