@@ -21,7 +21,8 @@ module amontons_contact_evaluation
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_slave_node_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
-    set_first_touch_origin, is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector
+    set_first_touch_origin, is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector, begin_search, &
+    measure_clearances
   implicit none
   private
   public :: evaluate_contact, has_other_constraints
@@ -41,13 +42,14 @@ contains
   !!
   !! Before: `imbalance` is Rhat = F_ext - F_int, condensed onto the free unknowns (0 at supports). After: slaves, contact_force,
   !! and in `contact` the data of the slip scenarios and the counts of changes.
-  subroutine evaluate_contact(contact, model, old, imbalance, is_frozen, fields)
+  subroutine evaluate_contact(contact, model, old, imbalance, is_frozen, fields, is_linearized)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: old           !< committed: start of the increment
     real(DP), intent(in) :: imbalance(:, :)        !< (3, n_nodes) [force]
     logical, intent(in) :: is_frozen               !< .true.: keep every status
     type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: is_linearized           !< of the elements: imbalance is linearised at their last evaluation
     real(DP), allocatable :: x(:, :), total(:, :)
     integer :: level, s
     fields%contact_force = 0.0_DP
@@ -62,6 +64,7 @@ contains
     if (size(fields%slaves) == 0) return
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
+    call begin_search(contact, size(fields%slaves), x, is_linearized)
     if (any(model%pairs%is_mortar) .and. .not. allocated(contact%held_friction)) call update_mortar_rows(contact, old%slaves, &
       model%pairs%is_mortar .and. .not. contact%has_fixed_geometry, &
       .false., x)
@@ -80,6 +83,7 @@ contains
       end do
       if (level < contact%shared_slaves%n_levels) call add_known_reactions(contact, fields%contact_force, imbalance, total)
     end do
+    if (.not. is_linearized) call measure_clearances(contact, fields%slaves, x)
   end subroutine evaluate_contact
 
 

@@ -32,7 +32,7 @@ module amontons_contact_pairs
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     merge_rows, rotate_with_normal, &
     differentiate_rotation
-  use amontons_surface_projection, only: projection_type, track_projection, find_projection, measure_thickness, &
+  use amontons_surface_projection, only: projection_type, track_projection, find_projection, measure_thickness, find_clearance, &
     PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
   private
@@ -40,7 +40,8 @@ module amontons_contact_pairs
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
     update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, &
-    find_slave_projection, renew_searches, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, MAX_DEPTH_SHARE
+    find_slave_projection, renew_searches, begin_search, measure_clearances, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, &
+    MAX_DEPTH_SHARE
 
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
@@ -79,6 +80,11 @@ module amontons_contact_pairs
     real(DP), allocatable :: Rhat(:, :)  !< (3, n_slaves) imbalance of the row, including the reactions of other slaves [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
+    real(DP), allocatable :: searched_x(:, :)     !< (3, n_nodes) coordinates at the last search of all nodes without a facet
+                                                  !! [length]
+    real(DP), allocatable :: clearance(:)         !< (n_slaves) least distance of such a node from its master there; 0: not known
+                                                  !! [length]
+    real(DP), allocatable :: master_motion(:)     !< (n_pairs) largest motion of the master since then [length]
     type(slip_state_type), allocatable :: slip_data(:) !< (n_slaves) the decision on each slave node at the last evaluation
     type(user_response_type), allocatable :: user_responses(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
     type(local_solution_type), allocatable :: local_equilibrium(:)     !< (n_slaves) under compliant laws, at the last evaluation
@@ -486,6 +492,44 @@ contains
   end subroutine renew_searches
 
 
+  !> Coordinates and distances since which motion counts: at an evaluation of the elements all nodes without a facet are searched,
+  !! at a linearised one those that may have come to their master since.
+  subroutine begin_search(contact, n_slaves, x, is_linearized)
+    type(contact_type), intent(inout) :: contact
+    integer, intent(in) :: n_slaves
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    logical, intent(in) :: is_linearized           !< the elements are linearised: motion since their last evaluation
+    integer :: p
+    if (.not. allocated(contact%master_motion)) allocate (contact%master_motion(size(contact%facets)))
+    contact%master_motion = 0.0_DP
+    if (is_linearized .and. allocated(contact%clearance)) then
+      do p = 1, size(contact%facets)
+        associate (nodes => contact%facets(p)%nodes)
+          if (size(nodes) > 0) contact%master_motion(p) = sqrt(maxval(sum((x(:, nodes) - contact%searched_x(:, nodes))**2, dim=1)))
+        end associate
+      end do
+      return
+    end if
+    contact%searched_x = x
+    contact%clearance = spread(0.0_DP, 1, n_slaves)
+  end subroutine begin_search
+
+
+  !> The distances of nodes without a facet from their masters.
+  subroutine measure_clearances(contact, slaves, x)
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates of the search [length]
+    integer :: s
+    do s = 1, size(slaves)
+      associate (slave => slaves(s), p => slaves(s)%pair)
+        if (slave%facet == 0 .and. slave%row == 0 .and. .not. contact%has_fixed_geometry(p)) contact%clearance(s) = &
+          find_clearance(contact%facets(p), contact%search(p), x, x(:, slave%node), SEARCH_RADIUS_RATIO * contact%edge(p))
+      end associate
+    end do
+  end subroutine measure_clearances
+
+
   !> Searches a facet for a node without one, because an earlier iterate left the master or the node was far away: otherwise it
   !! could penetrate the master undetected.
   subroutine search_lost_slave(contact, x, s, slave)
@@ -495,6 +539,8 @@ contains
     type(slave_state_type), intent(inout) :: slave
     if (contact%has_fixed_geometry(slave%pair) .or. contact%is_removed(slave%pair)) return
     if (slave%overrides%edge == NODE_OVERRIDE_OFF_MASTER .or. gives_way(slave%overrides)) return
+    if (contact%clearance(s) > contact%master_motion(slave%pair) + norm2(x(:, slave%node) - contact%searched_x(:, slave%node))) &
+      return
     call update_projection(contact, x, s, SEARCH_RADIUS_RATIO * contact%edge(slave%pair), slave)
   end subroutine search_lost_slave
 

@@ -25,7 +25,7 @@ module amontons_surface_projection
   public :: projection_type, gap_derivatives_type
   public :: MIN_OPPOSED_COSINE
   public :: track_projection, find_projection, evaluate_gap_derivatives, evaluate_facet_point, evaluate_vertex_normal, &
-    evaluate_vertex_derivative, find_edge_excess, measure_thickness
+    evaluate_vertex_derivative, find_edge_excess, measure_thickness, find_clearance
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
   real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< extension zone beyond a free edge, over facet length [-]
@@ -222,6 +222,26 @@ contains
     is_within = .false.
     if (abs(projection%gap) <= max_distance) is_within = is_projection_inside(facets, projection)
   end function is_within
+
+
+  !> The distance that a point is certainly away from the surface, at most `reach`; 0: not known. Before: the margin of the search
+  !! is at least the reach.
+  real(DP) function find_clearance(facets, search, x, point, reach) result(clearance)
+    type(facets_type), intent(in) :: facets
+    type(facet_search_type), intent(in) :: search
+    real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
+    real(DP), intent(in) :: point(3)             !< [length]
+    real(DP), intent(in) :: reach                !< [length]
+    integer, allocatable :: list(:)
+    integer :: i, n
+    clearance = 0.0_DP
+    if (allocated(facets%profile)) return
+    clearance = reach
+    call find_near_facets(search, point, list, n)
+    do i = 1, n
+      clearance = min(clearance, box_distance(facets, x, point, list(i)))
+    end do
+  end function find_clearance
 
 
   !> The distance of a point from the box of a facet, enlarged for its extension zone and its curvature: no larger than the path to

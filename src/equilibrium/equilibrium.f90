@@ -350,7 +350,7 @@ contains
     call stop_clock(system, clock, PHASE_ASSEMBLY)
     call forget_origins(system%contact, state%old%slaves, state%new%slaves)
     if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
-    call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new)
+    call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new, .false.)
     call compute_norms(system, state%new%applied_force, state%new)
     system%force_rounding = ROUNDING_FACTOR * contact_force_rounding(system%contact%laws, system%contact%local_equilibrium, &
       state%new%slaves, model%mesh%coordinates)
@@ -547,7 +547,7 @@ contains
     end if
     call condense_forces(system%base, applied_force - state%new%internal_force, system%imbalance)
     if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
-    call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new)
+    call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new, .true.)
     call compute_norms(system, applied_force, state%new)
     call stop_clock(system, clock, PHASE_CONTACT)
   end subroutine evaluate_linearized

@@ -54,7 +54,7 @@ contains
     keeps = .false.
     if (present(is_frozen)) keeps = is_frozen
     imbalance(:, 24) = Rhat
-    call evaluate_contact(system%contact, model, state%old, imbalance, keeps, state%new)
+    call evaluate_contact(system%contact, model, state%old, imbalance, keeps, state%new, .false.)
   end subroutine evaluate
 
 

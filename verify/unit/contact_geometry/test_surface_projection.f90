@@ -10,7 +10,7 @@ program test_surface_projection
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, gap_derivatives_type, track_projection, find_projection, &
     evaluate_gap_derivatives, &
-    evaluate_facet_point, evaluate_vertex_normal, find_edge_excess, measure_thickness, &
+    evaluate_facet_point, evaluate_vertex_normal, find_edge_excess, measure_thickness, find_clearance, &
     PROJECTION_INSIDE, PROJECTION_OUTSIDE
   use check, only: suite_type
   use samples, only: evaluate_smooth_normal
@@ -157,11 +157,13 @@ contains
     type(projection_type) :: found
     real(DP) :: xi(2), expected(2), g, n(3), xm(3), error, gap
     integer :: f, i, status, goal, n_wrong
+    logical :: is_clear
     real(DP), parameter :: GAPS(3) = [0.0_DP, 0.2_DP, -0.15_DP]
     call make_surface(kind, 0.2_DP, 0.03_DP, 0.3_DP, mesh, facets)
     call build_facet_search(facets, mesh%coordinates, 0.5_DP, search)
     error = 0
     n_wrong = 0
+    is_clear = .true.
     do goal = 1, facets%n
       do i = 1, 12
         expected = place_inside(kind, i + goal)
@@ -174,12 +176,16 @@ contains
         if (f == goal) error = max(error, norm2(xi - expected), abs(g - gap))
         call evaluate_smooth_normal(facets, mesh%coordinates, goal, expected, n)
         call find_projection(facets, search, mesh%coordinates, xm + gap * n, 0.5_DP, found)
+        is_clear = is_clear .and. find_clearance(facets, search, mesh%coordinates, xm + gap * n, 0.5_DP) <= abs(gap)
         if (found%facet /= goal .or. found%status /= PROJECTION_INSIDE) n_wrong = n_wrong + 1
         if (found%facet == goal) error = max(error, norm2(found%xi - expected), abs(found%gap - gap))
       end do
     end do
     call suite%that('rays: every one is found', n_wrong == 0)
     call suite%near('rays: place and gap', error, 0.0_DP, 1.0e-12_DP)
+    call suite%that('rays: no gap is smaller than the clearance', is_clear)
+    call suite%near('rays: far away the clearance is the reach', find_clearance(facets, search, mesh%coordinates, &
+      [0.0_DP, 0.0_DP, 9.0_DP], 0.5_DP), 0.5_DP, 1.0e-15_DP)
   end subroutine check_rays
 
 
