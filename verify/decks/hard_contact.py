@@ -268,6 +268,17 @@ def bushing(draw: Draw, options: str) -> Problem:
     return Problem(bodies_deck([(rubber, RUBBER), (housing, STEEL)], "CPE4", cards), mu, (0.0, 0.0))
 
 
+def strut_in_channel(draw: Draw, options: str) -> Problem:
+    """A strut, hardly bent, is compressed between two walls: it buckles, lies down on one wall and buckles on towards the other."""
+    thick, mu, play, short = draw(0.3, 0.2, 0.4), draw(0.2, 0.0, 0.4), draw(0.5, 0.3, 0.8), draw(0.6, 0.3, 0.8)
+    strut = grid("STRUT", between(0, 10, 60), between(-thick / 2, thick / 2, 3), place=lambda s, t: [s, t + 0.02 * np.sin(np.pi * s / 10)])
+    low, high = -thick / 2 - play, thick / 2 + play
+    walls = [grid("LOW", between(-1, 11, 48), between(low - 1, low, 2)), grid("HIGH", between(-1, 11, 49), between(high, high + 1, 2))]
+    cards = pair("STRUT_T0", "LOW_T1", mu, options) + pair("STRUT_T1", "HIGH_T0", mu, options)
+    cards += step(fix("LOW_T0, 1, 2", "HIGH_T1, 1, 2", "STRUT_S0, 1, 2", "STRUT_S1, 2", f"STRUT_S1, 1, 1, {-short:.6g}"), 20)
+    return Problem(bodies_deck([(strut, SOFT), *((wall, STEEL) for wall in walls)], "CPE4", cards), mu, (0.0, 0.0))
+
+
 # ------------------------------------------------------------------------------------------------------ e: many points, little behind
 
 
@@ -288,6 +299,25 @@ def belt(draw: Draw, options: str) -> Problem:
     cards += step(fix("PULLEY_T1, 1, 2", "BAND_S0, 1", "BAND_S1, 1, 2") + pulled, 5) + step(fix("BAND_S1, 2, 2, -0.3"), 10)
     return Problem(bodies_deck([(band, elastic(5000.0)), (pulley, STEEL)], "CPE4", cards), mu, (0.0, -tension),
                    ("BAND_S1", 2, -tension * np.exp(mu * np.pi), 0.05))
+
+
+def pressed_plates(draw: Draw, options: str) -> Problem:
+    """Plates of equal width, five of them, pressed on each other: uniform stress E/(1 - nu^2) strain."""
+    mu, strain, n = draw(0.3, 0.0, 0.6), draw(0.002, 0.001, 0.005), draw.count(40, 30, 60)
+    plates = [grid(f"P{k + 1}", between(0, 10, n + 3 * k), between(k, k + 1, 2)) for k in range(5)]
+    cards = "".join(pair(f"P{k + 1}_T0", f"P{k}_T1", mu, options) for k in range(1, 5))
+    cards += step(fix("P1_T0, 2", "P1_S0, 1", *(f"P{k}_S0, 1" for k in range(2, 6)), f"P5_T1, 2, 2, {-5 * strain:.6g}"), 2)
+    force = 10 * 2000.0 / (1 - 0.09) * strain
+    return Problem(bodies_deck([(plate, SOFT) for plate in plates], "CPE4", cards), mu, (0.0, 0.0), ("P1_T0", 2, force, 0.02))
+
+
+def leaf_spring(draw: Draw, options: str) -> Problem:
+    """Leaves on each other, clamped at one end; the end of the uppermost one is pressed down: they bend and slide on each other."""
+    mu, deep, n = draw(0.2, 0.0, 0.4), draw(1.0, 0.5, 1.5), draw.count(5, 3, 7)
+    leaves = [grid(f"L{k + 1}", between(0, 10, 50 + k), between(0.25 * k, 0.25 * (k + 1), 2)) for k in range(n)]
+    cards = "".join(pair(f"L{k + 1}_T0", f"L{k}_T1", mu, options) for k in range(1, n))
+    cards += step(fix(*(f"L{k}_S0, 1, 2" for k in range(1, n + 1)), f"L{n}_S1, 2, 2, {-deep:.6g}"), 10)
+    return Problem(bodies_deck([(leaf, STEEL) for leaf in leaves], "CPE4", cards), mu, (0.0, 0.0))
 
 
 # --------------------------------------------------------------------------------------------------------------- f: folded lips
@@ -323,6 +353,29 @@ def plug(draw: Draw, options: str) -> Problem:
                 place=lambda s, t: [(1 - over + (over + 0.05) * np.clip((t + 1) / 1, 0, 1)) * (1 - s) + 2.0 * s, t])
     cards = pair("PLUG_SIDE", "BORE_S0", mu, options) + step(fix("BORE_S1, 1, 2", "PLUG_S0, 1", "PLUG_T1, 2, 2, -2.8"), 30)
     return Problem(bodies_deck([(rubber, RUBBER), (bore, STEEL)], "CAX4", cards), mu, (np.nan, 0.0))
+
+
+def flattened_lip(draw: Draw, options: str) -> Problem:
+    """A rubber lip that leans is pressed flat by a plate on the base on which it stands."""
+    thick, mu, lean, flat = draw(0.4, 0.3, 0.5), draw(0.3, 0.0, 0.6), draw(0.6, 0.4, 0.8), draw(0.45, 0.3, 0.5)
+    lip = grid("LIP", between(-thick / 2, thick / 2, 3), between(0, 2.5, 15), place=lambda s, t: [s * np.cos(lean) + t * np.sin(lean), t * np.cos(lean) - s * np.sin(lean)])
+    lip.surface("FREE", lambda x: x[:, 1] > 0.6)
+    top = float(lip.nodes[:, 1].max()) + 0.01
+    plate = grid("PLATE", between(-2, 6, 40), between(top, top + 1, 2))
+    cards = pair("LIP_FREE", "PLATE_T0", mu, options) + step(fix("LIP_T0, 1, 2", "PLATE_T1, 1", f"PLATE_T1, 2, 2, {-flat * top:.6g}"), 20)
+    return Problem(bodies_deck([(lip, RUBBER), (plate, STEEL)], "CPE4", cards), mu, (0.0, 0.0))
+
+
+def o_ring(draw: Draw, options: str) -> Problem:
+    """A rubber O-ring is crushed in its groove between bottom, side and cover, then pressed against the side."""
+    mu, crush, push = draw(0.2, 0.0, 0.4), draw(0.3, 0.15, 0.35), draw(0.3, 0.1, 0.4)
+    ring = _annulus("RING", between(0.15, 1, 5), (0, 1), 48)
+    bottom, cover = grid("BOTTOM", between(-3, 3, 36), between(-1, 0, 2)), grid("COVER", between(-3, 3, 37), between(2, 3, 2))
+    side = grid("SIDE", between(1.05, 2, 2), between(-0.05, 1.3, 9))
+    cards = pair("RING_T0", "BOTTOM_T1", mu, options) + pair("RING_T0", "COVER_T0", mu, options) + pair("RING_T0", "SIDE_S0", mu, options)
+    held = fix("BOTTOM_T0, 1, 2", "SIDE_S1, 2", "COVER_T1, 1")
+    cards += step(held + fix("SIDE_S1, 1", f"COVER_T1, 2, 2, {-2 * crush:.6g}"), 10) + step(fix(f"SIDE_S1, 1, 1, {-push:.6g}"), 10)
+    return Problem(bodies_deck([(ring, RUBBER), (bottom, STEEL), (cover, STEEL), (side, STEEL)], "CPE4", cards), mu, (0.0, 0.0))
 
 
 # ------------------------------------------------------------------------------------------------------------- g: whole exteriors
@@ -412,9 +465,10 @@ def problems() -> dict[str, dict[str, Build]]:
               "clip in space, mu 0.2": lambda d, o: clip(4, "C3D8", 0.2, d, o),
               "crushed ring": crushed_ring, "ball in groove": lambda d, o: ball_in_groove(6, d, o), "two rollers": lambda d, o: rollers(2, d, o), "saddle": saddle},
         "d": {"two rings": rings_on_each_other, "arch, moved stamp": lambda d, o: stamped_arch(False, d, o),
-              "arch, pressed stamp": lambda d, o: stamped_arch(True, d, o), "bushing": bushing},
-        "e": {"belt": belt, "ball in groove, fine": lambda d, o: ball_in_groove(9, d, o), "five rollers": lambda d, o: rollers(5, d, o)},
-        "f": {"wiper": wiper, "shaft seal": shaft_seal, "plug": plug},
+              "arch, pressed stamp": lambda d, o: stamped_arch(True, d, o), "bushing": bushing, "strut in channel": strut_in_channel},
+        "e": {"belt": belt, "ball in groove, fine": lambda d, o: ball_in_groove(9, d, o), "five rollers": lambda d, o: rollers(5, d, o),
+              "pressed plates": pressed_plates, "leaf spring": leaf_spring},
+        "f": {"wiper": wiper, "shaft seal": shaft_seal, "plug": plug, "flattened lip": flattened_lip, "O-ring": o_ring},
         "g": {"pin in bore": lambda d, o: pin_in_bore("CPE4", d, o), "pin in bore, space": lambda d, o: pin_in_bore("C3D8", d, o),
               "thin plates": lambda d, o: thin_plates("CPE4", d, o), "thin plates, space": lambda d, o: thin_plates("C3D8", d, o), "knuckle": knuckle,
               "block on block": block_on_block, "ring on mandrel": ring_on_mandrel},

@@ -140,6 +140,8 @@ def show(runs: list[Run]) -> str:
         lines += ["", *head("class", "contact by", "finished and right", "failed attempts", "iterations where both finish", "seconds where both finish")]
         for group in dict.fromkeys(r.group for r in made):
             lines += _sums([r for r in made if r.group == group])
+        if len({r.form for r in made}) > 1:
+            lines += ["", *ratios(made)]
     return "\n".join(lines)
 
 
@@ -152,6 +154,20 @@ def _sums(runs: list[Run]) -> Iterator[str]:
         shared = [r for r in own if r.case[:3] in both]
         yield (f"| {own[0].group} | {form} | {sum(r.case in right for r in own)} of {len(own)} | {sum(r.failed for r in own)} "
                f"| {sum(r.iterations for r in shared)} | {sum(r.seconds for r in shared):.0f} |")
+
+
+def ratios(runs: list[Run]) -> Iterator[str]:
+    """Faces over nodes, of each class: the sums of iterations and seconds where both finish, and the largest ratio of a problem that takes seconds."""
+    yield from head("class", "problems", "iterations, faces over nodes", "seconds, faces over nodes", "largest ratio of iterations", "of seconds, from 1 s on")
+    by_case = {r.case: r for r in runs if r.outcome == "finished" and r.check == r.check.lower()}
+    both = [(r, by_case[*r.case[:3], "faces"]) for r in by_case.values() if r.form == "nodes" and (*r.case[:3], "faces") in by_case]
+    for group in [*dict.fromkeys(n.group for n, _ in both), *(["all"] if both else [])]:
+        own = [(n, f) for n, f in both if group in (n.group, "all")]
+        iterations = [f.iterations / max(n.iterations, 1) for n, f in own]
+        seconds = [f.seconds / n.seconds for n, f in own if n.seconds >= 1]
+        yield (f"| {group} | {len(own)} | {sum(f.iterations for _, f in own) / max(sum(n.iterations for n, _ in own), 1):.2f} "
+               f"| {sum(f.seconds for _, f in own) / max(sum(n.seconds for n, _ in own), 0.1):.2f} | {max(iterations):.2f} "
+               f"| {f'{max(seconds):.2f}' if seconds else '-'} |")
 
 
 def main() -> int:
