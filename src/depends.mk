@@ -184,7 +184,7 @@ uses_model_check_bodies = kinds text errors element_kinds mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor null_space element_kinds surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
-uses_balanced_bodies = kinds text loads model state assembly external_loads nonlinear_mpc model_check_bodies model_check_motion
+uses_balanced_bodies = kinds text tensor loads model state assembly external_loads nonlinear_mpc model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 

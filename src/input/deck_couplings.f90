@@ -13,14 +13,14 @@ module amontons_deck_couplings
   use amontons_deck_analytic_surfaces, only: attach_profile
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, is_card
-  use amontons_mesh, only: append_node, append_node_copies
+  use amontons_mesh, only: append_node_copies
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, plural, verb, name_key, NUMBER_OK
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at, &
     MPC_RIGID_BODY
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS, FAMILY_BEAM
   implicit none
   private
   public :: read_transforms, read_couplings, find_orientation
@@ -574,7 +574,7 @@ contains
       return
     end if
     if (has_parameter(parameters, 'ELEMENT')) then
-      call pretension_truss(reader, model, c, parameter_text(parameters, 'ELEMENT'), pilot, is_ok)
+      call pretension_bar(reader, model, c, parameter_text(parameters, 'ELEMENT'), pilot, is_ok)
       return
     end if
     surface = reader%surfaces%find(parameter_text(parameters, 'SURFACE'))
@@ -608,18 +608,18 @@ contains
   end subroutine read_pretension
 
 
-  !> PRE-TENSION SECTION of a truss: the truss gets a new end node, with an offset from its second node along its axis.
-  subroutine pretension_truss(reader, model, c, name, pilot, is_ok)
+  !> PRE-TENSION SECTION of a truss or a beam: the nodes at its second end get copies in this element, with an offset from them
+  !! along its axis.
+  subroutine pretension_bar(reader, model, c, name, pilot, is_ok)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     character(*), intent(in) :: name             !< of an element, or of a set that contains one
     integer, intent(in) :: pilot
     logical, intent(in) :: is_ok
-    type(element_kind_type) :: entry
-    integer, allocatable :: partner(:)
+    integer, allocatable :: partner(:), nodes(:)
     real(DP) :: axis(3)
-    integer :: e, label, status, set
+    integer :: e, i, label, status, set
     e = 0
     call parse_integer(name, label, status)
     if (status == NUMBER_OK) e = reader%element_labels%find(label)
@@ -627,24 +627,48 @@ contains
     if (e == 0 .and. set > 0) then
       if (size(model%mesh%element_sets(set)%members) == 1) e = model%mesh%element_sets(set)%members(1)
     end if
-    if (e > 0) entry = element_kind(model%mesh%kind(e))
-    if (e == 0) entry%family = -1
-    if (entry%family /= FAMILY_TRUSS .or. entry%n_nodes /= 2) then
-      call report_error(reader, reader%cards%cards(c)%line, 'ELEMENT must name one truss T3D2; bodies of solids are cut at ' // &
-        'a SURFACE.')
+    allocate (nodes(0))
+    if (e > 0) call find_bar_end(model, e, nodes, axis)
+    if (size(nodes) == 0) then
+      call report_error(reader, reader%cards%cards(c)%line, 'ELEMENT must name one truss T3D2 or one beam; bodies of solids ' // &
+        'are cut at a SURFACE.')
       return
     end if
-    if (.not. is_ok) return
-    associate (first => model%mesh%first(e), mesh => model%mesh)
-      axis = mesh%coordinates(:, mesh%nodes(first + 1)) - mesh%coordinates(:, mesh%nodes(first))
-      if (.not. norm2(axis) > 0) return          ! the model check reports it
+    if (.not. is_ok .or. .not. norm2(axis) > 0) return   ! no length: the model check reports it
+    associate (mesh => model%mesh)
       allocate (partner(mesh%n_nodes), source=0)
-      set = mesh%nodes(first + 1)
-      call append_node(mesh, mesh%coordinates(:, set), partner(set))
-      mesh%nodes(first + 1) = partner(set)
+      partner(nodes) = mesh%n_nodes + [(i, i=1, size(nodes))]
+      call append_node_copies(mesh, nodes)
+      do i = mesh%first(e), mesh%first(e + 1) - 1
+        if (partner(mesh%nodes(i)) > 0) mesh%nodes(i) = partner(mesh%nodes(i))
+      end do
     end associate
     call add_pretension_equations(model, partner, pilot, axis / norm2(axis), reader%cards%line_number(reader%cards%cards(c)%line))
-  end subroutine pretension_truss
+  end subroutine pretension_bar
+
+
+  !> The nodes at the second end of a truss of two nodes or of a beam, and the vector from end to end; none of other elements.
+  subroutine find_bar_end(model, e, nodes, axis)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e
+    integer, allocatable, intent(inout) :: nodes(:)   !< in: none
+    real(DP), intent(inout) :: axis(3)           !< [length]
+    type(element_kind_type) :: entry
+    integer :: last
+    entry = element_kind(model%mesh%kind(e))
+    if (entry%family == FAMILY_TRUSS .and. entry%n_nodes == 2) then
+      nodes = model%mesh%nodes(model%mesh%first(e) + 1:model%mesh%first(e) + 1)
+      axis = model%mesh%coordinates(:, nodes(1)) - model%mesh%coordinates(:, model%mesh%nodes(model%mesh%first(e)))
+    end if
+    if (.not. allocated(model%structure)) return
+    associate (structure => model%structure)
+      if (structure%section(e) == 0) return
+      if (structure%sections(structure%section(e))%family /= FAMILY_BEAM) return
+      last = structure%first(e + 1) - 1
+      nodes = structure%directors(structure%director_of(last))%nodes
+      axis = model%mesh%coordinates(:, structure%nodes(last)) - model%mesh%coordinates(:, structure%nodes(structure%first(e)))
+    end associate
+  end subroutine find_bar_end
 
 
   !> The equations of a section: u_new = u_old + n u_1 of the pilot. The first of each is bound: the new node, unless contact is to

@@ -4,9 +4,11 @@
 !! A body that can move as a rigid body has an equilibrium if its loads do no work on the free motions; its displacement is then
 !! determined but for such a motion. As many degrees of freedom as there are free motions are held, chosen so that they hold them
 !! best (largest rows first, with orthogonalization). Their reactions balance the work of the loads on the motions, which is zero:
-!! stresses and strains do not depend on the choice. Bodies with contact are left alone: contact forces are not known beforehand.
+!! stresses and strains do not depend on the choice. A beam that may turn about its axis is held by the mean rotation of one
+!! cross-section, which its deflection does not enter. Bodies with contact are left alone: contact forces are not known beforehand.
 module amontons_balanced_bodies
   use amontons_kinds, only: DP
+  use amontons_tensor, only: cross_product
   use amontons_text, only: to_text, plural
   use amontons_assembly, only: assembly_type
   use amontons_external_loads, only: assemble_external_loads
@@ -18,9 +20,11 @@ module amontons_balanced_bodies
   use amontons_model_check_motion, only: free_body_type, find_free_bodies, rigid_motion
   implicit none
   private
-  public :: balancing_support_type, find_balancing_supports
+  public :: balancing_support_type, find_balancing_supports, spin_equation
 
   real(DP), parameter :: TOL_BALANCED = 1.0e-6_DP      !< work of all loads over the sum of the works of each nodal force [-]
+  real(DP), parameter :: MAX_SINE = 1.0e-3_DP          !< between a beam and the axis of a rotation about the beam [-]
+  real(DP), parameter :: MIN_TURN = 1.0e-9_DP          !< a smaller coefficient of a rotation is rounding [-]
   integer, parameter :: N_TIMES = 4                    !< times of a step at which the loads are compared
 
   !> A degree of freedom that is held in a step.
@@ -28,6 +32,8 @@ module amontons_balanced_bodies
     integer :: step = 0
     integer :: node = 0
     integer :: dof = 0
+    integer :: director = 0                      !< the mean rotation of this cross-section is held in place of dof; 0: none
+    real(DP) :: axis(3) = 0                      !< about this axis, a unit vector
   end type balancing_support_type
 
 contains
@@ -52,7 +58,7 @@ contains
 
 
   !> The supports of a model whose constraints are equations. Without loads on the body there is no support: that is more often a
-  !! support forgotten.
+  !! support forgotten. But a straight beam on hinges always turns about its axis.
   subroutine find_linear_supports(model, supports, text)
     type(model_type), intent(in) :: model
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
@@ -61,6 +67,7 @@ contains
     type(free_body_type), allocatable :: free(:)
     type(balancing_support_type), allocatable :: added(:)
     logical, allocatable :: is_usable(:)
+    logical :: has_loads
     character(:), allocatable :: sentence
     integer :: i, k
     allocate (supports(0))
@@ -71,9 +78,13 @@ contains
       call find_free_bodies(model, bodies, i, free)
       do k = 1, size(free)
         if (has_contact(model, bodies, free(k)%body)) cycle
-        if (.not. are_loads_balanced(model, bodies, free(k), i)) cycle
-        is_usable = find_usable_nodes(model, bodies, free(k)%body, i)
-        call choose_supports(model, bodies, free(k), is_usable, i, added)
+        if (.not. are_loads_balanced(model, bodies, free(k), i, has_loads)) cycle
+        call hold_spin(model, bodies, free(k), i, added)
+        if (size(added) == 0) then
+          if (.not. has_loads) cycle
+          is_usable = find_usable_nodes(model, bodies, free(k)%body, i)
+          call choose_supports(model, bodies, free(k), is_usable, i, added)
+        end if
         if (size(added) < free(k)%n) cycle
         supports = [supports, added]
         sentence = 'The loads on the ' // body_name(model, bodies%list(free(k)%body)) // ' balance each other; ' // &
@@ -91,13 +102,17 @@ contains
   function node_list(model, supports) result(text)
     type(model_type), intent(in) :: model
     type(balancing_support_type), intent(in) :: supports(:)
-    character(:), allocatable :: text
+    character(:), allocatable :: text, label
     character(1), parameter :: AXES(3) = ['x', 'y', 'z']
     integer :: i
     text = ''
     do i = 1, size(supports)
-      text = join_item(text, 'node ' // to_text(model%mesh%node_label(supports(i)%node)) // ' along ' // &
-        AXES(supports(i)%dof), i == size(supports))
+      label = to_text(model%mesh%node_label(supports(i)%node))
+      if (supports(i)%director > 0) then
+        text = 'the mean rotation of the cross-section at node ' // label
+      else
+        text = join_item(text, 'node ' // label // ' along ' // AXES(supports(i)%dof), i == size(supports))
+      end if
     end do
   end function node_list
 
@@ -116,21 +131,23 @@ contains
   end function has_contact
 
 
-  !> Whether loads act on a body and do no work on its free motions, at several times of the step.
-  logical function are_loads_balanced(model, bodies, free, step) result(are_balanced)
+  !> Whether the loads on a body do no work on its free motions, at several times of the step.
+  logical function are_loads_balanced(model, bodies, free, step, has_loads) result(are_balanced)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     type(free_body_type), intent(in) :: free
     integer, intent(in) :: step
+    logical, intent(out) :: has_loads            !< there are loads on it
     type(assembly_type) :: assembly
     type(state_type) :: state
     type(slave_state_type) :: no_slaves(0)
     real(DP) :: work(free%n), sizes(free%n), motion(3), before
-    integer :: i, k, t
-    logical :: has_loads
+    integer :: body(model%mesh%n_nodes), i, k, t
+    logical :: is_rotation(model%mesh%n_nodes)
     call create_state(state, model%mesh, no_slaves)
     has_loads = any([(bodies%of_node(model%steps(step)%temperatures(i)%node) == free%body, &
       i=1, size(model%steps(step)%temperatures))])
+    call find_bodies_of_loads(model, bodies, body, is_rotation)
     are_balanced = .true.
     before = sum(model%steps(:step - 1)%period)
     do t = 1, N_TIMES
@@ -141,9 +158,10 @@ contains
       work = 0.0_DP
       sizes = 0.0_DP
       do i = 1, model%mesh%n_nodes
-        if (bodies%of_node(i) /= free%body) cycle
+        if (body(i) /= free%body) cycle
         do k = 1, free%n
           motion = matmul(rigid_motion(bodies%list(free%body), model%mesh%coordinates(:, i)), free%motions(:, k))
+          if (is_rotation(i)) motion = free%motions(4:, k) / bodies%list(free%body)%size
           work(k) = work(k) + dot_product(motion, state%new%applied_force(:, i))
           sizes(k) = sizes(k) + norm2(motion) * norm2(state%new%applied_force(:, i))
         end do
@@ -151,8 +169,94 @@ contains
       end do
       are_balanced = are_balanced .and. all(abs(work) <= TOL_BALANCED * sizes)
     end do
-    are_balanced = are_balanced .and. has_loads
   end function are_loads_balanced
+
+
+  !> The body on which a load at each node acts: nodes of shells and beams, and their rotation nodes, belong to that of their fibre.
+  subroutine find_bodies_of_loads(model, bodies, body, is_rotation)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(out) :: body(:)              !< (n_nodes) 0: none
+    logical, intent(out) :: is_rotation(:)       !< (n_nodes) a rotation node of theirs: its loads are moments
+    integer :: i
+    body = bodies%of_node
+    is_rotation = .false.
+    if (.not. allocated(model%structure)) return
+    do i = 1, size(model%structure%directors)
+      associate (director => model%structure%directors(i))
+        body(director%node) = bodies%of_node(director%nodes(1))
+        if (.not. allocated(model%rotation_of)) cycle
+        if (model%rotation_of(director%node) == 0) cycle
+        body(model%rotation_of(director%node)) = body(director%node)
+        is_rotation(model%rotation_of(director%node)) = .true.
+      end associate
+    end do
+  end subroutine find_bodies_of_loads
+
+
+  !> Holds the only free motion of beams, if it is a rotation about their axis, by the mean rotation of a cross-section: that of the
+  !! first node without supports, else of the first one. None: another motion, no beam.
+  subroutine hold_spin(model, bodies, free, step, supports)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(free_body_type), intent(in) :: free
+    integer, intent(in) :: step
+    type(balancing_support_type), allocatable, intent(out) :: supports(:)
+    real(DP) :: axis(3)
+    integer :: i, chosen
+    logical :: is_held
+    allocate (supports(0))
+    if (free%n /= 1 .or. .not. allocated(model%structure)) return
+    axis = free%motions(4:, 1)
+    if (.not. norm2(axis) > 0) return
+    axis = axis / norm2(axis)
+    associate (directors => model%structure%directors)
+      chosen = 0
+      do i = size(directors), 1, -1
+        if (directors(i)%n_outer /= 4 .or. bodies%of_node(directors(i)%nodes(1)) /= free%body) cycle
+        is_held = any(model%steps(step)%prescribed%node == directors(i)%node)
+        if (chosen == 0 .or. .not. is_held) chosen = i
+      end do
+      if (chosen == 0) return
+      if (norm2(cross_product(axis, cross_product(directors(chosen)%axes(:, 1), directors(chosen)%axes(:, 2)))) > MAX_SINE) return
+      supports = [balancing_support_type(step, directors(chosen)%node, director=chosen, axis=axis)]
+    end associate
+  end subroutine hold_spin
+
+
+  !> The displacements of the corners of a cross-section in a unit rotation about an axis through its node.
+  pure function turned_arms(model, i, axis) result(along)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i                     !< director
+    real(DP), intent(in) :: axis(3)
+    real(DP) :: along(3, 4)                      !< [length]
+    integer :: k
+    associate (director => model%structure%directors(i), x => model%mesh%coordinates)
+      do k = 1, 4
+        along(:, k) = cross_product(axis, x(:, director%nodes(k)) - x(:, director%node))
+      end do
+    end associate
+  end function turned_arms
+
+
+  !> The equation of a support that holds the mean rotation of a cross-section; any of its terms may be eliminated.
+  function spin_equation(model, support) result(equation)
+    type(model_type), intent(in) :: model
+    type(balancing_support_type), intent(in) :: support
+    type(equation_type) :: equation
+    real(DP) :: coefficient(12)
+    logical :: is_used(12)
+    coefficient = reshape(turned_arms(model, support%director, support%axis), [12])
+    coefficient = coefficient / norm2(coefficient)
+    is_used = abs(coefficient) > MIN_TURN
+    equation%node = pack(reshape(spread(model%structure%directors(support%director)%nodes(:4), 1, 3), [12]), is_used)
+    equation%dof = pack([1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3], is_used)
+    equation%coefficient = pack(coefficient, is_used)
+    equation%n_eliminable = count(is_used)
+    equation%card = 'BEAM SECTION'
+    equation%first_step = support%step
+    equation%last_step = support%step
+  end function spin_equation
 
 
   !> The nodes of a body that may be held: with elements, in global directions, in no support, equation or multi-point constraint.

@@ -5,14 +5,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from verify.cases.proof import Case, Job
-from verify.decks.beams import LENGTH, MODULUS, RATIO, Section, beam, box, circle, pipe
+from verify.decks.beams import LENGTH, MODULUS, RATIO, Section, beam, box, circle, pipe, rectangle
 from verify.decks.shells import Floats
+from verify.readers.dat_frd_files import read_dat
 
 Proof = Callable[..., Case]
 
@@ -127,4 +129,73 @@ def test_box(proof: Proof) -> None:
         deck = beam("B32R", BOX, n=20) + "*BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n" + f"*CLOAD\nEND, {axis + 1}, 1.\n*END STEP\n"
         job = case.run("** dialect: calculix\n" + deck, load)
         case.near(f"bending {load}", bend(job, axis), 4 * 5 / (MODULUS * inertia), 3e-3, why="the product of inertia", place="x = 3 to 7", time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+@pytest.mark.parametrize("kind", ["B31", "B32"])
+def test_hinged_beam(proof: Proof, kind: str, dialect: str) -> None:
+    """A straight beam on two hinges turns about its axis: that motion is held, and does no harm."""
+    case = proof(
+        f"hinged-beam-{kind.lower()}-{dialect}",
+        title=f"A hinged beam of {kind}, {dialect} dialect",
+        model="Length 10, twenty elements of a rectangle 0.4 x 0.6 (0.4 along y), E = 2.1e5, nu = 0.3; one end held in x, y, z, the other in y, z; forces 1 along y and 2 along z at "
+        "the middle.",
+        formula="w = F L^3/(48 E I) + F L/(4 k G A), k = 5/6, at the middle, in both directions; the ends turn by F L^2/(16 E I).",
+        source=BEAM_THEORY,
+        proves="A beam that may turn about its axis is held by the mean rotation of a cross-section, without a force and without a rotation.",
+    )
+    section = rectangle(0.4, 0.6)
+    per = 2 if kind == "B32" else 1
+    middle, last = 10 * per + 1, 20 * per + 1
+    load = f"*CLOAD\n{middle}, 2, 1.\n{middle}, 3, 2.\n"
+    deck = f"** dialect: {dialect}\n" + beam(kind, section, n=20) + f"*BOUNDARY\n1, 1, 3\n{last}, 2, 3\n*STEP\n*STATIC\n{load}*END STEP\n"
+    job = case.run(deck, "two hinges")
+    shear = MODULUS / (2 * (1 + RATIO))
+    for axis, force, inertia in ((1, 1.0, section.inertia_1), (2, 2.0, section.inertia_2)):
+        wanted = force * LENGTH**3 / (48 * MODULUS * inertia) + force * LENGTH / (4 * 5 / 6 * shear * section.area)
+        case.near(f"deflection along {'xyz'[axis]}", float(at(job, 5.0)[axis]), wanted, 5e-3, why="twenty elements; local effects of the load and of the hinges", place="the middle",
+                  time="the end")  # fmt: skip
+    turns = job.last("UR")[0]
+    slopes = [0.0, -2 * LENGTH**2 / (16 * MODULUS * section.inertia_2), LENGTH**2 / (16 * MODULUS * section.inertia_1)]
+    case.near("rotation of the end", turns, slopes, 1e-2, why="the same", place="x = 0", time="the end")
+    case.near("reactions", float(job.last("RF").sum(axis=0)[2]), -2.0, 1e-9, why="the equation has no force", place="both ends", time="the end")
+    case.done()
+
+
+def test_hinged_beam_with_torque(run_deck: Callable[..., subprocess.CompletedProcess[str]]) -> None:
+    """A moment about the axis of a hinged beam finds no resistance: the job says so."""
+    deck = beam("B31", rectangle(0.4, 0.6), n=4) + "*BOUNDARY\n1, 1, 3\n5, 2, 3\n*STEP\n*STATIC\n*CLOAD\n3, 4, 1.\n*END STEP\n"
+    done = run_deck(deck)
+    assert done.returncode != 0
+    assert "can turn about x" in " ".join((done.stdout + done.stderr).split())
+
+
+@pytest.mark.parametrize("kind", ["B31", "B32"])
+def test_pretension(proof: Proof, kind: str) -> None:
+    """A beam as a bolt between two walls."""
+    case = proof(
+        f"pretension-beam-{kind.lower()}",
+        title=f"Pre-tension of a beam of {kind}",
+        model="Length 10, ten elements of a rectangle 0.4 x 0.6, E = 2.1e5, nu = 0.3, clamped at both ends; a pre-tension section in the fifth element with the force 100, then held and "
+        "a force 10 along x in the middle.",
+        formula="The section closes by F L/(E A); SF1 = 100 everywhere, then 100 + 5 before and 100 - 5 behind the force.",
+        source="R. C. Juvinall, K. M. Marshek, Fundamentals of Machine Component Design: springs in series",
+        proves="Pre-tension sections of beams: force, displacement of the pre-tension node, fixed length.",
+    )
+    section = rectangle(0.4, 0.6)
+    per = 2 if kind == "B32" else 1
+    middle, last = 5 * per + 1, 10 * per + 1
+    deck = beam(kind, section, n=10) + f"*NODE\n999, 0., 5., 0.\n*PRE-TENSION SECTION, ELEMENT=5, NODE=999\n*BOUNDARY\n1, ENCASTRE\n{last}, ENCASTRE\n"
+    deck += "*STEP\n*STATIC\n*CLOAD\n999, 1, 100.\n*EL PRINT, ELSET=E\nSF\n*END STEP\n"
+    deck += f"*STEP\n*STATIC\n*CLOAD, OP=NEW\n{middle}, 1, 10.\n*BOUNDARY, FIXED\n999, 1\n*EL PRINT, ELSET=E\nSF\n*END STEP\n"
+    job = case.run(deck, "the bolt")
+    node = int(np.argmin(np.abs(job.points - np.array([0.0, 5.0, 0.0])).sum(axis=1)))
+    closed = float(job.field("U")[job.frame(1.0), node, 0])
+    case.near("the section closes by", closed, 100 * LENGTH / (MODULUS * section.area), 0.02, why="Poisson's strain is held at both clamps", place="the pre-tension node", time="t = 1")
+    blocks = [block for block in read_dat(job.path.with_suffix(".dat")) if block.title.startswith("section forces")]
+    forces = [np.array([block.rows[key][0] for key in sorted(block.rows)]) for block in blocks]
+    case.near("SF1", forces[0], np.full(10, 100.0), 1e-6, why="statics", place="all elements", time="t = 1")
+    jump = np.r_[np.full(5, 105.0), np.full(5, 95.0)]
+    case.near("SF1 with the force", forces[1], jump, 2e-3, why="both halves are alike but for the place of the section", place="all elements", time="t = 2")
     case.done()
