@@ -429,7 +429,8 @@ contains
       'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &
       data='normal; without it that of the faces, out of their elements: a positive force then pulls the two sides together')
     call table%option('SURFACE', VALUE_NAME, 'Faces of the elements on one side of the section; or')
-    call table%option('ELEMENT', VALUE_NAME, 'a truss T3D2, cut at its second node.')
+    call table%option('ELEMENT', VALUE_NAME, 'a truss T3D2 or a beam, cut at its second end; in the calculix ' // &
+      'dialect the beam itself does not count, as there.')
     call table%option('NODE', VALUE_NAME, 'The pre-tension node.', default='required')
   end subroutine describe_couplings
 

@@ -13,7 +13,7 @@ module amontons_deck_couplings
   use amontons_deck_analytic_surfaces, only: attach_profile
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, is_card
-  use amontons_mesh, only: append_node_copies
+  use amontons_mesh, only: mesh_type, append_node_copies
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
@@ -619,7 +619,7 @@ contains
     logical, intent(in) :: is_ok
     integer, allocatable :: partner(:), nodes(:)
     real(DP) :: axis(3)
-    integer :: e, i, label, status, set
+    integer :: e, label, status, set
     e = 0
     call parse_integer(name, label, status)
     if (status == NUMBER_OK) e = reader%element_labels%find(label)
@@ -635,16 +635,69 @@ contains
       return
     end if
     if (.not. is_ok .or. .not. norm2(axis) > 0) return   ! no length: the model check reports it
-    associate (mesh => model%mesh)
-      allocate (partner(mesh%n_nodes), source=0)
-      partner(nodes) = mesh%n_nodes + [(i, i=1, size(nodes))]
-      call append_node_copies(mesh, nodes)
-      do i = mesh%first(e), mesh%first(e + 1) - 1
-        if (partner(mesh%nodes(i)) > 0) mesh%nodes(i) = partner(mesh%nodes(i))
+    associate (line => reader%cards%line_number(reader%cards%cards(c)%line))
+      if (model%dialect == DIALECT_CALCULIX .and. size(nodes) > 1) then
+        call replace_beam(model, e, pilot, axis / norm2(axis), line)
+        return
+      end if
+      call copy_element_nodes(model%mesh, e, nodes, partner)
+      call add_pretension_equations(model, partner, pilot, axis / norm2(axis), line)
+    end associate
+  end subroutine pretension_bar
+
+
+  !> Gives an element copies of some nodes.
+  subroutine copy_element_nodes(mesh, e, nodes, partner)
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(in) :: e
+    integer, intent(in) :: nodes(:)
+    integer, allocatable, intent(out) :: partner(:)   !< (old nodes) copy of each, 0
+    integer :: i
+    allocate (partner(mesh%n_nodes), source=0)
+    partner(nodes) = mesh%n_nodes + [(i, i=1, size(nodes))]
+    call append_node_copies(mesh, nodes)
+    do i = mesh%first(e), mesh%first(e + 1) - 1
+      if (partner(mesh%nodes(i)) > 0) mesh%nodes(i) = partner(mesh%nodes(i))
+    end do
+  end subroutine copy_element_nodes
+
+
+  !> CalculiX drops the beam of a pre-tension section: the section alone connects its ends along its axis. Here its solid has nodes
+  !! of its own, which move as its first end without strain. Cross-sections that no other beam has do not strain either.
+  subroutine replace_beam(model, e, pilot, normal, line)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: e
+    integer, intent(in) :: pilot
+    real(DP), intent(in) :: normal(3)
+    integer, intent(in) :: line                  !< of the deck
+    integer, allocatable :: partner(:), deck_nodes(:), nodes(:)
+    integer :: a, i, k, n
+    model%mesh%is_auxiliary(pilot) = .true.
+    associate (mesh => model%mesh, structure => model%structure)
+      deck_nodes = structure%nodes(structure%first(e):structure%first(e + 1) - 1)
+      n = size(deck_nodes)
+      nodes = mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)
+      call copy_element_nodes(mesh, e, nodes, partner)
+      do i = 1, size(nodes)
+        do k = 1, 3
+          call append_equation(model, [partner(nodes(i)), deck_nodes(1)], [k, k], [1.0_DP, -1.0_DP], 'PRE-TENSION SECT', line)
+        end do
+      end do
+      do a = 1, n
+        nodes = structure%directors(structure%director_of(structure%first(e) + a - 1))%nodes
+        if (any(mesh%nodes == nodes(1))) cycle     ! of other beams, too
+        do i = merge(2, 1, a == 1 .or. a == n), size(nodes)
+          do k = 1, 3
+            call append_equation(model, [nodes(i), merge(nodes(1), deck_nodes(1), a == 1 .or. a == n)], [k, k], &
+              [1.0_DP, -1.0_DP], 'PRE-TENSION SECT', line)
+          end do
+        end do
       end do
     end associate
-    call add_pretension_equations(model, partner, pilot, axis / norm2(axis), reader%cards%line_number(reader%cards%cards(c)%line))
-  end subroutine pretension_bar
+    call append_equation(model, [pilot, spread(deck_nodes(n), 1, 3), spread(deck_nodes(1), 1, 3)], [1, 1, 2, 3, 1, 2, 3], &
+      [1.0_DP, normal, -normal], 'PRE-TENSION SECT', line)
+    model%equations(size(model%equations))%n_eliminable = 7
+  end subroutine replace_beam
 
 
   !> The nodes at the second end of a truss of two nodes or of a beam, and the vector from end to end; none of other elements.

@@ -51,3 +51,17 @@ def test_cantilever(run_deck: Callable[..., subprocess.CompletedProcess[str]], t
         assert len(one.rows) == len(other.rows)
         if other.largest > NOISE:  # under a moment along the beam its nodes do not move
             assert compare_block(one, other).deviation <= 0.01, f"{other.title}: 1 % of the largest value"
+
+
+def test_pretension(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path) -> None:
+    """A row of beams with a pre-tension section in one: CalculiX drops this beam, its ends are connected along it alone."""
+    section = Section("RECT", ".4, .6", 0.24, 0.0, 0.0, 0.0)
+    deck = beam("B31", section, n=10) + "*NODE\n999, 0., 5., 0.\n*PRE-TENSION SECTION, ELEMENT=5, NODE=999\n*BOUNDARY\n1, 1, 6\n11, 1, 6\n"
+    deck += "*STEP\n*STATIC\n*CLOAD\n999, 1, 100.\n4, 2, 1.\n8, 3, 2.\n*NODE PRINT, NSET=N\nU\n*END STEP\n"
+    done = run_deck(deck, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (tmp_path / "ccx").mkdir()
+    (tmp_path / "ccx" / "job.inp").write_text(deck)
+    run_peer(tmp_path / "ccx")
+    ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
+    assert compare_block(ours[0], theirs[0]).deviation <= 0.01, "1 % of the largest displacement"
