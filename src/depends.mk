@@ -44,12 +44,13 @@ uses_structural_data = kinds
 uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data
 
 # materials
+uses_plasticity = kinds materials
+uses_drucker_prager = kinds materials plasticity
 uses_logarithmic_strain = kinds tensor
 uses_elasticity = kinds tensor materials logarithmic_strain
 uses_hyperelasticity = kinds materials logarithmic_strain
-uses_plasticity = kinds materials
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
-uses_material_point = kinds tensor materials logarithmic_strain elasticity hyperelasticity plasticity user_material
+uses_material_point = kinds tensor materials plasticity drucker_prager logarithmic_strain elasticity hyperelasticity user_material
 uses_element_integration_points = kinds tensor element_kinds materials user_material material_point
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
@@ -84,7 +85,8 @@ uses_deck_mesh = kinds text containers element_kinds materials mesh model cards 
 uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader
 uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
 uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
-uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader
+uses_deck_property_tables = kinds text materials cards card_schema deck_reader
+uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader
 uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces

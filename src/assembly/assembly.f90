@@ -708,7 +708,7 @@ contains
     failed = huge(failed)
     call ensure_matrix(assembly, model%mesh)
     assembly%stiffness%value = 0.0_DP
-    call reset_element_skew(assembly%skew, assembly%stiffness, any(model%materials%is_user))
+    call reset_element_skew(assembly%skew, assembly%stiffness, any(model%materials%is_unsymmetric))
     !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts

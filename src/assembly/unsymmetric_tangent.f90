@@ -24,7 +24,7 @@ module amontons_unsymmetric_tangent
   implicit none
   private
   public :: skew_part_type, reset_element_skew, reset_load_skew, add_face_skew, assemble_skew, subtract_skew_product, &
-    combine_with_skew
+    combine_with_skew, has_unsymmetric_law
   public :: evaluate_element_skew
 
   real(DP), parameter :: TOL_CANCELLED = 1.0e-12_DP  !< of the largest entry of a face: entries below it cancel within rounding [-]
@@ -91,6 +91,14 @@ contains
     if (.not. allocated(skew%elements%value)) skew%elements = K
     skew%elements%value = 0
   end subroutine reset_element_skew
+
+
+  !> Whether the tangent of a material is unsymmetric now. Its symmetric part need not be positive then, without a limit point.
+  pure logical function has_unsymmetric_law(skew) result(is_so)
+    type(skew_part_type), intent(in) :: skew
+    is_so = allocated(skew%elements%value)
+    if (is_so) is_so = any(skew%elements%value /= 0.0_DP)
+  end function has_unsymmetric_law
 
 
   !> Sums the collected entries. Errors: out of memory.

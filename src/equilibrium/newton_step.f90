@@ -29,7 +29,7 @@ module amontons_newton_step
   use amontons_nonlinear_mpc, only: add_mpc_stiffness
   use amontons_inertia, only: add_inertia_force, add_inertia_stiffness
   use amontons_stabilization, only: add_damping_force, add_damping_stiffness
-  use amontons_unsymmetric_tangent, only: assemble_skew
+  use amontons_unsymmetric_tangent, only: assemble_skew, has_unsymmetric_law
   use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
   use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads
   use amontons_tangent_solution, only: solve_constrained_system, follow_path, tangent_type, is_skin_cheaper
@@ -632,6 +632,7 @@ contains
     integer :: status
     outcome = OUTCOME_OK
     system%indefinite_factor%is_ready = .false.
+    if (has_unsymmetric_law(system%assembly%skew)) system%reduced_system%is_shift_allowed = .false.
     if (any(system%contact_tangents%is_compliant_node)) then
       call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs, error)
       if (allocated(error)) return

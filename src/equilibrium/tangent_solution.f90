@@ -18,7 +18,7 @@ module amontons_tangent_solution
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
   use amontons_distributed_solver, only: solve_distributed, DISTRIBUTED_NONE
   use amontons_constraints, only: condense_forces, build_condensation_matrix
-  use amontons_unsymmetric_tangent, only: subtract_skew_product, combine_with_skew
+  use amontons_unsymmetric_tangent, only: subtract_skew_product, combine_with_skew, has_unsymmetric_law
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents
   use amontons_arc_length, only: close_arc
   use amontons_equilibrium, only: equilibrium_type, n_interface_unknowns, discard_bulk_factor, OUTCOME_OK, OUTCOME_LINEAR_SOLVER
@@ -148,6 +148,8 @@ contains
     options%absolute_tolerance = allowed_residual
     options%max_iterations = merge(system%reduced_system%max_iterations, system%controls%krylov%max_iterations, is_iterative)
     if (is_iterative) options%tolerance = system%controls%krylov%iterative_tolerance
+    if (has_unsymmetric_law(system%assembly%skew) .and. .not. is_iterative) &
+      options%max_iterations = system%controls%krylov%max_unsymmetric_iterations
     system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
     is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
     if (is_iterative .and. is_symmetric .and. system%reduced_system%distributed_kind /= DISTRIBUTED_NONE) then

@@ -23,6 +23,7 @@ contains
     call describe_field_variables(table)
     call describe_expansion(table)
     call describe_inelastic(table)
+    call describe_cone(table)
     call describe_hyperelastic(table)
     call describe_user(table)
     call describe_section(table)
@@ -103,6 +104,26 @@ contains
     call table%reject_words('CREEP', 'Time counts from the start of the job.')
     call describe_field_variables(table)
   end subroutine describe_inelastic
+
+
+  !> Yield that depends on the pressure.
+  subroutine describe_cone(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('DRUCKER PRAGER', SCOPE_MODEL, 'Plasticity of soils, rock and polymers after Drucker and Prager: yield at ' // &
+      'q - p tan(beta) = d, flow along q - p tan(psi); q is the von Mises stress, p the pressure. DRUCKER PRAGER HARDENING ' // &
+      'gives d.', parent='MATERIAL', data='friction angle beta, K (1 or blank), dilation angle psi, in degrees, temperature')
+    call table%option('SHEAR CRITERION', VALUE_WORD, 'The line in the plane of p and q.', allowed='LINEAR', default='LINEAR')
+    call table%reject_words('HYPERBOLIC|EXPONENT FORM', 'Only the linear cone is here; it ends in an apex.')
+    call table%option('ECCENTRICITY|TEST DATA', VALUE_TEXT, 'They belong to the other criteria.', status=ENTRY_REJECTED)
+    call describe_field_variables(table)
+    call table%card('DRUCKER PRAGER HARDENING', SCOPE_MODEL, 'Yield stress of DRUCKER PRAGER over the equivalent plastic ' // &
+      'strain, as measured in the test of TYPE.', parent='MATERIAL', data='yield stress, equivalent plastic strain (the ' // &
+      'first 0), temperature; SHEAR: cohesion (shear stress), plastic shear strain')
+    call table%option('TYPE', VALUE_WORD, 'The test: uniaxial compression, uniaxial tension or pure shear.', &
+      allowed='COMPRESSION|TENSION|SHEAR', default='COMPRESSION')
+    call table%option('RATE', VALUE_TEXT, 'Rates of strain do not count here.', status=ENTRY_REJECTED)
+    call describe_field_variables(table)
+  end subroutine describe_cone
 
 
   !> USER MATERIAL and DEPVAR.

@@ -1,14 +1,15 @@
 !> Material cards to material parameters, and their consistency.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_materials
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
-    read_user_constants, is_card, check_name, VALUES_PER_LINE
+  use amontons_deck_property_tables, only: read_table, read_curves
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
-    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
+    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
+    CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
@@ -78,9 +79,15 @@ contains
     case ('EXPANSION')
       call read_expansion(reader, c, material)
     case ('PLASTIC')
+      material%has_plastic = .true.
       call read_plastic(reader, c, material)
     case ('CYCLICHARDENING')
+      material%has_plastic = .true.
       call read_curves(reader, c, material%isotropic_hardening)
+    case ('DRUCKERPRAGER')
+      call read_cone(reader, c, material)
+    case ('DRUCKERPRAGERHARDENING')
+      call read_cone_hardening(reader, c, material)
     case ('DEFORMATIONPLASTICITY')
       call read_deformation(reader, c, material)
     case ('CREEP')
@@ -154,6 +161,7 @@ contains
     if (material%is_user .and. len(material%name) > USER_NAME_LENGTH) call report_error(reader, line, who // 'has a name of ' // &
       'more than ' // to_text(USER_NAME_LENGTH) // ' letters, which UMAT cannot be given.')
     call find_table_variable(reader, line, material)
+    call check_cone(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
     is_rubber = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
     if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (is_rubber .or. material%has_deformation_plasticity)) &
@@ -181,6 +189,7 @@ contains
     call add_table(material%expansion)
     call add_table(material%deformation_plasticity)
     call add_table(material%creep)
+    call add_table(material%cone)
     if (allocated(material%isotropic_hardening)) call add_curves(material%isotropic_hardening)
     if (allocated(material%kinematic_hardening)) call add_curves(material%kinematic_hardening)
     if (material%density_table%variable > 0) call report_error(reader, line, 'The material ''' // material%name // &
@@ -277,119 +286,11 @@ contains
           size(material%elastic%value, 2) == 1
         if (material%is_user) material%n_history = USER_STATE - 1 + material%n_statev
         if (material%is_user) material%is_linear_isotropic = .false.
+        material%is_unsymmetric = material%is_user
+        if (allocated(material%cone%value)) material%is_unsymmetric = any(material%cone%value(1, :) > material%cone%value(2, :))
       end associate
     end do
   end subroutine finalize_materials
-
-
-  !> Values over the temperature or a field variable: a record is the values, a temperature and DEPENDENCIES field variables, in
-  !! lines of eight.
-  subroutine read_table(reader, c, n, table, is_ok)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    integer, intent(in) :: n                     !< values of a record
-    type(property_table_type), intent(out) :: table
-    logical, intent(out) :: is_ok
-    type(parameter_type), allocatable :: parameters(:)
-    type(data_row_type) :: row
-    real(DP), allocatable :: record(:), before(:)
-    integer :: i, k, m
-    allocate (table%temperature(0), table%value(n, 0))
-    is_ok = .true.
-    call open_card(reader, c, parameters, row)
-    m = n + 1 + n_dependencies(reader, c, parameters)
-    allocate (record(m))
-    do while (next_row(reader%cards, row))
-      i = 0
-      do
-        call check_n_fields(reader, row, min(VALUES_PER_LINE, m - i))
-        do k = 1, min(VALUES_PER_LINE, m - i)
-          call read_real(reader, row, k, trim(merge('temperature', 'constant   ', i + k > n)), record(i + k), is_ok, &
-            0.0_DP)
-        end do
-        i = i + min(VALUES_PER_LINE, m - i)
-        if (i == m .or. (i > n .and. m == n + 1)) exit
-        if (next_row(reader%cards, row)) cycle
-        record(i + 1:) = 0
-        if (i < n) call report_error(reader, row%line, 'Of ' // to_text(n) // ' constants only ' // to_text(i) // &
-          ' are there; they continue in the next line after eight values.')
-        if (i < n) is_ok = .false.
-        exit
-      end do
-      if (.not. allocated(before)) before = record(n + 1:)
-      if (is_ok) call add_record(reader, row%line, record, before, table, is_ok)
-      before = record(n + 1:)
-      if (.not. is_ok) exit
-    end do
-    if (size(table%temperature) == 0 .and. is_ok) then
-      call report_error(reader, reader%cards%cards(c)%line, '*' // &
-        reader%table%entries(reader%cards%cards(c)%entry)%keyword // ' needs a data line: ' // &
-        reader%table%entries(reader%cards%cards(c)%entry)%data // '.')
-      is_ok = .false.
-    end if
-  end subroutine read_table
-
-
-  !> The number of field variables behind the temperature in the data of a card.
-  integer function n_dependencies(reader, c, parameters) result(n)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(parameter_type), intent(in) :: parameters(:)
-    integer :: status
-    n = 0
-    if (.not. has_parameter(parameters, 'DEPENDENCIES')) return
-    call parse_integer(parameter_text(parameters, 'DEPENDENCIES'), n, status)
-    if (status == NUMBER_OK .and. n >= 1) return
-    n = 0
-    call report_error(reader, reader%cards%cards(c)%line, 'DEPENDENCIES must be the number of field variables: 1, 2, ...')
-  end function n_dependencies
-
-
-  !> Finds what a table is over, from the arguments (temperature and field variables) of a record and of the one before it: the one
-  !! that changes, 0 the temperature, k field variable k. Several that change in one table are reported.
-  subroutine find_variable(reader, line, before, now, is_first, variable, is_ok)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: line
-    real(DP), intent(in) :: before(:), now(:)
-    logical, intent(in) :: is_first              !< it is the second record: the variable is not known yet
-    integer, intent(inout) :: variable
-    logical, intent(inout) :: is_ok
-    integer :: found
-    if (.not. any(abs(now - before) > 0)) return
-    found = findloc(abs(now - before) > 0, .true., dim=1) - 1
-    if (is_first) variable = found
-    if (count(abs(now - before) > 0) == 1 .and. found == variable) return
-    call report_error(reader, line, 'The properties of a material may depend on the temperature or on one field variable, not on ' &
-      // 'several of them: one column of the table may change.')
-    is_ok = .false.
-  end subroutine find_variable
-
-
-  !> Adds a record to a table; the temperatures or values of the field variable ascend.
-  subroutine add_record(reader, line, record, before, table, is_ok)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: line
-    real(DP), intent(in) :: record(:)            !< values, temperature, field variables
-    real(DP), intent(in) :: before(:)            !< temperature and field variables of the record before
-    type(property_table_type), intent(inout) :: table
-    logical, intent(inout) :: is_ok
-    integer :: n, m
-    n = size(table%value, 1)
-    m = size(table%temperature)
-    if (m > 0) then
-      call find_variable(reader, line, before, record(n + 1:), m == 1, table%variable, is_ok)
-      if (.not. is_ok) return
-      if (m == 1) table%temperature(1) = before(1 + table%variable)
-      if (record(n + 1 + table%variable) <= table%temperature(m)) then
-        call report_error(reader, line, 'The temperatures of a property must ascend; the last value of each record is ' // &
-          'its temperature, or with DEPENDENCIES its field variable.')
-        is_ok = .false.
-        return
-      end if
-    end if
-    table%temperature = [table%temperature, record(n + 1 + table%variable)]
-    table%value = reshape([table%value, record(:n)], [n, m + 1])
-  end subroutine add_record
 
 
   !> ELASTIC.
@@ -580,70 +481,71 @@ contains
   end subroutine read_plastic
 
 
-  !> Yield stress over plastic strain, at one or more temperatures.
-  subroutine read_curves(reader, c, curves)
+  !> DRUCKER PRAGER: friction angle, K, dilation angle in degrees. K = 0 or none is 1, as in Abaqus.
+  subroutine read_cone(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
-    type(hardening_curve_type), allocatable, intent(inout) :: curves(:)
+    type(material_type), intent(inout) :: material
+    type(property_table_type) :: table
+    real(DP), parameter :: MAX_FRICTION = 71.5_DP  ! of compression: tan(beta) < 3 [degree]
+    real(DP), parameter :: DEGREE = PI / 180
+    logical :: is_ok
+    integer :: line
+    line = reader%cards%cards(c)%line
+    call read_table(reader, c, 3, table, is_ok)
+    if (.not. is_ok) return
+    if (any(table%value(1, :) < 0) .or. any(table%value(1, :) > MAX_FRICTION)) call report_error(reader, line, &
+      'The friction angle must be from 0 to ' // to_text(MAX_FRICTION) // ' degrees, in the plane of pressure and ' // &
+      'von Mises stress.')
+    if (any(abs(table%value(2, :)) > 0 .and. abs(table%value(2, :) - 1) > 0)) call report_error(reader, line, &
+      'K, the ratio of the yield stresses in triaxial tension and compression, must be 1 (or 0 or blank, which mean 1): the ' // &
+      'cone is round here. Give a cone that is not by a routine UMAT (*USER MATERIAL).')
+    if (any(table%value(3, :) < 0) .or. any(table%value(3, :) > table%value(1, :))) call report_error(reader, line, &
+      'The dilation angle must be from 0 to the friction angle: with more the plastic flow would give energy away.')
+    material%cone%temperature = table%temperature
+    material%cone%variable = table%variable
+    material%cone%value = DEGREE * table%value([1, 3], :)
+  end subroutine read_cone
+
+
+  !> DRUCKER PRAGER HARDENING.
+  subroutine read_cone_hardening(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(hardening_curve_type) :: curve
-    real(DP) :: values(2)
-    real(DP), allocatable :: arguments(:), before(:)
-    integer :: i, n
-    logical :: is_ok
-    if (allocated(curves)) deallocate (curves)
-    allocate (curves(0), curve%strain(0), curve%stress(0))
-    is_ok = .true.
     call open_card(reader, c, parameters, row)
-    n = n_dependencies(reader, c, parameters)
-    allocate (arguments(1 + n))
-    do while (next_row(reader%cards, row))
-      call check_n_fields(reader, row, 3 + n)
-      call read_real(reader, row, 1, 'yield stress', values(1), is_ok)
-      call read_real(reader, row, 2, 'plastic strain', values(2), is_ok, 0.0_DP)
-      do i = 1, 1 + n
-        call read_real(reader, row, 2 + i, 'temperature', arguments(i), is_ok, 0.0_DP)
-      end do
-      if (.not. is_ok) return
-      if (size(curve%strain) > 0) then
-        if (any(abs(arguments - before) > 0)) then
-          call find_variable(reader, row%line, before, arguments, size(curves) == 0, curve%variable, is_ok)
-          if (.not. is_ok) return
-          curve%temperature = before(1 + curve%variable)
-          call close_curve()
-        end if
-      end if
-      before = arguments
-      curve%temperature = arguments(1 + curve%variable)
-      curve%stress = [curve%stress, values(1)]
-      curve%strain = [curve%strain, values(2)]
-    end do
-    if (size(curve%strain) > 0) call close_curve()
-    if (size(curves) == 0) call report_error(reader, reader%cards%cards(c)%line, &
-      'A hardening curve needs data: yield stress, equivalent plastic strain, temperature.')
-    do i = 2, size(curves)
-      if (curves(i)%temperature <= curves(i - 1)%temperature) call report_error(reader, reader%cards%cards(c)%line, &
-        'The temperatures of the hardening curves must ascend.')
-    end do
+    material%has_cone_hardening = .true.
+    select case (parameter_word(parameters, 'TYPE', 'COMPRESSION'))
+    case ('TENSION')
+      material%cone_hardening = CONE_TENSION
+    case ('SHEAR')
+      material%cone_hardening = CONE_SHEAR
+    case default
+      material%cone_hardening = CONE_COMPRESSION
+    end select
+    call read_curves(reader, c, material%isotropic_hardening)
+  end subroutine read_cone_hardening
 
-  contains
 
-    !> Stores the curve of one temperature.
-    subroutine close_curve()
-      integer :: k
-      if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
-      if (abs(curve%strain(1)) > 0) call report_error(reader, reader%cards%cards(c)%line, &
-        'The plastic strain of the first point of a hardening curve must be 0.')
-      k = size(curve%strain)
-      if (any(curve%strain(2:) <= curve%strain(:k - 1))) call report_error(reader, reader%cards%cards(c)%line, &
-        'The plastic strains of a hardening curve must ascend.')
-      curves = [curves, curve]
-      deallocate (curve%strain, curve%stress)
-      allocate (curve%strain(0), curve%stress(0))
-    end subroutine close_curve
-
-  end subroutine read_curves
+  !> Reports an incomplete cone, or one beside what it does not go with.
+  subroutine check_cone(reader, line, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the MATERIAL card
+    type(material_type), intent(in) :: material
+    character(:), allocatable :: who
+    who = 'The material ''' // material%name // ''' '
+    if (allocated(material%cone%value) .neqv. material%has_cone_hardening) call report_error(reader, line, who // &
+      'needs both *DRUCKER PRAGER (the angles) and *DRUCKER PRAGER HARDENING (the yield stress), each once.')
+    if (material%has_plastic .and. (allocated(material%cone%value) .or. material%has_cone_hardening)) call report_error(reader, &
+      line, who // 'has *PLASTIC or *CYCLIC HARDENING beside *DRUCKER PRAGER; give one law of yield.')
+    if (.not. allocated(material%cone%value)) return
+    if (material%elastic_kind /= ELASTIC_ISOTROPIC) call report_error(reader, line, who // &
+      'has *DRUCKER PRAGER with an elasticity that is not isotropic, which is not supported; give E and nu.')
+    if (material%creep_law /= CREEP_NONE) call report_error(reader, line, who // 'has *DRUCKER PRAGER with *CREEP, which is ' // &
+      'not supported; give one of them.')
+  end subroutine check_cone
 
 
   !> DEFORMATION PLASTICITY: its own E and nu.

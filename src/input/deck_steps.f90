@@ -688,7 +688,8 @@ contains
     call open_card(reader, c, parameters, row)
     is_moving = parameter_word(parameters, 'HARDENING', 'ISOTROPIC') /= 'ISOTROPIC'
     associate (material => model%materials(copy))
-      if (merge(allocated(material%kinematic_hardening), allocated(material%isotropic_hardening), is_moving)) then
+      if (merge(allocated(material%kinematic_hardening), allocated(material%isotropic_hardening) .and. .not. &
+        allocated(material%cone%value), is_moving)) then
         call read_plastic(reader, c, material)
       else
         call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has no *PLASTIC with ' // &

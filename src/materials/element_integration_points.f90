@@ -91,14 +91,14 @@ contains
   end subroutine store_point_output
 
 
-  !> Splits the tangent of a point: the symmetric part for the element kernels, the skew part of a user law stored separately.
+  !> Splits the tangent of a point: the symmetric part for the element kernels, the skew part of an unsymmetric law kept apart.
   pure subroutine split_unsymmetric_tangent(material, point, points, p)
     type(material_type), intent(in) :: material
     type(material_point_type), intent(inout) :: point       !< in: tangent; out: its symmetric part
     type(integration_points_type), intent(inout) :: points     !< out: skew
     integer, intent(in) :: p                       !< point
     real(DP) :: skew(6, 6)
-    if (.not. material%is_user) return
+    if (.not. material%is_unsymmetric) return
     skew = 0.5_DP * (point%tangent - transpose(point%tangent))
     point%tangent = 0.5_DP * (point%tangent + transpose(point%tangent))
     if (all(abs(skew) <= TOL_SYMMETRIC * maxval(abs(point%tangent)))) skew = 0

@@ -27,6 +27,7 @@ module amontons_material_point
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
     is_inelastic, &
     evaluate_ramberg_osgood, RETURN_OK
+  use amontons_drucker_prager, only: map_cone_return
   use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, check_gradient, STRESS_OK, STRESS_INVERTED, &
     STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
@@ -98,7 +99,8 @@ contains
       call evaluate_almansi_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. .not. is_inelastic(material)) then
       call evaluate_green_law(material, moduli, point, status)
-    else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic) then
+    else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic .and. .not. &
+      allocated(material%cone%value)) then
       call evaluate_simo_law(material, moduli, point, status)
       thermal_stretch = (1 + moduli%thermal(1))**3           ! the law is that of a volume which has swollen
       point%stress = thermal_stretch * point%stress
@@ -317,30 +319,51 @@ contains
     type(material_point_type), intent(inout) :: point       !< in: trial stress, elastic tangent
     integer, intent(out) :: status                 !< STRESS_...
     type(return_mapping_type) :: response
-    real(DP) :: N(6), q
-    integer :: i, return_status
-    N = point%stress - (sum(point%stress(:3)) / 3) * VOIGT_IDENTITY - point%history_old(HISTORY_BACK:HISTORY_BACK + 5)
+    real(DP) :: N(6), p, q, bulk
+    integer :: i
+    p = -sum(point%stress(:3)) / 3
+    N = point%stress + p * VOIGT_IDENTITY - point%history_old(HISTORY_BACK:HISTORY_BACK + 5)
     q = von_mises(N)
-    call map_radial_return(material, moduli%G, q, table_argument(material, point), [point%time, point%time_increment], &
-      point%history_old, &
-      response, return_status)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+    bulk = moduli%lambda + 2 * moduli%G / 3
+    call map_return(material, moduli, [q, p], point, response, status)
     if (status /= STRESS_OK .or. .not. response%plastic + response%creep > 0) return
-    N = N / (SQRT_2_3 * q)
-    point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * (response%plastic + response%creep)) * N
+    if (q > 0) N = N / (SQRT_2_3 * q)
+    point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * response%flow) * N - (bulk * response%expansion) * VOIGT_IDENTITY
     point%tangent = response%ratio * isotropic_tangent(0.0_DP, moduli%G)
-    point%tangent(:3, :3) = point%tangent(:3, :3) + moduli%lambda + 2 * moduli%G * (1 - response%ratio) / 3
+    point%tangent(:3, :3) = point%tangent(:3, :3) + bulk * response%dp_dp - 2 * moduli%G * response%ratio / 3
     do i = 1, 6
-      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (response%slope - response%ratio) * N(i)) * N
+      point%tangent(:, i) = point%tangent(:, i) + (2 * moduli%G * (response%slope - response%ratio) * N(i)) * N &
+        - (SQRT_2_3 * bulk * response%dq_dp * VOIGT_IDENTITY(i)) * N &
+        - (2 * SQRT_3_2 * moduli%G * response%dp_dq * N(i)) * VOIGT_IDENTITY
     end do
     associate (history => point%history)
       history(HISTORY_PEEQ) = history(HISTORY_PEEQ) + response%plastic
       history(HISTORY_CEEQ) = history(HISTORY_CEEQ) + response%creep
       history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) &
-        + (SQRT_3_2 * (response%plastic + response%creep)) * N
+        + (SQRT_3_2 * response%flow) * N + (response%expansion / 3) * VOIGT_IDENTITY
       history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * response%back_increment) * N
     end associate
   end subroutine return_to_yield_surface
+
+
+  !> The return mapping of the material: von Mises's cylinder, or the cone of Drucker and Prager.
+  pure subroutine map_return(material, moduli, trial, point, response, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: trial(2)               !< von Mises stress and pressure [stress]
+    type(material_point_type), intent(in) :: point
+    type(return_mapping_type), intent(out) :: response
+    integer, intent(out) :: status                 !< STRESS_...
+    integer :: return_status
+    if (allocated(material%cone%value)) then
+      call map_cone_return(material, [moduli%G, moduli%lambda + 2 * moduli%G / 3], trial, table_argument(material, point), &
+        point%history_old(HISTORY_PEEQ), response, return_status)
+    else
+      call map_radial_return(material, moduli%G, trial(1), table_argument(material, point), [point%time, point%time_increment], &
+        point%history_old, response, return_status)
+    end if
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+  end subroutine map_return
 
 
   !> Plastic flow with anisotropic elasticity; the reader admits only isotropic hardening here.
@@ -561,23 +584,22 @@ contains
     real(DP), intent(out) :: flow(3)               !< inelastic strains of the increment [-]
     integer, intent(out) :: status                 !< STRESS_...
     type(return_mapping_type) :: back
-    real(DP) :: N(3), q
-    integer :: A, return_status
+    real(DP) :: N(3), p, q, bulk
+    integer :: A
     flow = 0
-    N = response%tau - sum(response%tau) / 3
+    p = -sum(response%tau) / 3
+    N = response%tau + p
     q = SQRT_3_2 * norm2(N)
-    call map_radial_return(material, moduli%G, q, table_argument(material, point), [point%time, point%time_increment], &
-      point%history_old, &
-      back, return_status)
-    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+    bulk = moduli%lambda + 2 * moduli%G / 3
+    call map_return(material, moduli, [q, p], point, back, status)
     if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
-    N = N / (SQRT_2_3 * q)
-    flow = (SQRT_3_2 * (back%plastic + back%creep)) * N
-    response%tau = response%tau - 2 * moduli%G * flow
-    response%slope = moduli%lambda + 2 * moduli%G * (1 - back%ratio) / 3
+    if (q > 0) N = N / (SQRT_2_3 * q)
+    flow = (SQRT_3_2 * back%flow) * N + back%expansion / 3
+    response%tau = response%tau - 2 * moduli%G * SQRT_3_2 * back%flow * N - bulk * back%expansion
     do A = 1, 3
+      response%slope(:, A) = bulk * back%dp_dp - 2 * moduli%G * back%ratio / 3 - 2 * SQRT_3_2 * moduli%G * back%dp_dq * N(A) &
+        + (2 * moduli%G * (back%slope - back%ratio) * N(A) - SQRT_2_3 * bulk * back%dq_dp) * N
       response%slope(A, A) = response%slope(A, A) + 2 * moduli%G * back%ratio
-      response%slope(:, A) = response%slope(:, A) + (2 * moduli%G * (back%slope - back%ratio) * N(A)) * N
     end do
     response%secant = 2 * moduli%G * back%ratio
     response%energy = 0.5_DP * dot_product(response%tau, e - flow)

@@ -11,8 +11,8 @@ module amontons_plasticity
     LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
-  public :: return_mapping_type, anisotropic_return_type, map_radial_return, is_inelastic, RETURN_OK, evaluate_ramberg_osgood, &
-    map_anisotropic_return
+  public :: return_mapping_type, anisotropic_return_type, map_radial_return, is_inelastic, RETURN_OK, RETURN_FAILED, &
+    evaluate_ramberg_osgood, map_anisotropic_return, MAX_RETURN_ITERATIONS, TOL_YIELD, TOL_STRAIN_INCREMENT
 
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
@@ -26,7 +26,10 @@ module amontons_plasticity
     real(DP) :: creep = 0                          !< dc, equivalent creep strain of the increment [-]
     real(DP) :: back_increment = 0                           !< dk, growth of the back stress in tension [stress]
     real(DP) :: ratio = 1                          !< theta = 1 - 3 G (dp + dc)/q_trial [-]
-    real(DP) :: slope = 1                          !< kappa = 1 - 3 G d(dp + dc)/dq_trial [-]
+    real(DP) :: slope = 1                          !< kappa = dq/dq_trial = 1 - 3 G d(dp + dc)/dq_trial [-]
+    real(DP) :: flow = 0                           !< equivalent strain of deviatoric flow: dp + dc, or a cone's multiplier [-]
+    real(DP) :: expansion = 0                      !< plastic increase of volume [-]
+    real(DP) :: dq_dp = 0, dp_dq = 0, dp_dp = 1    !< derivatives of von Mises stress q and pressure p by their trial values [-]
   end type return_mapping_type
 
   !> Result of the return mapping with anisotropic elasticity.
@@ -88,11 +91,13 @@ contains
       problem%back_old, slope)
     if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. q_trial > 0) &
       call solve_creep(material, problem, solution, status)
+    solution%flow = solution%creep
     if (status /= RETURN_OK .or. .not. (allocated(material%isotropic_hardening) &
       .or. allocated(material%kinematic_hardening))) return
     call evaluate_yield_stress(material, problem, 0.0_DP, yield, slope)
     if (q_trial - 3 * G * solution%creep <= yield * (1 + TOL_YIELD)) return
     call solve_plasticity_and_creep(material, problem, solution, status)
+    solution%flow = solution%plastic + solution%creep
   end subroutine map_radial_return
 
 

@@ -102,6 +102,8 @@ module amontons_controls
     real(DP) :: newton_tolerance_share = 1.0e-3_DP   !< admissible residual of a direction over Newton's residual tolerance [-] |
                                            !! krylov
     integer :: max_iterations = 200        !< iterations of a direction with a factor | set: a good factor needs fewer than 10
+    integer :: max_unsymmetric_iterations = 40   !< iterations with the factor of the symmetric part, under an unsymmetric law; then
+                                           !! the whole tangent is factorised | set: such a factor takes some ten solutions
     real(DP) :: iterative_tolerance = 1.0e-11_DP   !< residual without a factor, whose estimate of the error is less reliable [-] |
                                            !! two_level_preconditioner
     integer :: max_stale_iterations = 8    !< iterations after which an old factor of the bulk is discarded | 0004

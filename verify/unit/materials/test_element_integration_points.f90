@@ -118,7 +118,7 @@ contains
     point%tangent = c
     call split_unsymmetric_tangent(material, point, points, 1)
     call suite%that('not of a law of the program', all(point%tangent == c) .and. .not. allocated(points%skew))
-    material%is_user = .true.
+    material%is_unsymmetric = .true.
     point%tangent = c + transpose(c)
     point%tangent(1, 2) = point%tangent(1, 2) * (1 + 1.0e-14_DP)
     call split_unsymmetric_tangent(material, point, points, 1)

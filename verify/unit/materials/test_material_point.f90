@@ -4,7 +4,7 @@ program test_material_point
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
-    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, HISTORY_PEEQ, HISTORY_CEEQ, &
+    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, CONE_TENSION, HISTORY_PEEQ, HISTORY_CEEQ, &
     HISTORY_INELASTIC
   use amontons_material_point, only: material_point_type, update_material_point, elastic_strain_from_stress
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, STRESS_OK, STRESS_INVERTED
@@ -32,6 +32,9 @@ program test_material_point
   call check_plastic(ramberg_osgood(), 'deformation plasticity')
   call check_plastic(crystal(), 'cubic elasticity')
   call check_plastic(isotropic_as_crystal(), 'isotropic by its matrix')
+  call check_cone(20.0_DP, LAW_HENCKY)
+  call check_cone(5.0_DP, LAW_HENCKY)
+  call check_cone(0.0_DP, LAW_SAINT_VENANT)
   call check_same_flow()
   call check_simo(metal(), 'Simo, isotropic')
   call check_simo(kinematic_metal(.false.), 'Simo, kinematic')
@@ -275,6 +278,7 @@ contains
     end do
     if (present(has_potential)) c = 0.5_DP * (c + transpose(c))
     call suite%near(name // ': tangent', maxval(abs(c - point%tangent)) / maxval(abs(c)), 0.0_DP, tolerance)
+    if (material%is_unsymmetric) return
     call suite%near(name // ': symmetric', maxval(abs(point%tangent - transpose(point%tangent))) / maxval(abs(c)), &
       0.0_DP, 1e-12_DP)
   end subroutine check_tangent
@@ -485,6 +489,49 @@ contains
     if (.not. material%has_deformation_plasticity) call suite%that(name // ': has yielded', &
       point%history_old(HISTORY_PEEQ) + point%history_old(HISTORY_CEEQ) > 0.01_DP)
   end subroutine check_plastic
+
+
+  !> The cone of Drucker and Prager over some increments, small and finite, on the cone and at its apex: tangents, objectivity and
+  !! the direction of flow: on the cone the volume grows by c tan(psi) of the equivalent plastic strain.
+  subroutine check_cone(dilation, law)
+    real(DP), intent(in) :: dilation               !< [degree]
+    integer, intent(in) :: law                     !< LAW_...
+    type(material_type) :: material
+    type(material_point_type) :: point
+    real(DP), parameter :: DEGREE = acos(-1.0_DP) / 180, FRICTION = 20
+    real(DP) :: volume, growth
+    integer :: i, n_cone, n_apex, status
+    logical :: is_nlgeom
+    material = metal()
+    material%law = law
+    material%cone = property_table_type([0.0_DP], reshape(DEGREE * [FRICTION, dilation], [2, 1]))
+    material%cone_hardening = CONE_TENSION
+    material%is_unsymmetric = dilation < FRICTION
+    n_cone = 0
+    n_apex = 0
+    growth = tan(DEGREE * dilation) / (1 + tan(DEGREE * dilation) / 3)
+    do i = 0, 23
+      is_nlgeom = i >= 12
+      if (mod(i, 6) == 0) point = virgin()
+      point%H = any_gradient(0.02_DP)
+      if (mod(i, 3) == 2) point%H = point%H + 0.02_DP * IDENTITY
+      point%strain = pack_voigt(point%H)
+      call check_tangent('cone', material, point, is_nlgeom, 1e-5_DP)
+      if (is_nlgeom) call check_objectivity('cone', material, point)
+      call update_material_point(material, is_nlgeom, point, status)
+      volume = sum(point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 2)) &
+        - sum(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 2))
+      if (von_mises(point%stress) > 1e-6_DP) then
+        n_cone = n_cone + merge(1, 0, point%history(HISTORY_PEEQ) > point%history_old(HISTORY_PEEQ))
+        call suite%near('cone: dilation', volume, growth * (point%history(HISTORY_PEEQ) - point%history_old(HISTORY_PEEQ)), &
+          1e-13_DP)
+      else
+        n_apex = n_apex + 1
+      end if
+      point%history_old = point%history
+    end do
+    call suite%that('cone: has flowed on the cone and at the apex', n_cone > 3 .and. n_apex > 3)
+  end subroutine check_cone
 
 
   !> Simo's plasticity: objectivity, a tangent accurate to the order of the elastic strains, exact without flow.
