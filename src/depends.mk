@@ -165,7 +165,8 @@ uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows
 uses_contact_operators = kinds errors tensor sparse woodbury_interface contact_linearization
 uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
 uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
-uses_self_contact_pairs = kinds text element_kinds materials surfaces model facets exterior_surface facet_search mortar_segmentation contact_pairs general_contact
+uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation general_contact
+uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation contact_pairs general_contact self_contact_pairs
 
 # equilibrium
 uses_arc_length = kinds steps model state
@@ -224,8 +225,8 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
-uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes general_contact self_contact_pairs arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes unpaired_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

@@ -5,7 +5,7 @@ module amontons_containers
   use amontons_text, only: name_key
   implicit none
   private
-  public :: name_table_type, label_table_type, integer_list_type, list_groups, sort_ascending, sort_integers, &
+  public :: name_table_type, label_table_type, integer_list_type, list_groups, owners_of_entries, sort_ascending, sort_integers, &
     ascending_order, find_root, unite_trees, edit_distance
 
   integer, parameter :: KEY_LENGTH = 2 * NAME_LENGTH + 1   !< the name of an instance, a point, the name of a set
@@ -291,6 +291,18 @@ contains
       next(group(k)) = next(group(k)) + 1
     end do
   end subroutine list_groups
+
+
+  !> The list to which each entry of compressed lists belongs: entries first(k) to first(k + 1) - 1 are those of list k.
+  pure function owners_of_entries(first) result(owner)
+    integer, intent(in) :: first(:)                        !< (lists + 1), the first 1
+    integer, allocatable :: owner(:)                       !< (entries)
+    integer :: k
+    allocate (owner(first(size(first)) - 1))
+    do k = 1, size(first) - 1
+      owner(first(k):first(k + 1) - 1) = k
+    end do
+  end function owners_of_entries
 
 
   !> Sorts a short list in place by insertion.

@@ -19,7 +19,7 @@ module amontons_general_contact
   use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
-  use amontons_exterior_surface, only: exterior_type, build_exterior, measure_faces
+  use amontons_exterior_surface, only: exterior_type, build_exterior
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -28,7 +28,7 @@ module amontons_general_contact
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
   implicit none
   private
-  public :: general_pairs_type, find_general_pairs, find_unpaired_contact
+  public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
   public :: are_near, list_facets, exterior_positions, body_name, small_strain_modulus
   public :: TOUCHING_RADIUS, collect_face_data, estimate_motion, find_interaction, make_surface, displacement_span
@@ -309,41 +309,6 @@ contains
   end function estimate_motion
 
 
-  !> Whether bodies that moved farther than the search looked touch each other without a pair, or may do so in an increment
-  !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing.
-  subroutine find_unpaired_contact(model, u, du, message)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
-    character(:), allocatable, intent(out) :: message   !< '': none
-    type(exterior_type) :: exterior
-    type(face_data_type) :: data
-    type(near_faces_type) :: near
-    logical, allocatable :: is_covered(:)
-    real(DP) :: span, approach
-    integer :: i
-    message = ''
-    if (.not. allocated(model%general_contact)) return
-    span = displacement_span(model, u)
-    if (span <= estimate_motion(model)) return
-    call build_model_exterior(model, exterior)
-    call collect_face_data(model, exterior, data)
-    call measure_faces(model%mesh, model%mesh%coordinates + u, exterior)
-    approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(exterior%edge_length))
-    call find_near_faces(model%general_contact, exterior, data, TOUCHING_RADIUS, approach, near)
-    if (near%face%n == 0) return
-    call find_covered_faces(model, exterior, data, near, is_covered)
-    i = findloc(is_covered, .false., dim=1)
-    if (i == 0) return
-    associate (mesh => model%mesh, f => near%face%items(i), m => data%member(near%partner%items(i)))
-      message = 'General contact: element ' // to_text(mesh%element_label(exterior%element(f))) // ' of ' // &
-        body_name(model, exterior, exterior%body(f)) // ' reached ' // body_name(model, exterior, exterior%body(m)) // &
-        ', from which it was too far away at the start, and there is no pair of them. Give *CONTACT a REACH of more than ' // &
-        to_text(span) // ', or name the pair with *CONTACT PAIR.'
-    end associate
-  end subroutine find_unpaired_contact
-
-
   !> A bound of the displacement of nodes relative to each other [length].
   pure real(DP) function displacement_span(model, u) result(span)
     type(model_type), intent(in) :: model
@@ -351,42 +316,6 @@ contains
     integer :: i
     span = norm2([(maxval(u(i, :), mask=model%mesh%has_elements) - minval(u(i, :), mask=model%mesh%has_elements), i=1, 3)])
   end function displacement_span
-
-
-  !> Marks the near faces that some pair holds on one side, and on its other side a face of their partner group.
-  subroutine find_covered_faces(model, exterior, data, near, is_covered)
-    type(model_type), intent(in) :: model
-    type(exterior_type), intent(in) :: exterior
-    type(face_data_type), intent(in) :: data
-    type(near_faces_type), intent(in) :: near
-    logical, allocatable, intent(out) :: is_covered(:)   !< (near faces)
-    integer :: number(6, model%mesh%n_elements), p, side, i, f
-    logical :: is_on(exterior%n, 2), is_group(data%n_groups, 2)
-    allocate (is_covered(near%face%n), source=.false.)
-    number = 0
-    do f = 1, exterior%n
-      number(exterior%face(f), exterior%element(f)) = f
-    end do
-    do p = 1, size(model%pairs)
-      is_on = .false.
-      is_group = .false.
-      do side = 1, 2
-        associate (surface => model%surfaces(merge(model%pairs(p)%slave, model%pairs(p)%master, side == 1)))
-          do i = 1, size(surface%element)
-            f = number(surface%face(i), surface%element(i))
-            if (f == 0) cycle
-            is_on(f, side) = .true.
-            is_group(data%group(f), side) = .true.
-          end do
-        end associate
-      end do
-      do i = 1, near%face%n
-        associate (f_i => near%face%items(i), g => near%partner%items(i))
-          is_covered(i) = is_covered(i) .or. (is_on(f_i, 1) .and. is_group(g, 2)) .or. (is_on(f_i, 2) .and. is_group(g, 1))
-        end associate
-      end do
-    end do
-  end subroutine find_covered_faces
 
 
   !> The largest prescribed displacement of a step; a velocity counts as the extent of the mesh [length].

@@ -1,4 +1,4 @@
-!> Self contact within general contact: bodies whose faces can meet other faces of the same body, and faces that met without a pair.
+!> Self contact within general contact: bodies whose faces can meet other faces of the same body.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two faces of a body *face each other* if their normals oppose and each is in front of the other, as across a slot. The pair of a
@@ -6,29 +6,24 @@
 !! or foam, or with REACH any body, *folds* if that way is as long as the half circle around its thickness, 2 V/A: then all its
 !! faces can meet. One pair for each body has these faces, as slave and as master (amontons_self_contact_visibility).
 !!
-!! Faces that met against this estimate are found after each increment; neighbours on the surface and the two sides of the same
-!! material do not count.
+!! Faces that met against this estimate are found after each increment (amontons_unpaired_contact).
 module amontons_self_contact_pairs
   use amontons_kinds, only: DP, PI
-  use amontons_text, only: to_text, plural, NEWLINE
+  use amontons_text, only: plural, NEWLINE
   use amontons_model, only: model_type
   use amontons_materials, only: ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_element_kinds, only: has_midsides
   use amontons_surfaces, only: surface_type, contact_pair_type, is_compliant
-  use amontons_facets, only: facets_type
-  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
-  use amontons_exterior_surface, only: exterior_type, measure_faces
+  use amontons_exterior_surface, only: exterior_type
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
-  use amontons_contact_pairs, only: MAX_DEPTH_SHARE
   use amontons_general_contact, only: general_pairs_type, face_data_type, build_model_exterior, collect_face_data, &
-    estimate_motion, find_interaction, make_surface, body_name, list_facets, exterior_positions, displacement_span
+    estimate_motion, find_interaction, make_surface, body_name
   implicit none
   private
-  public :: add_self_pairs, find_unpaired_self_contact
+  public :: add_self_pairs, body_thickness, self_contact_obstacle, FOLD_RATIO
 
   integer, parameter :: MAX_COMPARED_FACES = 2000           !< faces of a body that each of its faces is compared with
   real(DP), parameter :: FOLD_RATIO = 0.5_DP * PI           !< way of a body that folds, over its thickness [-]
-  real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
 
 contains
 
@@ -174,147 +169,5 @@ contains
       text = 'contact at nodes would keep edges with mid-side nodes straight. Give *CONTACT, TYPE=SURFACE TO SURFACE.'
     end if
   end function self_contact_obstacle
-
-
-  !> Whether faces of one body have met without a pair, or will do so in an increment like the last one: message names them.
-  !! Displacements that differ by less than an element is wide cost nothing.
-  subroutine find_unpaired_self_contact(model, u, du, message)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment; zero without NLGEOM [length]
-    character(:), allocatable, intent(out) :: message   !< '': none
-    type(exterior_type) :: exterior, now
-    type(face_data_type) :: data
-    type(facets_type) :: facets
-    type(facet_search_type) :: search
-    integer, allocatable :: list(:)
-    real(DP) :: reach
-    integer :: f, k, m, n
-    message = ''
-    if (.not. allocated(model%general_contact)) return
-    if (displacement_span(model, u) < 0.5_DP * smallest_width(model)) return
-    call build_model_exterior(model, exterior)
-    if (exterior%n == 0) return
-    call collect_face_data(model, exterior, data)
-    now = exterior
-    call measure_faces(model%mesh, model%mesh%coordinates + u, now)
-    reach = min(displacement_span(model, du), maxval(now%edge_length)) + 0.25_DP * maxval(now%edge_length)
-    call list_facets(now%n, facets)
-    call build_facet_search(facets, exterior_positions(now, [(f, f=1, now%n)]), reach, search)
-    do f = 1, now%n
-      if (data%is_rigid(f)) cycle
-      call find_near_facets(search, now%centre(:, f), list, n)
-      do k = 1, n
-        m = list(k)
-        if (now%body(m) /= now%body(f)) cycle
-        if (.not. meet(exterior, now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) cycle
-        if (find_interaction(model%general_contact, data, data%group(f), data%group(m), 0) == 0) cycle
-        if (have_pair(model, exterior, f, m)) cycle
-        call describe_unpaired_faces(model, exterior, data, f, m, message)
-        return
-      end do
-    end do
-  end subroutine find_unpaired_self_contact
-
-
-  !> The least extent of an element: of its box the longest side [length].
-  pure real(DP) function smallest_width(model) result(width)
-    type(model_type), intent(in) :: model
-    integer :: e
-    width = huge(1.0_DP)
-    do e = 1, model%mesh%n_elements
-      associate (x => model%mesh%coordinates(:, model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1)))
-        if (size(x, 2) > 2) width = min(width, maxval(maxval(x, dim=2) - minval(x, dim=2)))
-      end associate
-    end do
-  end function smallest_width
-
-
-  !> The mean motion of the corners of a face [length].
-  pure function mean_motion(exterior, f, du) result(motion)
-    type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: f                       !< face
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
-    real(DP) :: motion(3)
-    motion = sum(du(:, exterior%nodes(exterior%first(f):exterior%first(f) + exterior%n_corners(f) - 1)), dim=2) &
-      / real(exterior%n_corners(f), DP)
-  end function mean_motion
-
-
-  !> Whether two faces of a body meet: opposite each other now, with a gap that the motion of the last increment would close, or
-  !! with a penetration. Neighbours on the surface and the two sides of the same material do not meet.
-  pure logical function meet(exterior, now, f, m, motion)
-    type(exterior_type), intent(in) :: exterior    !< at the start
-    type(exterior_type), intent(in) :: now
-    integer, intent(in) :: f, m                    !< faces
-    real(DP), intent(in) :: motion(3)              !< of f towards m in the last increment [length]
-    real(DP) :: between(3), front, edge
-    meet = .false.
-    if (dot_product(now%normal(:, f), now%normal(:, m)) > -MIN_FACING_COSINE) return
-    edge = max(now%edge_length(f), now%edge_length(m))
-    between = now%centre(:, m) - now%centre(:, f)
-    front = min(dot_product(between, now%normal(:, f)), -dot_product(between, now%normal(:, m)))
-    if (front > max(0.0_DP, dot_product(motion, now%normal(:, f)))) return
-    if (front < -MAX_DEPTH_SHARE * min(now%depth(f), now%depth(m))) return
-    if (norm2(between - dot_product(between, now%normal(:, f)) * now%normal(:, f)) > 0.5_DP * edge) return
-    between = exterior%centre(:, m) - exterior%centre(:, f)
-    if (dot_product(exterior%normal(:, f), exterior%normal(:, m)) > -MIN_FACING_COSINE) then
-      meet = norm2(between) > (NEIGHBOUR_RATIO + 1) * edge
-    else
-      front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))
-      meet = front > 0.0_DP .or. norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f)) > 2 * edge
-    end if
-  end function meet
-
-
-  !> Whether some pair of the model has one of two faces as slave and the other one as master.
-  pure logical function have_pair(model, exterior, f, m)
-    type(model_type), intent(in) :: model
-    type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: f, m                    !< faces
-    integer :: p
-    have_pair = .false.
-    do p = 1, size(model%pairs)
-      associate (slave => model%surfaces(model%pairs(p)%slave), master => model%surfaces(model%pairs(p)%master))
-        have_pair = have_pair .or. (has_face(slave, f) .and. has_face(master, m))
-        have_pair = have_pair .or. (has_face(slave, m) .and. has_face(master, f))
-      end associate
-    end do
-
-  contains
-
-    !> Whether a surface has a face.
-    pure logical function has_face(surface, i)
-      type(surface_type), intent(in) :: surface
-      integer, intent(in) :: i
-      has_face = .false.
-      if (allocated(surface%element)) has_face = any(surface%element == exterior%element(i) .and. surface%face == exterior%face(i))
-    end function has_face
-
-  end function have_pair
-
-
-  !> The sentence about two faces of a body that met, with what helps.
-  subroutine describe_unpaired_faces(model, exterior, data, f, m, message)
-    type(model_type), intent(in) :: model
-    type(exterior_type), intent(in) :: exterior
-    type(face_data_type), intent(in) :: data
-    integer, intent(in) :: f, m                    !< faces
-    character(:), allocatable, intent(out) :: message
-    character(:), allocatable :: obstacle
-    integer :: i, law
-    law = find_interaction(model%general_contact, data, data%group(f), data%group(m), 0)
-    message = 'General contact: element ' // to_text(model%mesh%element_label(exterior%element(f))) // ' of ' // body_name(model, &
-      exterior, exterior%body(f)) // ' reached element ' // to_text(model%mesh%element_label(exterior%element(m))) // &
-      ' of the same body, and there is no pair of them: '
-    obstacle = self_contact_obstacle(model, exterior%element([f, m]), law)
-    if (obstacle /= '') then
-      message = message // obstacle
-    else
-      message = message // 'they were not near at the start. Give *CONTACT a REACH of ' // to_text(FOLD_RATIO &
-        * body_thickness(exterior, pack([(i, i=1, exterior%n)], exterior%body == exterior%body(f)))) // &
-        ' or more, or *CONTACT PAIR with one surface that has both.'
-    end if
-  end subroutine describe_unpaired_faces
 
 end module amontons_self_contact_pairs

@@ -12,7 +12,7 @@
 !! else is as in space.
 module amontons_facets
   use amontons_kinds, only: DP, PI
-  use amontons_containers, only: list_groups, sort_ascending
+  use amontons_containers, only: list_groups, owners_of_entries, sort_ascending
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FACET_LINE2, FACET_LINE3, &
     MAX_FACE_NODES
@@ -252,12 +252,8 @@ contains
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: n_nodes                   !< number of mesh nodes
     type(incidence_type), intent(out) :: incidence
-    integer :: f
     call list_groups(facets%nodes, n_nodes, incidence%first, incidence%entry)
-    allocate (incidence%owner(size(facets%nodes)))
-    do f = 1, facets%n
-      incidence%owner(facets%first(f):facets%first(f + 1) - 1) = f
-    end do
+    incidence%owner = owners_of_entries(facets%first(:facets%n + 1))
   end subroutine find_incidence
 
 

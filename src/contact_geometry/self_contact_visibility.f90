@@ -10,7 +10,7 @@ module amontons_self_contact_visibility
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: MAX_FACE_NODES
-  use amontons_containers, only: integer_list_type, list_groups
+  use amontons_containers, only: integer_list_type, list_groups, owners_of_entries
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, facet_centre, n_facet_corners
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_surface_projection, only: MIN_OPPOSED_COSINE
@@ -58,10 +58,8 @@ contains
   subroutine list_facets_at_nodes(n_nodes, facets)
     integer, intent(in) :: n_nodes
     type(facets_type), intent(inout) :: facets
-    integer :: owner(size(facets%nodes)), f
-    do f = 1, facets%n
-      owner(facets%first(f):facets%first(f + 1) - 1) = f
-    end do
+    integer, allocatable :: owner(:)
+    owner = owners_of_entries(facets%first(:facets%n + 1))
     call list_groups(facets%nodes, n_nodes, facets%at_first, facets%at)
     facets%at = owner(facets%at)
   end subroutine list_facets_at_nodes

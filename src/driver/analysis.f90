@@ -24,8 +24,7 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
-  use amontons_general_contact, only: find_unpaired_contact
-  use amontons_self_contact_pairs, only: find_unpaired_self_contact
+  use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
   use amontons_model_change, only: activate_elements
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
@@ -433,16 +432,16 @@ contains
   !> Ends the job where faces have come together that general contact does not know to be near: of two bodies under NLGEOM, or of
   !! one.
   subroutine check_unpaired_contact(analysis, error)
-    type(analysis_type), intent(in) :: analysis
+    type(analysis_type), intent(inout) :: analysis !< its faces
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
     message = ''
-    associate (now => analysis%state%old)
+    associate (now => analysis%state%old, faces => analysis%faces)
       if (analysis%model%steps(max(1, analysis%stepping%step))%is_nlgeom) then
-        call find_unpaired_contact(analysis%model, now%u, now%time_increment * now%v, message)
-        if (message == '') call find_unpaired_self_contact(analysis%model, now%u, now%time_increment * now%v, message)
+        call find_unpaired_contact(analysis%model, faces, now%u, now%time_increment * now%v, message)
+        if (message == '') call find_unpaired_self_contact(analysis%model, faces, now%u, now%time_increment * now%v, message)
       else
-        call find_unpaired_self_contact(analysis%model, now%u, 0 * now%v, message)
+        call find_unpaired_self_contact(analysis%model, faces, now%u, 0 * now%v, message)
       end if
     end associate
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')

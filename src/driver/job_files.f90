@@ -11,6 +11,7 @@ module amontons_job_files
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: state_type, slave_state_type
   use amontons_equilibrium, only: equilibrium_type
+  use amontons_unpaired_contact, only: model_faces_type
   use amontons_newton, only: newton_type
   use amontons_postprocess, only: n_nodal_slaves
   use amontons_increment_control, only: increment_control_type
@@ -40,6 +41,7 @@ module amontons_job_files
     type(slave_state_type), allocatable :: initial_slaves(:)   !< at the start of the first increment: facets and gaps before
                                                                !! anything moves
     type(equilibrium_type) :: system
+    type(model_faces_type) :: faces                !< for the search of faces that meet without a pair
     type(newton_type) :: newton
     type(increment_control_type) :: stepping
     type(results_type) :: results

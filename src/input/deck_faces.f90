@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
-  use amontons_containers, only: integer_list_type, list_groups
+  use amontons_containers, only: integer_list_type, list_groups, owners_of_entries
   use amontons_mesh, only: mesh_type
   use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, is_two_sided
   implicit none
@@ -21,11 +21,9 @@ contains
   subroutine index_faces(faces, mesh)
     type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
-    integer :: owner(size(mesh%nodes)), e
+    integer, allocatable :: owner(:)
     if (allocated(faces%first)) return
-    do e = 1, mesh%n_elements
-      owner(mesh%first(e):mesh%first(e + 1) - 1) = e
-    end do
+    owner = owners_of_entries(mesh%first(:mesh%n_elements + 1))
     call list_groups(mesh%nodes, mesh%n_nodes, faces%first, faces%elements)
     faces%elements = owner(faces%elements)
   end subroutine index_faces

@@ -1,7 +1,8 @@
 !> Unit test of amontons_containers: names, labels, lists, order, disjoint sets and the distance of words.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_containers
-  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, list_groups, sort_ascending, &
+  use amontons_containers, only: name_table_type, label_table_type, integer_list_type, list_groups, &
+    owners_of_entries, sort_ascending, &
     sort_integers, ascending_order, find_root, unite_trees, edit_distance
   use amontons_kinds, only: DP
   use check, only: suite_type
@@ -78,6 +79,8 @@ contains
     call suite%that('ascending', all(members == [2, 5, 1, 4, 6]))
     call list_groups([integer ::], 2, first, members)
     call suite%that('no members', all(first == 1) .and. size(members) == 0)
+    call suite%that('owners', all(owners_of_entries([1, 3, 3, 4]) == [1, 1, 3]))
+    call suite%that('no entries', size(owners_of_entries([1, 1])) == 0 .and. size(owners_of_entries([1])) == 0)
   end subroutine check_groups
 
 

@@ -1,4 +1,4 @@
-!> Unit test of self_contact_pairs: pairs of slots and bodies that fold; faces that met without a pair.
+!> Unit test of self_contact_pairs: pairs of slots and bodies that fold.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_self_contact_pairs
   use amontons_kinds, only: DP
@@ -8,7 +8,7 @@ program test_self_contact_pairs
   use amontons_model, only: model_type, job_options_type
   use amontons_surfaces, only: is_self_contact
   use amontons_general_contact, only: general_pairs_type
-  use amontons_self_contact_pairs, only: add_self_pairs, find_unpaired_self_contact
+  use amontons_self_contact_pairs, only: add_self_pairs
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
@@ -39,10 +39,6 @@ program test_self_contact_pairs
   call find(horseshoe(5.0_DP) // GENERAL(:8) // ', REACH=2.' // GENERAL(9:) // last_step(', NLGEOM'))
   call suite%that('a body that folds: all its faces', size(found%pairs) == 1)
   if (size(found%pairs) == 1) call suite%that('every exterior face', size(found%surfaces(1)%face) == 12)
-  call look_at_arms(0.3_DP, 0.0_DP, .false.)
-  call look_at_arms(1.6_DP, 0.0_DP, .true.)
-  call look_at_arms(1.3_DP, 0.3_DP, .true.)
-  call look_at_arms(1.3_DP, 0.1_DP, .false.)
   call suite%finish()
 
 contains
@@ -64,27 +60,6 @@ contains
     character(:), allocatable :: cards
     cards = '*STEP' // options // ';*STATIC;*BOUNDARY;1,1,2;12,2,2,-0.4;*END STEP;'
   end function last_step
-
-
-  !> Arms with a slot of 1.5 and no pair, the upper one moved down by a way, the last part of it in this increment.
-  subroutine look_at_arms(way, last, is_found)
-    real(DP), intent(in) :: way, last            !< [length]
-    logical, intent(in) :: is_found              !< they met, or will in the next increment
-    type(model_type) :: model
-    type(diagnostic_list_type) :: diagnostics
-    type(error_type), allocatable :: error
-    type(job_options_type) :: options
-    character(:), allocatable :: message
-    real(DP) :: u(3, 12), du(3, 12)
-    call read_deck_text(deck_lines(horseshoe(1.5_DP) // GENERAL // last_step('')), options, model, diagnostics, error)
-    call suite%that('deck', .not. allocated(error))
-    u = 0
-    du = 0
-    u(2, [8, 9, 11, 12]) = -way
-    du(2, [8, 9, 11, 12]) = -last
-    call find_unpaired_self_contact(model, u, du, message)
-    call suite%that('arms that met without a pair', is_found .eqv. index(message, 'of the same body') > 0)
-  end subroutine look_at_arms
 
 
   !> Reads a deck and finds its pairs.

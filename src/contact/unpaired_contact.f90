@@ -1,0 +1,271 @@
+!> Search after each increment for faces that have come together without a contact pair, of two bodies or of one.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! General contact makes pairs of the faces that are near at the start. The search finds faces that have moved farther. Cost: none
+!! while nothing moved that far; else linear in the exterior faces, whose data are built once for a job.
+module amontons_unpaired_contact
+  use amontons_kinds, only: DP
+  use amontons_text, only: to_text
+  use amontons_containers, only: integer_list_type, list_groups
+  use amontons_model, only: model_type
+  use amontons_facets, only: facets_type
+  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
+  use amontons_exterior_surface, only: exterior_type, measure_faces
+  use amontons_mortar_segmentation, only: MIN_FACING_COSINE
+  use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
+  use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, estimate_motion, &
+    find_near_faces, find_interaction, body_name, list_facets, exterior_positions, displacement_span, TOUCHING_RADIUS
+  use amontons_self_contact_pairs, only: body_thickness, self_contact_obstacle, FOLD_RATIO
+  implicit none
+  private
+  public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
+
+  real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
+
+  !> The exterior of the model in its first step, for the search of unpaired faces after each increment; made once, when a search
+  !! needs it first.
+  type :: model_faces_type
+    logical :: is_ready = .false.
+    real(DP) :: motion = -1                        !< way that the pairs allow for; negative: not known yet [length]
+    real(DP) :: least_width = -1                   !< least extent of an element; negative: not known yet [length]
+    type(exterior_type) :: exterior
+    type(face_data_type) :: data
+    integer, allocatable :: slave_first(:), slave_pair(:)     !< pairs of which each face is a slave, in compressed lists
+    integer, allocatable :: master_first(:), master_pair(:)   !< the same for masters
+  end type model_faces_type
+
+contains
+
+  !> Whether bodies that moved farther than the search looked touch each other without a pair, or may do so in an increment
+  !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing.
+  subroutine find_unpaired_contact(model, faces, u, du, message)
+    type(model_type), intent(in) :: model
+    type(model_faces_type), intent(inout) :: faces !< prepared here if needed
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
+    character(:), allocatable, intent(out) :: message   !< '': none
+    type(exterior_type) :: now
+    type(near_faces_type) :: near
+    logical, allocatable :: is_covered(:)
+    real(DP) :: span, approach
+    integer :: i
+    message = ''
+    if (.not. allocated(model%general_contact)) return
+    span = displacement_span(model, u)
+    if (faces%motion < 0.0_DP) faces%motion = estimate_motion(model)
+    if (span <= faces%motion) return
+    call prepare_faces(model, faces)
+    now = faces%exterior
+    call measure_faces(model%mesh, model%mesh%coordinates + u, now)
+    approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(now%edge_length))
+    call find_near_faces(model%general_contact, now, faces%data, TOUCHING_RADIUS, approach, near)
+    if (near%face%n == 0) return
+    call find_covered_faces(faces, near, size(model%pairs), is_covered)
+    i = findloc(is_covered, .false., dim=1)
+    if (i == 0) return
+    associate (mesh => model%mesh, f => near%face%items(i), m => faces%data%member(near%partner%items(i)))
+      message = 'General contact: element ' // to_text(mesh%element_label(now%element(f))) // ' of ' // &
+        body_name(model, now, now%body(f)) // ' reached ' // body_name(model, now, now%body(m)) // &
+        ', from which it was too far away at the start, and there is no pair of them. Give *CONTACT a REACH of more than ' // &
+        to_text(span) // ', or name the pair with *CONTACT PAIR.'
+    end associate
+  end subroutine find_unpaired_contact
+
+
+  !> Whether faces of one body have met without a pair, or will do so in an increment like the last one: message names them.
+  !! Displacements that differ by less than an element is wide cost nothing.
+  subroutine find_unpaired_self_contact(model, faces, u, du, message)
+    type(model_type), intent(in) :: model
+    type(model_faces_type), intent(inout) :: faces !< prepared here if needed
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment; zero without NLGEOM [length]
+    character(:), allocatable, intent(out) :: message   !< '': none
+    type(exterior_type) :: now
+    type(facets_type) :: facets
+    type(facet_search_type) :: search
+    integer, allocatable :: list(:)
+    real(DP) :: reach
+    integer :: f, k, m, n
+    message = ''
+    if (.not. allocated(model%general_contact)) return
+    if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
+    if (displacement_span(model, u) < 0.5_DP * faces%least_width) return
+    call prepare_faces(model, faces)
+    if (faces%exterior%n == 0) return
+    now = faces%exterior
+    call measure_faces(model%mesh, model%mesh%coordinates + u, now)
+    reach = min(displacement_span(model, du), maxval(now%edge_length)) + 0.25_DP * maxval(now%edge_length)
+    call list_facets(now%n, facets)
+    call build_facet_search(facets, exterior_positions(now, [(f, f=1, now%n)]), reach, search)
+    do f = 1, now%n
+      if (faces%data%is_rigid(f)) cycle
+      call find_near_facets(search, now%centre(:, f), list, n)
+      do k = 1, n
+        m = list(k)
+        if (now%body(m) /= now%body(f)) cycle
+        if (.not. meet(faces%exterior, now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) cycle
+        if (find_interaction(model%general_contact, faces%data, faces%data%group(f), faces%data%group(m), 0) == 0) cycle
+        if (have_pair(faces, f, m) .or. have_pair(faces, m, f)) cycle
+        call describe_unpaired_faces(model, faces%exterior, faces%data, f, m, message)
+        return
+      end do
+    end do
+  end subroutine find_unpaired_self_contact
+
+
+  !> The least extent of an element: of its box the longest side [length].
+  pure real(DP) function smallest_width(model) result(width)
+    type(model_type), intent(in) :: model
+    integer :: e
+    width = huge(1.0_DP)
+    do e = 1, model%mesh%n_elements
+      associate (x => model%mesh%coordinates(:, model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1)))
+        if (size(x, 2) > 2) width = min(width, maxval(maxval(x, dim=2) - minval(x, dim=2)))
+      end associate
+    end do
+  end function smallest_width
+
+
+  !> The mean motion of the corners of a face [length].
+  pure function mean_motion(exterior, f, du) result(motion)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f                       !< face
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
+    real(DP) :: motion(3)
+    motion = sum(du(:, exterior%nodes(exterior%first(f):exterior%first(f) + exterior%n_corners(f) - 1)), dim=2) &
+      / real(exterior%n_corners(f), DP)
+  end function mean_motion
+
+
+  !> Whether two faces of a body meet: opposite each other now, with a gap that the motion of the last increment would close, or
+  !! with a penetration. Neighbours on the surface and the two sides of the same material do not meet.
+  pure logical function meet(exterior, now, f, m, motion)
+    type(exterior_type), intent(in) :: exterior    !< at the start
+    type(exterior_type), intent(in) :: now
+    integer, intent(in) :: f, m                    !< faces
+    real(DP), intent(in) :: motion(3)              !< of f towards m in the last increment [length]
+    real(DP) :: between(3), front, edge
+    meet = .false.
+    if (dot_product(now%normal(:, f), now%normal(:, m)) > -MIN_FACING_COSINE) return
+    edge = max(now%edge_length(f), now%edge_length(m))
+    between = now%centre(:, m) - now%centre(:, f)
+    front = min(dot_product(between, now%normal(:, f)), -dot_product(between, now%normal(:, m)))
+    if (front > max(0.0_DP, dot_product(motion, now%normal(:, f)))) return
+    if (front < -MAX_DEPTH_SHARE * min(now%depth(f), now%depth(m))) return
+    if (norm2(between - dot_product(between, now%normal(:, f)) * now%normal(:, f)) > 0.5_DP * edge) return
+    between = exterior%centre(:, m) - exterior%centre(:, f)
+    if (dot_product(exterior%normal(:, f), exterior%normal(:, m)) > -MIN_FACING_COSINE) then
+      meet = norm2(between) > (NEIGHBOUR_RATIO + 1) * edge
+    else
+      front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))
+      meet = front > 0.0_DP .or. norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f)) > 2 * edge
+    end if
+  end function meet
+
+
+  !> Whether some pair of the model has a face as slave and another one as master.
+  pure logical function have_pair(faces, slave, master)
+    type(model_faces_type), intent(in) :: faces
+    integer, intent(in) :: slave, master           !< faces
+    integer :: i
+    have_pair = .false.
+    do i = faces%slave_first(slave), faces%slave_first(slave + 1) - 1
+      have_pair = have_pair .or. any(faces%master_pair(faces%master_first(master):faces%master_first(master + 1) - 1) == &
+        faces%slave_pair(i))
+    end do
+  end function have_pair
+
+
+  !> The sentence about two faces of a body that met, with what helps.
+  subroutine describe_unpaired_faces(model, exterior, data, f, m, message)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: f, m                    !< faces
+    character(:), allocatable, intent(out) :: message
+    character(:), allocatable :: obstacle
+    integer :: i, law
+    law = find_interaction(model%general_contact, data, data%group(f), data%group(m), 0)
+    message = 'General contact: element ' // to_text(model%mesh%element_label(exterior%element(f))) // ' of ' // body_name(model, &
+      exterior, exterior%body(f)) // ' reached element ' // to_text(model%mesh%element_label(exterior%element(m))) // &
+      ' of the same body, and there is no pair of them: '
+    obstacle = self_contact_obstacle(model, exterior%element([f, m]), law)
+    if (obstacle /= '') then
+      message = message // obstacle
+    else
+      message = message // 'they were not near at the start. Give *CONTACT a REACH of ' // to_text(FOLD_RATIO &
+        * body_thickness(exterior, pack([(i, i=1, exterior%n)], exterior%body == exterior%body(f)))) // &
+        ' or more, or *CONTACT PAIR with one surface that has both.'
+    end if
+  end subroutine describe_unpaired_faces
+
+
+  !> Builds the exterior, the data of its faces and the pairs of each face. Cost: linear in faces and surfaces, once.
+  subroutine prepare_faces(model, faces)
+    type(model_type), intent(in) :: model
+    type(model_faces_type), intent(inout) :: faces
+    integer, allocatable :: number(:, :)
+    integer :: f
+    if (faces%is_ready) return
+    call build_model_exterior(model, faces%exterior)
+    call collect_face_data(model, faces%exterior, faces%data)
+    allocate (number(6, model%mesh%n_elements), source=0)
+    do f = 1, faces%exterior%n
+      number(faces%exterior%face(f), faces%exterior%element(f)) = f
+    end do
+    call list_pairs_of_faces(model, number, faces%exterior%n, .true., faces%slave_first, faces%slave_pair)
+    call list_pairs_of_faces(model, number, faces%exterior%n, .false., faces%master_first, faces%master_pair)
+    faces%is_ready = .true.
+  end subroutine prepare_faces
+
+
+  !> The pairs that have each face on one side.
+  subroutine list_pairs_of_faces(model, number, n_faces, is_slave, first, pair)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: number(:, :)            !< (faces, elements) exterior face; 0: none
+    integer, intent(in) :: n_faces
+    logical, intent(in) :: is_slave                !< the side
+    integer, allocatable, intent(out) :: first(:), pair(:)   !< compressed lists
+    type(integer_list_type) :: face, owner
+    integer, allocatable :: members(:)
+    integer :: p, i
+    do p = 1, size(model%pairs)
+      associate (surface => model%surfaces(merge(model%pairs(p)%slave, model%pairs(p)%master, is_slave)))
+        if (.not. allocated(surface%element)) cycle
+        do i = 1, size(surface%element)
+          call face%add(number(surface%face(i), surface%element(i)))
+          call owner%add(p)
+        end do
+      end associate
+    end do
+    call list_groups(face%trimmed(), n_faces, first, members)
+    pair = owner%items(members)
+  end subroutine list_pairs_of_faces
+
+
+  !> Marks the near faces that some pair holds on one side, and on its other side a face of their partner group.
+  subroutine find_covered_faces(faces, near, n_pairs, is_covered)
+    type(model_faces_type), intent(in) :: faces
+    type(near_faces_type), intent(in) :: near
+    integer, intent(in) :: n_pairs
+    logical, allocatable, intent(out) :: is_covered(:)   !< (near faces)
+    logical, allocatable :: is_slave(:, :), is_master(:, :)
+    integer :: f, i
+    allocate (is_slave(n_pairs, faces%data%n_groups), is_master(n_pairs, faces%data%n_groups), source=.false.)
+    do f = 1, faces%exterior%n
+      associate (g => faces%data%group(f))
+        if (g == 0) cycle
+        is_slave(faces%slave_pair(faces%slave_first(f):faces%slave_first(f + 1) - 1), g) = .true.
+        is_master(faces%master_pair(faces%master_first(f):faces%master_first(f + 1) - 1), g) = .true.
+      end associate
+    end do
+    allocate (is_covered(near%face%n))
+    do i = 1, near%face%n
+      associate (f_i => near%face%items(i), g => near%partner%items(i))
+        is_covered(i) = any(is_master(faces%slave_pair(faces%slave_first(f_i):faces%slave_first(f_i + 1) - 1), g)) .or. &
+          any(is_slave(faces%master_pair(faces%master_first(f_i):faces%master_first(f_i + 1) - 1), g))
+      end associate
+    end do
+  end subroutine find_covered_faces
+
+end module amontons_unpaired_contact

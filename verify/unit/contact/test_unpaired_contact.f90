@@ -1,0 +1,99 @@
+!> Unit test of unpaired_contact: faces of one body that met without a pair; two bodies that did, with and without a pair.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+program test_unpaired_contact
+  use amontons_kinds, only: DP
+  use amontons_deck, only: read_deck_text
+  use amontons_errors, only: diagnostic_list_type, error_type
+  use amontons_text, only: to_text
+  use amontons_model, only: model_type, job_options_type
+  use amontons_unpaired_contact, only: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
+  use check, only: suite_type
+  use samples, only: deck_lines
+  implicit none
+  character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
+  type(suite_type) :: suite
+  call look_at_arms(0.3_DP, 0.0_DP, .false.)
+  call look_at_arms(1.6_DP, 0.0_DP, .true.)
+  call look_at_arms(1.3_DP, 0.3_DP, .true.)
+  call look_at_arms(1.3_DP, 0.1_DP, .false.)
+  call look_at_blocks('', .true.)
+  call look_at_blocks('*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, INTERACTION=I;S_UP, S_LOW;', .false.)
+  call suite%finish()
+
+contains
+
+  !> Three CPE4: a back and two arms of length 1, a slot of a width between them.
+  function horseshoe(width) result(cards)
+    real(DP), intent(in) :: width
+    character(:), allocatable :: cards
+    cards = '*NODE;1,0.,0.;2,1.,0.;3,2.,0.;4,0.,1.;5,1.,1.;6,2.,1.;7,0.,' // to_text(1 + width) // ';8,1.,' // &
+      to_text(1 + width) // ';9,2.,' // to_text(1 + width) // ';10,0.,' // to_text(2 + width) // ';11,1.,' // to_text(2 + width) &
+      // ';12,2.,' // to_text(2 + width) // ';*ELEMENT, TYPE=CPE4, ELSET=SHOE;1,2,3,6,5;2,1,2,5,4;3,8,9,12,11;4,7,8,11,10;' // &
+      '5,4,5,8,7;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*SOLID SECTION, ELSET=SHOE, MATERIAL=M;*SURFACE, NAME=SHOE_S;SHOE,;'
+  end function horseshoe
+
+
+  !> A step that moves a corner by 0.4.
+  function last_step(options) result(cards)
+    character(*), intent(in) :: options
+    character(:), allocatable :: cards
+    cards = '*STEP' // options // ';*STATIC;*BOUNDARY;1,1,2;12,2,2,-0.4;*END STEP;'
+  end function last_step
+
+
+  !> Arms with a slot of 1.5 and no pair, the upper one moved down by a way, the last part of it in this increment.
+  subroutine look_at_arms(way, last, is_found)
+    real(DP), intent(in) :: way, last            !< [length]
+    logical, intent(in) :: is_found              !< they met, or will in the next increment
+    type(model_type) :: model
+    type(diagnostic_list_type) :: diagnostics
+    type(error_type), allocatable :: error
+    type(job_options_type) :: options
+    type(model_faces_type) :: faces
+    character(:), allocatable :: message
+    real(DP) :: u(3, 12), du(3, 12)
+    integer :: turn
+    call read_deck_text(deck_lines(horseshoe(1.5_DP) // GENERAL // last_step('')), options, model, diagnostics, error)
+    call suite%that('deck', .not. allocated(error))
+    u = 0
+    du = 0
+    u(2, [8, 9, 11, 12]) = -way
+    du(2, [8, 9, 11, 12]) = -last
+    do turn = 1, 2                               ! the faces are built in the first turn and serve in the second
+      call find_unpaired_self_contact(model, faces, u, du, message)
+      call suite%that('arms that met without a pair', is_found .eqv. index(message, 'of the same body') > 0)
+    end do
+    call suite%that('built if something moved by half an element', faces%is_ready .eqv. way > 0.5_DP)
+  end subroutine look_at_arms
+
+
+  !> Two squares one above the other, the upper one moved down onto the lower one, from beyond what was searched at the start.
+  subroutine look_at_blocks(pair, is_found)
+    character(*), intent(in) :: pair             !< cards of a pair
+    logical, intent(in) :: is_found
+    type(model_type) :: model
+    type(diagnostic_list_type) :: diagnostics
+    type(error_type), allocatable :: error
+    type(job_options_type) :: options
+    type(model_faces_type) :: faces
+    character(:), allocatable :: message
+    real(DP) :: u(3, 8)
+    integer :: i
+    call read_deck_text(deck_lines('*NODE;1,0.,0.;2,1.,0.;3,1.,1.;4,0.,1.;5,0.,9.;6,1.,9.;7,1.,10.;8,0.,10.;' // &
+      '*ELEMENT, TYPE=CPE4, ELSET=LOW;1,1,2,3,4;*ELEMENT, TYPE=CPE4, ELSET=UP;2,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;' // &
+      '*SOLID SECTION, ELSET=LOW, MATERIAL=M;*SOLID SECTION, ELSET=UP, MATERIAL=M;*SURFACE, NAME=S_UP;UP, S1;' // &
+      '*SURFACE, NAME=S_LOW;LOW, S3;' // GENERAL // pair // '*STEP, NLGEOM;*STATIC;*BOUNDARY;1,1,2;2,2;5,1;' // &
+      '5,2,2,-0.5;6,2,2,-0.5;*END STEP;'), options, model, diagnostics, error)
+    do i = 1, diagnostics%n_items
+      call suite%that(diagnostics%items(i)%text, diagnostics%items(i)%is_warning)
+    end do
+    if (allocated(error)) return
+    u = 0
+    u(2, 5:8) = -8
+    call find_unpaired_contact(model, faces, u, 0 * u, message)
+    call suite%that('blocks that met', is_found .eqv. index(message, 'there is no pair of them') > 0)
+    call find_unpaired_contact(model, faces, 0 * u, 0 * u, message)
+    call suite%that('blocks at the start', message == '')
+  end subroutine look_at_blocks
+
+end program test_unpaired_contact
