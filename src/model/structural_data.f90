@@ -74,13 +74,16 @@ module amontons_structural_data
 
 contains
 
-  !> The directors of a node: first to last; last < first: it has none. They are ordered by their nodes.
+  !> The directors of a node: first to last; last < first: it has none. They are ordered by their nodes; a deck with errors in its
+  !! mesh is not expanded and has none.
   pure subroutine find_node_directors(structure, node, first, last)
     type(structure_type), intent(in) :: structure
     integer, intent(in) :: node
     integer, intent(out) :: first, last
     integer :: above, middle
     first = 1
+    last = 0
+    if (.not. allocated(structure%directors)) return
     above = size(structure%directors) + 1
     do while (first < above)
       middle = (first + above) / 2
@@ -178,7 +181,9 @@ contains
     integer, intent(in) :: nodes(:)
     integer, allocatable :: all_nodes(:), found(:)
     integer :: i, k, n, first, last
-    allocate (found(sum([(size(structure%directors(k)%nodes), k=1, size(structure%directors))])))
+    n = 0
+    if (allocated(structure%directors)) n = sum([(size(structure%directors(k)%nodes), k=1, size(structure%directors))])
+    allocate (found(n))
     n = 0
     do i = 1, size(nodes)
       call find_node_directors(structure, nodes(i), first, last)

@@ -1,5 +1,5 @@
 """Makes the documentation site light: no white space between tags, no end tags and comments that HTML does without, no styles, fonts and
-maps of scripts that no page loads, no search in other languages.
+maps of scripts that no page loads, no search in other languages, no anchors that no link leads to.
 
     python -m verify.tools.site_weight build/site
 
@@ -11,10 +11,13 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 KEPT = re.compile(r"(<pre\b.*?</pre>|<script\b.*?</script>|<style\b.*?</style>)", re.DOTALL)
 NEEDLESS = ("*.map", "*.ttf", "lunr/**/*.js")  #: for debuggers of scripts; browsers take fonts as .woff2; languages other than English
 OPTIONAL = re.compile(r"<!--.*?-->|</(?:td|th|tr|thead|tbody)>", re.DOTALL)  #: comments; the HTML standard lets a table go without these end tags
+ANCHOR = re.compile(r'<span class="anchor" id="([^"]*)"></span>\n?')
+TARGET = re.compile(r"""href=["'][^"'#]*#([^"']+)["']""")
 STYLE = re.compile(r'href="[^"]*?([\w.-]+\.css)"')
 
 
@@ -25,12 +28,16 @@ def slim(page: str) -> str:
 
 
 def lighten(site: Path) -> None:
-    """All pages of a site. A link of a page to its own places needs no name of the page."""
+    """All pages of a site. A link of a page to its own places needs no name of the page, a place without links no anchor."""
     styles = set()
+    targets = set()
     for page in site.rglob("*.html"):
         text = slim(page.read_text())
         styles |= set(STYLE.findall(text))
-        page.write_text(text.replace(f'href="../{page.parent.name}/{page.name}#', 'href="#'))
+        targets |= {unquote(target) for target in TARGET.findall(text)}
+        page.write_text(re.sub(rf"""href=(["'])\.\./{page.parent.name}/{re.escape(page.name)}#""", r"href=\1#", text))
+    for page in (site / "api").rglob("*.html"):
+        page.write_text(ANCHOR.sub(lambda anchor: anchor[0] if unquote(anchor[1]) in targets else "", page.read_text()))
     for style in (site / "api").rglob("*.css"):
         if style.name not in styles:
             style.unlink()
