@@ -19,7 +19,7 @@ module amontons_membrane_elements
   use amontons_materials, only: material_type
   use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
     split_unsymmetric_tangent, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
-  use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_shape_functions, only: shape_functions, quadrature, spread_body_force
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
   use amontons_element_kinds, only: KIND_M3D6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
@@ -257,18 +257,11 @@ contains
     real(DP), intent(in) :: thickness              !< [length]
     real(DP), intent(in) :: b(3)                   !< [force/length^3]
     real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES)   !< in: zero [force]
-    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
-      volumes(MAX_ELEMENT_POINTS)
-    integer :: m, p, a, status
+    real(DP) :: volumes(MAX_ELEMENT_POINTS)
+    integer :: m, status
     volumes = 0
     call evaluate_membrane_volumes(kind, X, thickness, m, volumes, status)
-    call quadrature(kind, m, xi, w)
-    do p = 1, m
-      call shape_functions(kind, xi(:, p), N, dN)
-      do a = 1, size(X, 2)
-        force(:, a) = force(:, a) + (N(a) * volumes(p)) * b
-      end do
-    end do
+    call spread_body_force(kind, size(X, 2), volumes, b, force)
   end subroutine integrate_membrane_body_force
 
 

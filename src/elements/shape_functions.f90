@@ -15,7 +15,7 @@ module amontons_shape_functions
   use amontons_tensor, only: solve_normal_equations
   implicit none
   private
-  public :: shape_functions, quadrature, node_coordinates, extrapolation_matrix
+  public :: shape_functions, quadrature, spread_body_force, node_coordinates, extrapolation_matrix
   public :: choose_face_rule
   public :: facet_shapes, facet_quadrature, facet_node_coordinates
   public :: MAX_FACET_POINTS
@@ -283,6 +283,25 @@ contains
     case default                                   ! unknown kind: nothing is set
     end select
   end subroutine quadrature
+
+
+  !> Consistent nodal forces of a body force on an element whose points have these volumes. Adds to force.
+  pure subroutine spread_body_force(kind, n_nodes, volumes, b, force)
+    integer, intent(in) :: kind                    !< KIND_...
+    integer, intent(in) :: n_nodes
+    real(DP), intent(in) :: volumes(:)             !< of the points [length^3]
+    real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3]
+    real(DP), intent(inout) :: force(:, :)         !< (3, nodes) [force]
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    integer :: m, p, a
+    call quadrature(kind, m, xi, w)
+    do p = 1, m
+      call shape_functions(kind, xi(:, p), N, dN)
+      do a = 1, n_nodes
+        force(:, a) = force(:, a) + (N(a) * volumes(p)) * b
+      end do
+    end do
+  end subroutine spread_body_force
 
 
   !> The walls of a hollow beam; absent: a full section.

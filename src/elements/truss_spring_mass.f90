@@ -14,7 +14,7 @@ module amontons_truss_spring_mass
   use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, ELEMENT_OK, &
     ELEMENT_INVERTED, &
     ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
-  use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_shape_functions, only: shape_functions, quadrature, spread_body_force
   use amontons_elasticity, only: STRESS_OK, MAX_DISPLACEMENT_GRADIENT
   use amontons_element_kinds, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
@@ -176,18 +176,11 @@ contains
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: b(3)                   !< force per reference volume [force/length^3]
     real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)   !< zero past the nodes [force]
-    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
-      volumes(MAX_ELEMENT_POINTS)
-    integer :: m, p, a, status
+    real(DP) :: volumes(MAX_ELEMENT_POINTS)
+    integer :: m, status
     force = 0
     call evaluate_truss_volumes(kind, X, area, m, volumes, status)
-    call quadrature(kind, m, xi, w)
-    do p = 1, m
-      call shape_functions(kind, xi(:, p), N, dN)
-      do a = 1, size(X, 2)
-        force(:, a) = force(:, a) + (N(a) * volumes(p)) * b
-      end do
-    end do
+    call spread_body_force(kind, size(X, 2), volumes, b, force)
   end subroutine integrate_truss_body_force
 
 

@@ -65,18 +65,24 @@ def hemisphere(kind: str, n: int) -> tuple[Shell, str, int, int, float]:
     return body, body.cards() + section(6.825e7, 0.3, 0.04) + supports + load, node, 0, 0.0930
 
 
-def ratio(program: str, dialect: str, seconds: float, made: tuple[Shell, str, int, int, float]) -> float:
-    """Displacement over the published one; nan if the job does not finish."""
-    _, deck, node, direction, expected = made
+def displacement(program: str, dialect: str, seconds: float, deck: str, node: int, component: tuple[str, int]) -> float:
+    """Last value of a component of the field U or UR at a node; nan if the job does not finish."""
+    name, direction = component
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "shell.inp"
+        path = Path(folder) / "job.inp"
         path.write_text(deck)
         done = subprocess.run([program, f"--dialect={dialect}", "--outdir", folder, str(path)], capture_output=True, timeout=seconds, check=False)
         if done.returncode != 0:
             return float("nan")
-        with h5py.File(Path(folder) / "shell.vtkhdf") as file:
+        with h5py.File(Path(folder) / "job.vtkhdf") as file:
             points = int(file["VTKHDF/NumberOfPoints"][0])
-            return float(file["VTKHDF/PointData/U"][-points:][node, direction]) / expected
+            return float(file[f"VTKHDF/PointData/{name}"][-points:][node, direction])
+
+
+def ratio(program: str, dialect: str, seconds: float, made: tuple[Shell, str, int, int, float]) -> float:
+    """Displacement over the published one; nan if the job does not finish."""
+    _, deck, node, direction, expected = made
+    return displacement(program, dialect, seconds, deck, node, ("U", direction)) / expected
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -1,9 +1,9 @@
-!> Samples that several unit tests share: lines of a deck, dense matrices, chains of elements with a contact row, smooth normals.
+!> Samples that several unit tests share: decks, dense matrices, chains of elements with a contact row, smooth normals.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module samples
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_text, only: NEWLINE
+  use amontons_text, only: to_text, NEWLINE
   use amontons_mesh, only: mesh_type
   use amontons_facets, only: facets_type, facet_nodes
   use amontons_shape_functions, only: facet_shapes
@@ -13,7 +13,7 @@ module samples
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, eliminate_constraints
   implicit none
   private
-  public :: deck_lines, dense_of, add_oblique_row, make_chain_mesh, evaluate_smooth_normal
+  public :: deck_lines, horseshoe, last_step, dense_of, add_oblique_row, make_chain_mesh, evaluate_smooth_normal
 
 contains
 
@@ -27,6 +27,25 @@ contains
       if (text(i:i) == ';') lines(i:i) = NEWLINE
     end do
   end function deck_lines
+
+
+  !> Three CPE4: a back and two arms of length 1, a slot of a width between them.
+  function horseshoe(width) result(cards)
+    real(DP), intent(in) :: width
+    character(:), allocatable :: cards
+    cards = '*NODE;1,0.,0.;2,1.,0.;3,2.,0.;4,0.,1.;5,1.,1.;6,2.,1.;7,0.,' // to_text(1 + width) // ';8,1.,' // &
+      to_text(1 + width) // ';9,2.,' // to_text(1 + width) // ';10,0.,' // to_text(2 + width) // ';11,1.,' // to_text(2 + width) &
+      // ';12,2.,' // to_text(2 + width) // ';*ELEMENT, TYPE=CPE4, ELSET=SHOE;1,2,3,6,5;2,1,2,5,4;3,8,9,12,11;4,7,8,11,10;' // &
+      '5,4,5,8,7;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*SOLID SECTION, ELSET=SHOE, MATERIAL=M;*SURFACE, NAME=SHOE_S;SHOE,;'
+  end function horseshoe
+
+
+  !> A step that moves a corner by 0.4.
+  pure function last_step(options) result(cards)
+    character(*), intent(in) :: options
+    character(:), allocatable :: cards
+    cards = '*STEP' // options // ';*STATIC;*BOUNDARY;1,1,2;12,2,2,-0.4;*END STEP;'
+  end function last_step
 
 
   !> A sparse matrix with all its zeros; of a symmetric one the upper triangle is given.

@@ -4,11 +4,10 @@ program test_unpaired_contact
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_text, only: to_text
   use amontons_model, only: model_type, job_options_type
   use amontons_unpaired_contact, only: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
   use check, only: suite_type
-  use samples, only: deck_lines
+  use samples, only: deck_lines, horseshoe, last_step
   implicit none
   character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
   type(suite_type) :: suite
@@ -21,25 +20,6 @@ program test_unpaired_contact
   call suite%finish()
 
 contains
-
-  !> Three CPE4: a back and two arms of length 1, a slot of a width between them.
-  function horseshoe(width) result(cards)
-    real(DP), intent(in) :: width
-    character(:), allocatable :: cards
-    cards = '*NODE;1,0.,0.;2,1.,0.;3,2.,0.;4,0.,1.;5,1.,1.;6,2.,1.;7,0.,' // to_text(1 + width) // ';8,1.,' // &
-      to_text(1 + width) // ';9,2.,' // to_text(1 + width) // ';10,0.,' // to_text(2 + width) // ';11,1.,' // to_text(2 + width) &
-      // ';12,2.,' // to_text(2 + width) // ';*ELEMENT, TYPE=CPE4, ELSET=SHOE;1,2,3,6,5;2,1,2,5,4;3,8,9,12,11;4,7,8,11,10;' // &
-      '5,4,5,8,7;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*SOLID SECTION, ELSET=SHOE, MATERIAL=M;*SURFACE, NAME=SHOE_S;SHOE,;'
-  end function horseshoe
-
-
-  !> A step that moves a corner by 0.4.
-  function last_step(options) result(cards)
-    character(*), intent(in) :: options
-    character(:), allocatable :: cards
-    cards = '*STEP' // options // ';*STATIC;*BOUNDARY;1,1,2;12,2,2,-0.4;*END STEP;'
-  end function last_step
-
 
   !> Arms with a slot of 1.5 and no pair, the upper one moved down by a way, the last part of it in this increment.
   subroutine look_at_arms(way, last, is_found)
