@@ -43,7 +43,7 @@ contains
     n = n_counted(measures)
     verdict = VERDICT_CONTINUE
     if (measures%is_displacement_complete .and. residual_left <= tolerance .and. measures%gap <= controls%gap_tolerance .and. &
-      (estimate_error(measures, tolerance) <= controls%c_n .or. residual_left <= controls%r_l)) then
+      (estimate_error(measures) <= controls%c_n .or. residual_left <= controls%r_l)) then
       verdict = VERDICT_CONVERGED
     else if (n >= controls%i_c) then
       verdict = VERDICT_TOO_SLOW
@@ -69,14 +69,13 @@ contains
   !! residual. It is the least of the last correction, and the largest of three forecasts of the next one: the last two corrections,
   !! each times the residual over the residual that it removed; and quadratic convergence. One residual alone forecasts too little
   !! where stiff parts had most of it and soft parts have the rest. A first iteration has no forecast. Its correction counts only if
-  !! the residual was within the tolerance before it: the tangent of a start far from equilibrium may be far too stiff, e.g. by the
-  !! tension of a rope that the extrapolation of a rotation stretches.
-  pure real(DP) function estimate_error(measures, tolerance) result(error)
+  !! the residual before it was at most the largest force: beyond, forces that no equilibrium has may make the tangent of the start
+  !! far too stiff, e.g. the tension of a rope that the extrapolation of a rotation stretches.
+  pure real(DP) function estimate_error(measures) result(error)
     type(convergence_measures_type), intent(in) :: measures
-    real(DP), intent(in) :: tolerance              !< of the residual [-]
     error = measures%correction(0)
     if (measures%iteration == 1) then
-      if (measures%residual(1) > tolerance) error = huge(1.0_DP)
+      if (measures%residual(1) > 1) error = huge(1.0_DP)
     else if (measures%is_whole_step .and. measures%residual(0) < minval(measures%residual(1:)) .and. &
       measures%correction(0) < measures%correction(1)) then
       error = min(error, max(measures%residual(0) * maxval(measures%correction / measures%residual(1:)), &
