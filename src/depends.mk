@@ -9,6 +9,7 @@ uses_failure = kinds
 uses_iteration_records = kinds failure
 uses_posix = kinds errors
 uses_logger = kinds text errors iteration_records posix
+uses_scalar_root = kinds
 uses_tensor = kinds
 uses_version =
 
@@ -44,8 +45,8 @@ uses_structural_data = kinds
 uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data
 
 # materials
-uses_plasticity = kinds materials
-uses_drucker_prager = kinds materials plasticity
+uses_plasticity = kinds scalar_root materials
+uses_drucker_prager = kinds scalar_root materials plasticity
 uses_logarithmic_strain = kinds tensor
 uses_elasticity = kinds tensor materials logarithmic_strain
 uses_hyperelasticity = kinds materials logarithmic_strain

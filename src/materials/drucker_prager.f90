@@ -11,8 +11,8 @@
 module amontons_drucker_prager
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, evaluate_curves, evaluate_table, CONE_COMPRESSION, CONE_TENSION
-  use amontons_plasticity, only: return_mapping_type, RETURN_OK, RETURN_FAILED, MAX_RETURN_ITERATIONS, TOL_YIELD, &
-    TOL_STRAIN_INCREMENT
+  use amontons_plasticity, only: return_mapping_type, RETURN_OK, RETURN_FAILED, TOL_YIELD
+  use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS
   implicit none
   private
   public :: map_cone_return
@@ -116,31 +116,24 @@ contains
     type(cone_problem_type), intent(in) :: problem
     type(return_mapping_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
-    real(DP) :: m, low, high, scale, f, df, d, step
+    type(root_search_type) :: search
+    real(DP) :: m, f, df, d
     integer :: i
-    scale = problem%q_trial / (3 * problem%G)
-    low = 0
-    high = scale
-    m = 0
+    search%high = problem%q_trial / (3 * problem%G)
+    search%scale = search%high
     status = RETURN_FAILED
-    do i = 1, MAX_RETURN_ITERATIONS
+    do i = 0, MAX_ROOT_ITERATIONS
+      m = search%x
       call evaluate_cone(material, problem, m, f, df, d)
+      if (search%is_found) status = RETURN_OK
+      if (search%is_found) exit
       if (.not. df < 0) return
-      if (f > 0) low = m
-      if (f <= 0) high = m
-      step = -f / df
-      if (.not. (m + step >= low .and. m + step <= high)) step = 0.5_DP * (low + high) - m
-      m = m + step
-      if (abs(step) <= TOL_STRAIN_INCREMENT * scale .or. high - low <= TOL_STRAIN_INCREMENT * scale) then
-        status = RETURN_OK
-        exit
-      end if
+      call improve_root(search, -f, -df)
     end do
-    call evaluate_cone(material, problem, m, f, df, d)
     solution%plastic = problem%strain_factor * m
     solution%flow = m
     solution%expansion = problem%dilation * m
-    solution%ratio = 1 - m / scale
+    solution%ratio = 1 - m / search%scale
     solution%slope = 1 + 3 * problem%G / df
     solution%dq_dp = -3 * problem%G * problem%friction / df
     solution%dp_dq = -problem%K * problem%dilation / df
@@ -155,31 +148,23 @@ contains
     type(cone_problem_type), intent(in) :: problem
     type(return_mapping_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
-    real(DP) :: m, v, low, high, scale, d, slope, f, df, step, growth, dv_dq, dv_dp
+    type(root_search_type) :: search
+    real(DP) :: m, v, d, slope, df, growth, dv_dq, dv_dp
     integer :: i
     m = problem%q_trial / (3 * problem%G)
     growth = problem%cohesion_factor / problem%friction
-    low = 0
-    high = -problem%p_trial / problem%K - m * problem%dilation   ! without pressure
-    scale = high + m
-    v = 0
+    search%high = -problem%p_trial / problem%K - m * problem%dilation   ! without pressure
+    search%scale = search%high + m
     status = RETURN_FAILED
-    do i = 1, MAX_RETURN_ITERATIONS
+    do i = 0, MAX_ROOT_ITERATIONS
+      v = search%x
       call evaluate_cohesion(material, problem, problem%strain_factor * m + growth * v, d, slope)
-      f = problem%p_trial + problem%K * (m * problem%dilation + v) + d / problem%friction
+      if (search%is_found) status = RETURN_OK
+      if (search%is_found) exit
       df = problem%K + growth * slope / problem%friction
       if (.not. df > 0) return
-      if (f < 0) low = v
-      if (f >= 0) high = v
-      step = -f / df
-      if (.not. (v + step >= low .and. v + step <= high)) step = 0.5_DP * (low + high) - v
-      v = v + step
-      if (abs(step) <= TOL_STRAIN_INCREMENT * scale .or. high - low <= TOL_STRAIN_INCREMENT * scale) then
-        status = RETURN_OK
-        exit
-      end if
+      call improve_root(search, problem%p_trial + problem%K * (m * problem%dilation + v) + d / problem%friction, df)
     end do
-    call evaluate_cohesion(material, problem, problem%strain_factor * m + growth * v, d, slope)
     slope = slope / problem%friction
     df = problem%K + growth * slope
     dv_dp = -1 / df

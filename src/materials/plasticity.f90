@@ -7,18 +7,17 @@
 !! Neto, D. Peric, D. R. J. Owen, Computational Methods for Plasticity (2008), sections 7.3, 7.6, 12.
 module amontons_plasticity
   use amontons_kinds, only: DP
+  use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS, TOL_ROOT
   use amontons_materials, only: material_type, evaluate_curves, evaluate_table, CREEP_NONE, CREEP_TIME_HARDENING, &
     LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
   public :: return_mapping_type, anisotropic_return_type, map_radial_return, is_inelastic, RETURN_OK, RETURN_FAILED, &
-    evaluate_ramberg_osgood, map_anisotropic_return, MAX_RETURN_ITERATIONS, TOL_YIELD, TOL_STRAIN_INCREMENT
+    evaluate_ramberg_osgood, map_anisotropic_return, TOL_YIELD
 
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
-  integer, parameter :: MAX_RETURN_ITERATIONS = 100
   real(DP), parameter :: TOL_YIELD = 1.0e-9_DP        !< a smaller relative excess over the yield stress is rounding [-]
-  real(DP), parameter :: TOL_STRAIN_INCREMENT = 1.0e-13_DP    !< of a strain increment over its bracket [-]
 
   !> Result of the return mapping in an increment.
   type :: return_mapping_type
@@ -107,27 +106,18 @@ contains
     type(return_problem_type), intent(in) :: problem
     type(return_mapping_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
-    real(DP) :: c, low, high, f, df, rate, rate_q, rate_c, step
+    type(root_search_type) :: search
+    real(DP) :: c, rate, rate_q, rate_c
     integer :: i
-    low = 0
-    high = problem%q_trial / (3 * problem%G)
-    c = 0
+    search%high = problem%q_trial / (3 * problem%G)
     status = RETURN_FAILED
-    do i = 1, MAX_RETURN_ITERATIONS
+    do i = 0, MAX_ROOT_ITERATIONS
+      c = search%x
       call evaluate_creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
-      f = c - problem%dt * rate
-      df = 1 + problem%dt * (3 * problem%G * rate_q - rate_c)
-      if (f > 0) high = c
-      if (f <= 0) low = c
-      step = -f / df
-      if (.not. (c + step > low .and. c + step < high)) step = 0.5_DP * (low + high) - c
-      c = c + step
-      if (abs(step) <= TOL_STRAIN_INCREMENT * max(c, tiny(c)) .or. high - low <= tiny(c)) then
-        status = RETURN_OK
-        exit
-      end if
+      if (search%is_found) status = RETURN_OK
+      if (search%is_found) exit
+      call improve_root(search, c - problem%dt * rate, 1 + problem%dt * (3 * problem%G * rate_q - rate_c))
     end do
-    call evaluate_creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
     solution%creep = c
     solution%ratio = 1 - c / (problem%q_trial / (3 * problem%G))
     solution%slope = 1 - 3 * problem%G * problem%dt * rate_q &
@@ -142,32 +132,23 @@ contains
     type(return_problem_type), intent(in) :: problem
     type(return_mapping_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
+    type(root_search_type) :: search
     type(yield_residual_type) :: r
-    real(DP) :: p, low, high, step, q_strain
     integer :: i
-    q_strain = problem%q_trial / (3 * problem%G)   ! what rounding of the stresses is measured by
-    low = 0
-    high = q_strain
-    p = 0
+    search%high = problem%q_trial / (3 * problem%G)
+    search%scale = search%high                     ! rounding of the stresses
     status = RETURN_FAILED
-    do i = 1, MAX_RETURN_ITERATIONS
-      r = evaluate_yield_residual(material, problem, p)
-      if (r%f > 0) low = p
-      if (r%f <= 0) high = p
+    do i = 0, MAX_ROOT_ITERATIONS
+      r = evaluate_yield_residual(material, problem, search%x)
+      if (search%is_found) status = RETURN_OK
+      if (search%is_found) exit
       if (.not. r%df < 0) return
-      step = -r%f / r%df
-      if (.not. (p + step >= low .and. p + step <= high)) step = 0.5_DP * (low + high) - p
-      p = p + step
-      if (abs(step) <= TOL_STRAIN_INCREMENT * max(p, q_strain) .or. high - low <= TOL_STRAIN_INCREMENT * q_strain) then
-        status = RETURN_OK
-        exit
-      end if
+      call improve_root(search, -r%f, -r%df)
     end do
-    r = evaluate_yield_residual(material, problem, p)
-    solution%plastic = p
+    solution%plastic = search%x
     solution%creep = r%c
     solution%back_increment = r%back_increment
-    solution%ratio = 1 - (p + r%c) / (problem%q_trial / (3 * problem%G))
+    solution%ratio = 1 - (search%x + r%c) / (problem%q_trial / (3 * problem%G))
     solution%slope = 1 + 3 * problem%G * (1 + r%dc) / r%df
   end subroutine solve_plasticity_and_creep
 
@@ -217,9 +198,9 @@ contains
     c = 0
     dc = 0
     if (material%creep_law == CREEP_NONE .or. .not. problem%dt > 0) return
-    do i = 1, MAX_RETURN_ITERATIONS                      ! a fixed point for strain hardening, at once for time hardening
+    do i = 1, MAX_ROOT_ITERATIONS                        ! a fixed point for strain hardening, at once for time hardening
       call evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
-      if (abs(c - problem%dt * rate) <= TOL_STRAIN_INCREMENT * problem%dt * rate) exit
+      if (abs(c - problem%dt * rate) <= TOL_ROOT * problem%dt * rate) exit
       c = problem%dt * rate
     end do
     dc = problem%dt * rate_q * q_slope / (1 - problem%dt * rate_c)
@@ -273,31 +254,24 @@ contains
     real(DP), intent(out) :: ratio                 !< q over 3 G strain [-]
     real(DP), intent(out) :: slope                 !< dq/dstrain over 3 G [-]
     integer, intent(out) :: status                 !< RETURN_...
-    real(DP) :: q, low, high, f, df, step, power
+    type(root_search_type) :: search
+    real(DP) :: q, power
     integer :: i
     ratio = 1
     slope = 1
     status = RETURN_OK
     if (.not. strain > 0) return
     associate (E => constants(1), s => constants(3), n => constants(4), alpha => constants(5))
-      low = 0
-      high = 3 * G * strain
-      q = min(high, s * (strain * E / (alpha * s))**(1 / n))
+      search%high = 3 * G * strain
+      search%x = min(search%high, s * (strain * E / (alpha * s))**(1 / n))
       status = RETURN_FAILED
-      do i = 1, MAX_RETURN_ITERATIONS
+      do i = 0, MAX_ROOT_ITERATIONS
+        q = search%x
         power = alpha * (q / s)**(n - 1) / E
-        f = q / (3 * G) + power * q - strain
-        df = 1 / (3 * G) + n * power
-        if (f > 0) high = q
-        if (f <= 0) low = q
-        step = -f / df
-        if (.not. (q + step > low .and. q + step < high)) step = 0.5_DP * (low + high) - q
-        q = q + step
-        if (abs(step) > TOL_STRAIN_INCREMENT * q) cycle
-        status = RETURN_OK
-        exit
+        if (search%is_found) status = RETURN_OK
+        if (search%is_found) exit
+        call improve_root(search, q / (3 * G) + power * q - strain, 1 / (3 * G) + n * power)
       end do
-      power = alpha * (q / s)**(n - 1) / E
       ratio = q / (3 * G * strain)
       slope = 1 / (1 + 3 * G * n * power)
     end associate
@@ -317,8 +291,8 @@ contains
     real(DP), intent(in) :: p_old                  !< committed equivalent plastic strain [-]
     type(anisotropic_return_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
-    real(DP) :: low, high, step, f, df, scale
-    logical :: is_bracketed
+    type(root_search_type) :: search
+    real(DP) :: f, df
     integer :: i
     status = RETURN_OK
     call evaluate_anisotropic_flow(material, C, e, temperature, p_old, 0.0_DP, solution, f, df)
@@ -326,21 +300,13 @@ contains
       solution%tangent = C
       return
     end if
-    scale = norm2(e)                               ! what rounding is measured by
-    low = 0
-    high = scale
-    is_bracketed = .false.
+    search%scale = norm2(e)                        ! what rounding is measured by
     status = RETURN_FAILED
-    do i = 1, MAX_RETURN_ITERATIONS
+    do i = 1, MAX_ROOT_ITERATIONS
       if (.not. df < 0) return
-      if (f > 0) low = solution%plastic
-      if (f <= 0) high = solution%plastic
-      is_bracketed = is_bracketed .or. f <= 0
-      step = -f / df
-      if (is_bracketed .and. .not. (solution%plastic + step >= low .and. solution%plastic + step <= high)) &
-        step = 0.5_DP * (low + high) - solution%plastic
-      call evaluate_anisotropic_flow(material, C, e, temperature, p_old, solution%plastic + step, solution, f, df)
-      if (abs(step) > TOL_STRAIN_INCREMENT * scale) cycle
+      call improve_root(search, -f, -df)
+      call evaluate_anisotropic_flow(material, C, e, temperature, p_old, search%x, solution, f, df)
+      if (.not. search%is_found) cycle
       status = RETURN_OK
       return
     end do
