@@ -1,7 +1,8 @@
 """Cases of the verification, of the manual and of input/, written differently: other units, turned, renumbered, shuffled, two threads, twice,
 through the library and resumed in the middle.
 
-All fields at all nodes of the deck are compared, at all times, and the iterations of each step.
+Short cases are rewritten in all these ways. Of the others each takes one system of units and one other way, by turns; all of them with
+AMONTONS_EVERY_CASE. All fields at all nodes of the deck are compared, at all times, and the iterations of each step.
 
 The deck of a case is taken from the case itself: its first one, before anything is run.
 
@@ -203,11 +204,18 @@ ALL = [pytest.param(case, marks=[] if case in SHORT else [pytest.mark.slow]) for
 WITH_OTHERS = [*ALL, *(pytest.param(case, marks=[] if case.startswith("example") else [pytest.mark.slow]) for case in OTHERS)]
 
 
+EVERY = bool(os.environ.get("AMONTONS_EVERY_CASE"))
+
+
 def case_and_system() -> list[ParameterSet]:
     """Each case in one of the systems of units, by turns; with AMONTONS_EVERY_CASE in all of them."""
-    every = bool(os.environ.get("AMONTONS_EVERY_CASE"))
-    chosen = ((case, system) for i, case in enumerate(WITH_OTHERS) for j, system in enumerate(SYSTEMS) if every or i % len(SYSTEMS) == j)
+    chosen = ((case, system) for i, case in enumerate(WITH_OTHERS) for j, system in enumerate(SYSTEMS) if EVERY or i % len(SYSTEMS) == j)
     return [pytest.param(*case.values, system, marks=case.marks) for case, system in chosen]
+
+
+def by_turns(turn: int) -> list[ParameterSet]:
+    """The short cases, and each third of the others; with AMONTONS_EVERY_CASE all of them."""
+    return [case for i, case in enumerate(ALL) if EVERY or not case.marks or i % 3 == turn]
 
 
 @pytest.mark.parametrize(("case", "system"), case_and_system())
@@ -217,7 +225,7 @@ def test_units(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str,
     same(solve(run, tmp_path, said(case, units)), plain(case), 1e-8, InUnits(units))
 
 
-@pytest.mark.parametrize("case", ALL)
+@pytest.mark.parametrize("case", by_turns(0))
 def test_shuffled_threads_twice(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str) -> None:
     """The cards of the model in another order: 1e-8; two threads: 1e-10, or 1e-9 over the sixty increments of the capstan, whose friction
     remembers the rounding of each (1.1e-10 of CPRESS was seen); the same run again: bitwise."""
@@ -228,7 +236,7 @@ def test_shuffled_threads_twice(run: Run, tmp_path: Path, plain: Callable[[str],
         same(job, wanted, {"shuffled": 1e-8, "threads": threaded, "again": 0.0}[name])
 
 
-@pytest.mark.parametrize("case", ALL)
+@pytest.mark.parametrize("case", by_turns(1))
 def test_turned_and_renumbered(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str) -> None:
     """Turned in space, with supports along the turned axes; nodes in another order with other labels: 1e-8."""
     deck, wanted = said(case), plain(case)
@@ -238,7 +246,7 @@ def test_turned_and_renumbered(run: Run, tmp_path: Path, plain: Callable[[str], 
         same(solve(run, tmp_path / "turned", in_dialect(deck, turned(deck))), wanted, 1e-8, View(turn=rotation(deck)))
 
 
-@pytest.mark.parametrize("case", ALL)
+@pytest.mark.parametrize("case", by_turns(2))
 def test_library_and_restart(run: Run, tmp_path: Path, plain: Callable[[str], Job], case: str) -> None:
     """The library takes the job to the middle and drops it, the program resumes it: all of the result file is the same bit by bit.
 
