@@ -257,8 +257,13 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 	@$(PY) -m verify.study.random_contact --program $(BIN)/amontons --seeds 1 200
 	@$(PY) -m verify.study.contact_table --program $(BIN)/amontons --runs $(B)/study.csv
 	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
-	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 6
+	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --preconditioners NODAL --modes ALL
+	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 6 --preconditioners FACTOR \
+	  --modes ALL --only "block sheared" punch "block dragged" cylinder ball "ball by faces"
+	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 6 --sizes 5 \
+	  --modes NONE GLOBAL NODAL --only "block sheared" punch "block dragged" cylinder ball "ball by faces"
 	@$(PY) -m verify.study.gradients_table --show $(B)/gradients.csv --figure $(B)/gradients.png
+	@$(PY) -m verify.study.gradients_samples --program $(BIN)/amontons
 	@$(PY) -m verify.study.gradients_growth --program $(BIN)/amontons
 
 # --- the documentation --------------------------------------------------------------------------------------------

@@ -16,7 +16,8 @@ module amontons_anderson_acceleration
 
   integer, parameter :: DEPTH = 6                  !< changes kept
   real(DP), parameter :: FIRST_RELAXATION = 0.5_DP   !< of a step without history [-]
-  real(DP), parameter :: TOL_RANK = 1.0e-6_DP      !< changes of f that depend on others up to this do not count [-]
+  real(DP), parameter :: TOL_RANK = 0.1_DP         !< changes of f, scaled to length 1, that depend on others up to this do not
+                                                   !! count: G is known that exactly [-]
 
   !> The last iterates.
   type :: anderson_type
@@ -41,7 +42,7 @@ contains
     type(anderson_type), intent(inout) :: self
     real(DP), intent(in) :: x(:), g(:)
     real(DP), intent(out) :: next(:)
-    real(DP) :: gamma(DEPTH)
+    real(DP) :: gamma(DEPTH), lengths(DEPTH)
     integer :: status, rank
     if (allocated(self%f)) then
       if (size(self%f) /= size(x)) then
@@ -57,8 +58,10 @@ contains
       self%df(:, 1) = g - x - self%f
       self%dg(:, 1) = g - self%g
       self%n = min(self%n + 1, DEPTH, size(x))
-      call least_squares(self%df(:, :self%n), g - x, TOL_RANK, gamma(:self%n), rank, status)
-      if (status == DENSE_OK .and. rank > 0) next = g - matmul(self%dg(:, :self%n), gamma(:self%n))
+      lengths(:self%n) = max(norm2(self%df(:, :self%n), dim=1), tiny(1.0_DP))
+      call least_squares(self%df(:, :self%n) / spread(lengths(:self%n), 1, size(x)), g - x, TOL_RANK, gamma(:self%n), rank, &
+        status)
+      if (status == DENSE_OK .and. rank > 0) next = g - matmul(self%dg(:, :self%n), gamma(:self%n) / lengths(:self%n))
     end if
     self%f = g - x
     self%g = g

@@ -213,7 +213,6 @@ module amontons_controls
     integer :: max_rounds = 80             !< most rounds of an attempt | contact_rounds
     real(DP) :: first_reduction = 1.0e-3_DP   !< residual of a first round over the largest force [-] | contact_rounds
     real(DP) :: origin_reduction = 1.0e-5_DP   !< the same where it sets origins of slip [-] | contact_rounds
-    real(DP) :: unchanged_reduction = 3.0e-2_DP   !< residual of a round over that at its start if no status changes [-] | set
     real(DP) :: least_share = 0.5_DP       !< least residual of a round over r_l [-] | set: below it the correction is not tested
     integer :: max_portions = 64           !< portions in which a round moves the supports | set
     integer :: max_cuts = 12               !< halves of a portion, or quarters of a trial step, that invert elements | set

@@ -105,8 +105,7 @@ contains
   end subroutine perform_round
 
 
-  !> The residual at which a round ends, over the largest force: a fraction of that at its start, smaller once
-  !! the statuses no longer change.
+  !> The residual at which a round ends, over the largest force: a fraction of that at its start.
   pure real(DP) function find_reduction(rounds, step, residual, is_origin_set) result(reduction)
     type(contact_rounds_type), intent(in) :: rounds
     type(step_type), intent(in) :: step
@@ -116,8 +115,7 @@ contains
       if (rounds%n_rounds == 1) then
         reduction = merge(controls%origin_reduction, controls%first_reduction, is_origin_set)
       else
-        reduction = min(controls%first_reduction, residual * merge(min(controls%unchanged_reduction, controls%reduction), &
-          controls%reduction, rounds%is_unchanged))
+        reduction = min(controls%first_reduction, controls%reduction * residual)
       end if
       reduction = max(reduction, controls%least_share * step%controls%r_l)
     end associate

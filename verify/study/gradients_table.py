@@ -1,7 +1,7 @@
 """Conjugate gradients over contact problems: lengths of the slave nodes ALL, NONE, GLOBAL, NODAL, by preconditioner, friction, increments.
 
     python -m verify.study.gradients_table [--runs gradients.csv] [--preconditioners NODAL FACTOR] [--modes ALL NODAL]
-        [--only ball] [--sizes 20 5 1] [--program bin/amontons] [--outdir DIR] [--seconds 60]
+        [--only ball punch] [--sizes 20 5 1] [--program bin/amontons] [--outdir DIR] [--seconds 60]
     python -m verify.study.gradients_table --show doc/study/gradients.csv [--figure doc/study/gradients.png]
 
 The problems are those of contact_table.py and of ironing_table.py (20, 5, 1 increments a step stand for slides of 0.15, 0.4, 0.75 in an
@@ -228,7 +228,7 @@ def main() -> int:
     parser.add_argument("--preconditioners", nargs="+", choices=PRECONDITIONERS, default=PRECONDITIONERS)
     parser.add_argument("--modes", nargs="+", choices=MODES, default=MODES)
     parser.add_argument("--sizes", nargs="+", type=int, choices=SIZES, default=SIZES)
-    parser.add_argument("--only", choices=PROBLEMS, help="one problem")
+    parser.add_argument("--only", nargs="+", choices=PROBLEMS, default=tuple(PROBLEMS), help="some problems")
     parser.add_argument("--seconds", type=float, default=60.0, help="most time of a processor for one run")
     parser.add_argument("--show", type=Path, metavar="FILE", help="print the tables of a file of runs")
     parser.add_argument("--figure", type=Path)
@@ -242,7 +242,7 @@ def main() -> int:
     folder = options.outdir or Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
     kept = {(*r.case, r.mode): r for r in read_runs(options.runs, Run)} if options.runs.exists() else {}
-    cases = [(p, q, mu, n) for p in options.preconditioners for q in PROBLEMS if options.only in (None, q) for mu in FRICTIONS for n in options.sizes]
+    cases = [(p, q, mu, n) for p in options.preconditioners for q in options.only for mu in FRICTIONS for n in options.sizes]
     for case in cases:
         for mode in options.modes:
             r = kept[*case, mode] = run(options.program, folder, case, mode, options.seconds)
