@@ -15,7 +15,7 @@ module amontons_newton_step
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN, &
     SOLVER_GRADIENTS
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
-  use amontons_state, only: state_type, fields_type, DAMPING_NOW, STATUS_OPEN
+  use amontons_state, only: state_type, fields_type, slave_state_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, sparse_sum
   use amontons_factorization, only: FACTOR_OK
   use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, USE_SKIN
@@ -25,6 +25,8 @@ module amontons_newton_step
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
   use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, &
     factorise_woodbury
+  use amontons_contact_constraint_rows, only: contact_row_type
+  use amontons_contact_pairs, only: current_row
   use amontons_constraints, only: eliminate_constraints, scale_offsets
   use amontons_nonlinear_mpc, only: add_mpc_stiffness
   use amontons_inertia, only: add_inertia_force, add_inertia_stiffness
@@ -243,8 +245,8 @@ contains
   end subroutine assemble_bulk
 
 
-  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K. Conjugate gradients evaluate compliant laws at
-  !! the gap itself: c = 0.
+  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K. Conjugate gradients have springs of stiffness c,
+  !! so that a soft master counts; they evaluate compliant laws at the gap itself: c = 0.
   subroutine set_slave_stiffness(system, step, fields)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
@@ -253,10 +255,32 @@ contains
     do s = 1, size(fields%slaves)
       associate (slave => fields%slaves(s))
         slave%stiffness = mean_diagonal_stiffness(system, slave%node)
+        if (step%solver == SOLVER_GRADIENTS) slave%stiffness = stiffness_in_series(system, slave)
         if (step%solver == SOLVER_GRADIENTS .and. is_compliant(system%contact%laws(slave%pair))) slave%stiffness = 0.0_DP
       end associate
     end do
   end subroutine set_slave_stiffness
+
+
+  !> The stiffness of a slave node in series with that of the point of its master: 1/c is the sum of w**2/k over the nodes of its
+  !! row, k their mean diagonal stiffness.
+  pure real(DP) function stiffness_in_series(system, slave) result(c)
+    type(equilibrium_type), intent(in) :: system
+    type(slave_state_type), intent(in) :: slave    !< with its own stiffness
+    type(contact_row_type) :: row
+    real(DP) :: k
+    integer :: j
+    c = slave%stiffness
+    if (slave%facet == 0 .or. c <= 0.0_DP) return
+    call current_row(system%contact, slave, row)
+    c = 1.0_DP / c
+    do j = 1, size(row%nodes)
+      if (row%nodes(j) == slave%node) cycle
+      k = mean_diagonal_stiffness(system, row%nodes(j))
+      if (k > 0.0_DP) c = c + row%weights(j)**2 / k
+    end do
+    c = 1.0_DP / c
+  end function stiffness_in_series
 
 
   !> C and c of all constraints, contact rows included; in a RIKS step whose supports move the change of c with the load factor.
