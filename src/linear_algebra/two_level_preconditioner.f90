@@ -161,8 +161,11 @@ contains
     logical, intent(out) :: is_broken                  !< .true.: A is far from positive definite, no preconditioner
     type(error_type), allocatable, intent(out) :: error
     integer :: attempt
+    is_broken = .false.
     self%n = matrix%n_rows
     self%shift = 0
+    call factorise_coarse_matrix(self, matrix, error)   ! first: its workspace is larger than U
+    if (allocated(error)) return
     call divide_into_domains(self, matrix)
     do attempt = 1, MAX_SHIFTS
       if (self%n_domains == 1) then
@@ -174,8 +177,6 @@ contains
       self%shift = max(INITIAL_SHIFT, 2.0_DP * self%shift)
     end do
     if (allocated(self%inner%value)) deallocate (self%inner%value)
-    if (is_broken) return
-    call factorise_coarse_matrix(self, matrix, error)
   end subroutine factorise_two_level
 
 

@@ -30,7 +30,7 @@ module amontons_frd_output
     STATUS_OPEN
   use amontons_postprocess, only: average_at_nodes, estimate_error, list_midside_nodes, mechanical_strain, nodal_slaves, &
     n_nodal_slaves, &
-    fill_midside_values, printed_energy_density, printed_contact_energy, printed_slip, rotate_truss_tensors
+    fill_midside_values, printed_energy_density, printed_contact_energy, printed_slip, rotate_truss_tensors, has_truss_axes
   use amontons_dat_output, only: in_orientation, in_transform, printed_forces
   use amontons_dat_contact_output, only: contact_axes
   use amontons_version, only: VERSION
@@ -384,13 +384,13 @@ contains
       case (FRD_NDTEMP)
         values(1, :) = fields%temperature(:model%mesh%n_nodes)
       case (FRD_STRESS)
-        call average_tensors(rotate_truss_tensors(model, fields, is_nlgeom, fields%stress))
+        call average_tensors(fields%stress, is_nlgeom)
       case (FRD_TOSTRAIN)
-        call average_tensors(rotate_truss_tensors(model, fields, .false., fields%strain))
+        call average_tensors(fields%strain, .false.)
       case (FRD_MESTRAIN)
-        call average_tensors(rotate_truss_tensors(model, fields, .false., mechanical_strain(model, fields)))
+        call average_tensors(mechanical_strain(model, fields), .false.)
       case (FRD_THSTRAIN)
-        call average_tensors(rotate_truss_tensors(model, fields, .false., fields%strain - mechanical_strain(model, fields)))
+        call average_tensors(fields%strain - mechanical_strain(model, fields), .false.)
       case (FRD_PE)
         call average_scalars(reshape(equivalent_plastic_strain(model, fields), [1, model%mesh%n_points]))
       case (FRD_ENER)
@@ -416,11 +416,26 @@ contains
         model%dialect == DIALECT_CALCULIX)
     end subroutine average_scalars
 
-    !> The same for tensors.
-    subroutine average_tensors(at_points)
-      real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
-      call average_scalars(in_orientation(fields, at_points, is_local))
+    !> The same for tensors, without a copy of all points where nothing is turned.
+    subroutine average_tensors(at_points, is_current)
+      real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global, but for trusses
+      logical, intent(in) :: is_current            !< trusses in the current configuration
+      if (has_truss_axes(model)) then
+        call average_oriented(rotate_truss_tensors(model, fields, is_current, at_points))
+      else
+        call average_oriented(at_points)
+      end if
     end subroutine average_tensors
+
+    !> The same in the directions of the orientations.
+    subroutine average_oriented(at_points)
+      real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
+      if (is_local .and. allocated(fields%frame)) then
+        call average_scalars(in_orientation(fields, at_points, is_local))
+      else
+        call average_scalars(at_points)
+      end if
+    end subroutine average_oriented
 
   end function block_values
 

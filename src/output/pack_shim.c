@@ -13,7 +13,7 @@
 #include <zlib.h>
 
 enum { BYTES = 8, LEVEL = 1, MAX_STORED = 65535, HEAD = 2, WORTH_THREADS = 20000, SAMPLE = 2048, EVERY = 16384 };
-enum { MODULUS = 65521, SUMMED = 4096, SHUFFLED = 1024, SYMBOLS = 257, LONGEST = 15 };
+enum { MODULUS = 65521, SUMMED = 4096, SYMBOLS = 257, LONGEST = 15 };
 static const double REPEATED = 1.0; /* bits per byte: a plane with less entropy is deflated, to use its repetitions */
 static const double NOISE = 6.7; /* bits per byte: a plane with more entropy is stored. Deflate saves a tenth of a plane with
                                     7.2 bits, 1.5 % of a file, and takes half of the compression time for it. */
@@ -35,15 +35,10 @@ static double entropy(const unsigned char *plane, size_t n)
   return bits / (double)seen;
 }
 
-/* Splits values into planes, in blocks of values that fit into the cache. */
-static void shuffle(const uint64_t *values, size_t n, unsigned char *planes)
+/* Byte j of all values. */
+static void gather(const uint64_t *values, size_t n, int j, unsigned char *plane)
 {
-#pragma omp parallel for schedule(static) if(n > WORTH_THREADS)
-  for (size_t start = 0; start < n; start += SHUFFLED) {
-    size_t end = start + SHUFFLED < n ? start + SHUFFLED : n;
-    for (size_t j = 0; j < BYTES; j++)
-      for (size_t i = start; i < end; i++) planes[j * n + i] = (unsigned char)(values[i] >> 8 * j);
-  }
+  for (size_t i = 0; i < n; i++) plane[i] = (unsigned char)(values[i] >> 8 * j);
 }
 
 /* Adler's checksum (RFC 1950) of a plane. Over SUMMED bytes a and b do not reach 2^32, so the compiler can vectorize the sums. */
@@ -207,19 +202,28 @@ static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
 }
 
 /* Compresses the planes one by one into one zlib stream (RFC 1950): threads share them, and the result does not depend on the threads.
- * Each plane has `capacity` bytes in `packed`. Returns the length of the stream, 0 on failure. */
-static size_t pack(unsigned char *planes, size_t n, unsigned char *packed, size_t capacity)
+ * A thread has one plane at a time in memory. Each has `capacity` bytes in `packed`. Returns the length of the stream, 0 on failure. */
+static size_t pack(const uint64_t *values, size_t n, unsigned char *packed, size_t capacity)
 {
-  size_t length[BYTES];
+  size_t length[BYTES] = {0};
   uLong sum[BYTES];
-#pragma omp parallel for schedule(dynamic) if(n > WORTH_THREADS)
-  for (int j = 0; j < BYTES; j++) {
-    unsigned char *plane = planes + (size_t)j * n, *to = packed + HEAD + (size_t)j * capacity;
-    double bits = entropy(plane, n);
-    length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, capacity);
-    if (length[j] == 0) length[j] = store(plane, n, to);
-    sum[j] = adler_sum(plane, n);
+#pragma omp parallel if(n > WORTH_THREADS)
+  {
+    unsigned char *plane = malloc(n);
+#pragma omp for schedule(dynamic)
+    for (int j = 0; j < BYTES; j++) {
+      if (!plane) continue;
+      gather(values, n, j, plane);
+      unsigned char *to = packed + HEAD + (size_t)j * capacity;
+      double bits = entropy(plane, n);
+      length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, capacity);
+      if (length[j] == 0) length[j] = store(plane, n, to);
+      sum[j] = adler_sum(plane, n);
+    }
+    free(plane);
   }
+  for (int j = 0; j < BYTES; j++)
+    if (length[j] == 0) return 0;
   size_t total = HEAD;
   uLong check = sum[0];
   packed[0] = 0x78; /* deflate with a window of 32 kB */
@@ -245,15 +249,10 @@ int amontons_write_chunk(hid_t data_set, const hsize_t *offset, const uint64_t *
 #endif
   const size_t capacity = n + n / 512 + 4096; /* stored blocks have 5 bytes for 65535; slack for the small ones */
   if (n == 0 || capacity > 0x7fffffff / BYTES) return 1;
-  unsigned char *planes = malloc(BYTES * n), *packed = malloc(BYTES * capacity + 2 * HEAD + 8);
-  size_t length = 0;
+  unsigned char *packed = malloc(BYTES * capacity + 2 * HEAD + 8);
+  size_t length = packed ? pack(values, n, packed, capacity) : 0;
   int status = 1;
-  if (planes && packed) {
-    shuffle(values, n, planes);
-    length = pack(planes, n, packed, capacity);
-  }
   if (length) status = H5Dwrite_chunk(data_set, H5P_DEFAULT, 0, offset, length, packed) < 0 ? -1 : 0;
-  free(planes);
   free(packed);
   return status;
 }

@@ -39,7 +39,7 @@ module amontons_postprocess
   public :: average_at_nodes, estimate_error, integration_point_volumes, integration_point_positions
   public :: mechanical_strain
   public :: section_type, integrate_section
-  public :: sector_share, convert_to_sector, rotate_truss_tensors, find_printed_points
+  public :: sector_share, convert_to_sector, rotate_truss_tensors, has_truss_axes, find_printed_points
   public :: nodal_slaves, n_nodal_slaves, printed_slip, printed_contact_energy
   public :: pair_sums_type, list_midside_nodes, fill_midside_values, sum_pair_forces
   public :: add_inelastic_work, printed_energy_density
@@ -443,7 +443,7 @@ contains
     real(DP) :: chord(3)
     integer :: e, p, n, nodes(MAX_ELEMENT_NODES)
     turned = values
-    if (model%dialect /= DIALECT_CALCULIX) return
+    if (.not. has_truss_axes(model)) return
     do e = 1, model%mesh%n_elements
       if (.not. is_truss(model%mesh, e)) cycle
       call element_nodes(model%mesh, e, n, nodes)
@@ -458,6 +458,14 @@ contains
       end do
     end do
   end function rotate_truss_tensors
+
+
+  !> Whether tensors of trusses are printed along the global axes, those of their points along the truss.
+  pure logical function has_truss_axes(model)
+    type(model_type), intent(in) :: model
+    has_truss_axes = model%dialect == DIALECT_CALCULIX .and. &
+      (any(model%mesh%kind == KIND_T3D2) .or. any(model%mesh%kind == KIND_T3D3))
+  end function has_truss_axes
 
 
   !> Whether an element is a truss.
