@@ -245,8 +245,8 @@ contains
   end subroutine assemble_bulk
 
 
-  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K. Conjugate gradients have springs of stiffness c,
-  !! so that a soft master counts; they evaluate compliant laws at the gap itself: c = 0.
+  !> The scale c of the trial traction: the mean diagonal stiffness of the node in K. Conjugate gradients have springs of stiffness
+  !! c, so that a soft master counts; they evaluate compliant laws at the gap itself: c = 0.
   subroutine set_slave_stiffness(system, step, fields)
     type(equilibrium_type), intent(in) :: system
     type(step_type), intent(in) :: step
