@@ -30,8 +30,7 @@ module amontons_contact_pairs
   use amontons_exterior_surface, only: depths_below
   use amontons_facet_search, only: facet_search_type, renew_facet_search
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
-    merge_rows, rotate_with_normal, &
-    differentiate_rotation
+    end_rows_at_edges, merge_rows, rotate_with_normal, differentiate_rotation
   use amontons_surface_projection, only: projection_type, track_projection, find_projection, measure_thickness, find_clearance, &
     PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
@@ -428,7 +427,7 @@ contains
     logical, intent(in) :: is_wanted(:)            !< (n_pairs)
     logical, intent(in) :: is_start                !< start of an increment
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    integer :: p, n, i, j, s
+    integer :: p, s
     do s = 1, size(slaves)
       if (slaves(s)%row > 0 .and. slaves(s)%slave_facet == 0) contact%mortar(slaves(s)%pair)%was_closed(slaves(s)%row) = &
         slaves(s)%status /= STATUS_OPEN .and. .not. contact%has_fixed_geometry(slaves(s)%pair)
@@ -439,20 +438,33 @@ contains
         SEARCH_RADIUS_RATIO * contact%edge(p))
     end do
     if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
-    associate (first => contact%shared_slaves%first, member => contact%shared_slaves%member)
-      do n = 1, size(first) - 1
-        do i = first(n), first(n + 1) - 2
-          do j = i + 1, first(n + 1) - 1
-            if (.not. (is_wanted(slaves(member(i))%pair) .and. is_wanted(slaves(member(j))%pair))) cycle
-            if (is_start) contact%is_coplanar(member(j)) = (i == first(n) .or. contact%is_coplanar(member(j))) .and. &
-              are_coplanar(slaves(member(i)), slaves(member(j)))
-            if (contact%is_coplanar(member(j))) call merge_slaves(slaves(member(i)), slaves(member(j)))
-          end do
-        end do
-      end do
-    end associate
+    call merge_all(is_start)
+    if (.not. is_start) return
+    do p = 1, size(is_wanted)
+      if (.not. is_wanted(p) .or. contact%mortar(p)%has_unique_slaves) cycle
+      call end_rows_at_edges(contact%mortar(p), contact%facets(p), contact%search(p), x, SEARCH_RADIUS_RATIO * contact%edge(p))
+    end do
+    call merge_all(.false.)
 
   contains
+
+    !> Merges the rows of all nodes in several pairs. At the start of an increment finds which masters are coplanar.
+    subroutine merge_all(is_compared)
+      logical, intent(in) :: is_compared
+      integer :: n, i, j
+      associate (first => contact%shared_slaves%first, member => contact%shared_slaves%member)
+        do n = 1, size(first) - 1
+          do i = first(n), first(n + 1) - 2
+            do j = i + 1, first(n + 1) - 1
+              if (.not. (is_wanted(slaves(member(i))%pair) .and. is_wanted(slaves(member(j))%pair))) cycle
+              if (is_compared) contact%is_coplanar(member(j)) = (i == first(n) .or. contact%is_coplanar(member(j))) .and. &
+                are_coplanar(slaves(member(i)), slaves(member(j)))
+              if (contact%is_coplanar(member(j))) call merge_slaves(slaves(member(i)), slaves(member(j)))
+            end do
+          end do
+        end do
+      end associate
+    end subroutine merge_all
 
     !> Whether the masters of two slaves at a node are coplanar there: their gaps are equal.
     pure logical function are_coplanar(s, t)

@@ -18,14 +18,15 @@ module amontons_mortar
   use amontons_surface_projection, only: evaluate_vertex_normal
   use amontons_polygon_clipping, only: signed_polygon_area, find_polygon_excess
   use amontons_dual_shape_functions, only: is_transformed, nodal_integral_fractions, BASIS_ALPHA
-  use amontons_mortar_segmentation, only: mortar_segment_type, segmentation_type, build_segmentation, project_on_plane, &
+  use amontons_mortar_segmentation, only: projection_plane_type, mortar_segment_type, segmentation_type, build_segmentation, &
+    build_projection_planes, project_on_plane, &
     project_facet_corners, find_depth, &
     integrate_segments, is_facing_plane, is_unseen_facet
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   implicit none
   private
   public :: mortar_type, mortar_node_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
-    merge_rows, n_imbalance_nodes, &
+    end_rows_at_edges, merge_rows, n_imbalance_nodes, &
     find_search_margin, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, evaluate_transfer_slope
 
   real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node with a smaller covered fraction of its area has no row
@@ -57,6 +58,7 @@ module amontons_mortar
   type :: surface_segmentation_type
     integer, allocatable :: nodes(:)               !< of both surfaces, each once
     real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates at the segmentation [length]
+    type(projection_plane_type), allocatable :: master_planes(:)   !< (master%n)
     type(segmentation_type), allocatable :: covers(:)     !< (n_facets)
     real(DP), allocatable :: area(:)               !< (n_vertices) covered area of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) total area of a vertex [length^2]
@@ -79,6 +81,8 @@ module amontons_mortar
     logical, allocatable :: is_decoupled(:)  !< (n) no other row gives a force to the nodes whose imbalance forms that of the row
     logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other pair with exact contact
     integer, allocatable :: node_pairs(:, :)            !< (2, n) rows of nodes, and of the nodes bound to them by an equation
+    logical, allocatable :: is_at_seam(:)  !< (n) another pair has a coplanar master there: the row continues beyond the edge
+    logical, allocatable :: is_left_out(:)  !< (n) slaves of other pairs, too, beyond the master's edge: no row
     logical, allocatable :: was_closed(:)         !< (n) closed at the start of the increment
     real(DP), allocatable :: excess_limits(:)  !< (n) current excess limit up to which a node is over a master, over the edge [-]
     logical :: is_compliant = .false.                   !< its law is compliant
@@ -110,7 +114,7 @@ contains
     n = size(nodes)
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origin_rows(n))
-    allocate (mortar%was_closed(n), source=.false.)
+    allocate (mortar%was_closed(n), mortar%is_at_seam(n), mortar%is_left_out(n), source=.false.)
     allocate (mortar%excess_limits(n), source=MAX_EXCESS)
     allocate (mortar%node_pairs(2, 0))
     of_node = 0
@@ -343,26 +347,53 @@ contains
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                  !< larger distances between facets are ignored [length]
     logical :: is_cut
-    integer :: f
     if (.not. mortar%is_made) mortar%base_rows = mortar%rows
+    if (is_start) mortar%is_at_seam = .not. mortar%has_unique_slaves
     if (is_start) mortar%excess_limits = MAX_EXCESS
     is_cut = allocated(mortar%cuts%x) .and. .not. is_start
     if (is_cut) is_cut = all(abs(mortar%cuts%x - x(:, mortar%cuts%nodes)) <= 0.0_DP)
     if (.not. is_cut) call segment_facets(mortar, master, search, x, reach)
-    mortar%transferred_fraction = merge(0.0_DP, 1.0_DP, (mortar%was_closed .and. .not. mortar%is_compliant) &
-      .or. .not. mortar%has_unique_slaves)
+    call build_rows(mortar, master, search, x, reach)
+    mortar%is_made = .true.
+  end subroutine integrate_mortar
+
+
+  !> Ends the rows of nodes that are slaves of several pairs at the master's edge, unless they were merged with those of a coplanar
+  !! master, which continues there.
+  subroutine end_rows_at_edges(mortar, master, search, x, reach)
+    type(mortar_type), intent(inout) :: mortar     !< as integrated and merged at the start of an increment
+    type(facets_type), intent(in) :: master
+    type(facet_search_type), intent(in) :: search
+    real(DP), intent(in) :: x(:, :), reach         !< as for `integrate_mortar`
+    mortar%is_at_seam = mortar%places%is_shared .or. mortar%places%is_merged
+    where (.not. mortar%is_at_seam) mortar%excess_limits = MAX_EXCESS
+    call build_rows(mortar, master, search, x, reach)
+  end subroutine end_rows_at_edges
+
+
+  !> The rows of all slave nodes from the segments of their facets.
+  subroutine build_rows(mortar, master, search, x, reach)
+    type(mortar_type), intent(inout) :: mortar
+    type(facets_type), intent(in) :: master
+    type(facet_search_type), intent(in) :: search
+    real(DP), intent(in) :: x(:, :), reach
+    integer :: f
+    mortar%transferred_fraction = merge(0.0_DP, 1.0_DP, (mortar%was_closed .and. .not. mortar%is_compliant) .or. mortar%is_at_seam)
     do f = 1, mortar%slave%n
       call find_covered_nodes(mortar, f, master, search, x, reach)
     end do
     mortar%excess_limits = merge(MAX_EXCESS_LEAVING, MAX_EXCESS_ENTERING, mortar%transferred_fraction <= 0.0_DP)
     if (.not. mortar%is_compliant) call keep_isolated_facets(mortar)
+    if (.not. mortar%has_unique_slaves) then       ! other pairs act on these nodes: no row takes their functions
+      mortar%is_left_out = mortar%transferred_fraction >= 1.0_DP .and. .not. mortar%is_compliant
+      mortar%transferred_fraction = 0.0_DP
+    end if
     call fill_rows(mortar, master, x)
     call find_decoupled_rows(mortar)
     do f = 1, size(mortar%node_pairs, 2)
       call merge_pretension_rows(mortar, mortar%node_pairs(1, f), mortar%node_pairs(2, f))
     end do
-    mortar%is_made = .true.
-  end subroutine integrate_mortar
+  end subroutine build_rows
 
 
   !> Marks the rows that neither transfer functions to others nor receive any; the mid-side nodes of a corner count with it.
@@ -398,6 +429,7 @@ contains
     mortar%cuts%x = x(:, mortar%cuts%nodes)
     if (.not. allocated(mortar%cuts%covers)) allocate (mortar%cuts%covers(mortar%slave%n), &
       mortar%cuts%area(mortar%slave%n_vertices), mortar%cuts%whole(mortar%slave%n_vertices))
+    mortar%cuts%master_planes = build_projection_planes(master, x)
     mortar%cuts%area = 0.0_DP
     mortar%cuts%whole = 0.0_DP
     do f = 1, mortar%slave%n
@@ -419,7 +451,7 @@ contains
     call facet_nodes(slave, f, n_own, nodes)
     v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
     associate (cover => cuts%covers(f))
-      call build_segmentation(slave, f, depth, master, search, x, reach, cover)
+      call build_segmentation(slave, f, depth, master, cuts%master_planes, search, x, reach, cover)
       call project_facet_corners(cover%plane, slave, f, x, corners, k_own)
       size_of = signed_polygon_area(corners(:, :k_own)) * find_depth(cover%plane, cover%plane%origin)
       cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * facet_integral_fractions(slave%kind(f), n_own)
@@ -462,7 +494,8 @@ contains
       do k = 1, n
         if (any(cover%segments(:cover%n)%master == list(k))) cycle
         if (is_unseen_facet(mortar%slave, f, master, list(k))) cycle
-        if (is_facing_plane(cover%plane, master, list(k), x, reach)) call update_node_excess(mortar, f, master, list(k), x)
+        if (is_facing_plane(cover%plane, master, list(k), mortar%cuts%master_planes(list(k)), reach)) &
+          call update_node_excess(mortar, f, master, list(k), x)
       end do
     end associate
   end subroutine find_covered_nodes
@@ -536,7 +569,7 @@ contains
         mortar_node = mortar_node_type()
         call fill_slave_part(mortar%nodes(j), mortar%corners(:, j), mortar%rows(j))
         mortar%rows(j)%imbalance_weights = mortar%base_rows(j)%imbalance_weights
-        if (size(vertices) == 0) cycle
+        if (size(vertices) == 0 .or. mortar%is_left_out(j)) cycle
         v = choose_facing_vertex(mortar, vertices)
         if (abs(cuts%area(v)) <= MIN_COUNTED_FRACTION * cuts%whole(v)) cycle
         m = evaluate_vertex_normal(mortar%slave, x, v)

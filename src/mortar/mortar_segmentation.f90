@@ -8,7 +8,7 @@ module amontons_mortar_segmentation
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, n_facet_corners, is_line_facet, is_hidden_behind, is_unseen
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
     MAX_POLYGON_CORNERS, MAX_CUT_POINTS
@@ -16,7 +16,7 @@ module amontons_mortar_segmentation
   implicit none
   private
   public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
-    build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, &
+    build_projection_plane, build_projection_planes, project_on_plane, project_facet_corners, is_facing_plane, &
     find_depth, is_unseen_facet, integrate_segments, choose_quadrature_order, find_natural_coordinates
   public :: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
 
@@ -25,6 +25,7 @@ module amontons_mortar_segmentation
   real(DP), parameter :: MAX_SEGMENT_OVERLAP = 1.0e-6_DP  !< segments with a larger overlap, over the area of the facet, lie one
                                                           !! behind the other [-]
   real(DP), parameter :: MIN_SEGMENT_AREA = 1.0e-10_DP       !< smaller intersections, over the area of the facet, are ignored [-]
+  real(DP), parameter :: DISTANCE_ROUNDING = 1.0e-12_DP      !< of distances, over their size [-]
   real(DP), parameter :: TOL_AFFINE = 1.0e-9_DP  !< largest deviation of a quadrilateral from a parallelogram, over its size [-]
 
   !> The projection plane of a slave facet.
@@ -69,10 +70,11 @@ module amontons_mortar_segmentation
 contains
 
   !> Intersects a slave facet with the masters in front of it; of masters one behind the other the nearest counts.
-  subroutine build_segmentation(slave, f, depth, master, search, x, search_distance, segmentation)
+  subroutine build_segmentation(slave, f, depth, master, master_planes, search, x, search_distance, segmentation)
     type(facets_type), intent(in) :: slave, master
     integer, intent(in) :: f                       !< slave facet
     real(DP), intent(in) :: depth                  !< of a line: as plane%depth
+    type(projection_plane_type), intent(in) :: master_planes(:)   !< (master%n) at x
     type(facet_search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: search_distance                  !< larger distances between facets are ignored [length]
@@ -86,6 +88,8 @@ contains
     call find_near_facets(search, segmentation%plane%origin, list, n_list)
     allocate (segmentation%segments(8))
     do k = 1, n_list
+      if (.not. is_facing_plane(segmentation%plane, master, list(k), master_planes(list(k)), huge(1.0_DP))) cycle
+      if (is_beyond_reach(slave, f, master, list(k), x, search_distance, segmentation%plane)) cycle
       call intersect_facets(slave, f, master, list(k), x, search_distance, segmentation%plane, segmentation%points, segment)
       if (segment%master == 0) cycle
       if (segmentation%n == size(segmentation%segments)) segmentation%segments = [segmentation%segments, segmentation%segments]
@@ -199,20 +203,51 @@ contains
   end subroutine project_facet_corners
 
 
+  !> The planes of all facets.
+  pure function build_projection_planes(facets, x) result(planes)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)
+    type(projection_plane_type) :: planes(facets%n)
+    integer :: f
+    do f = 1, facets%n
+      call build_projection_plane(facets, f, x, planes(f))
+    end do
+  end function build_projection_planes
+
+
   !> Whether a master facet is in front of a slave's plane: its normal opposes the plane's, and its middle is within the distance.
-  pure logical function is_facing_plane(plane, master, g, x, search_distance)
+  pure logical function is_facing_plane(plane, master, g, other, search_distance)
     type(projection_plane_type), intent(in) :: plane
     type(facets_type), intent(in) :: master
     integer, intent(in) :: g                       !< master facet
-    real(DP), intent(in) :: x(:, :)
+    type(projection_plane_type), intent(in) :: other         !< its plane
     real(DP), intent(in) :: search_distance                  !< from the plane [length]
-    type(projection_plane_type) :: other
     real(DP) :: distance
-    call build_projection_plane(master, g, x, other)
     distance = dot_product(other%origin - plane%origin, plane%normal)
     is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_FACING_COSINE .and. abs(distance) <= search_distance
     if (search_distance < huge(1.0_DP)) is_facing_plane = is_facing_plane .and. .not. is_hidden_behind(master, g, distance)
   end function is_facing_plane
+
+
+  !> Whether a master facet is certainly farther from a slave facet than the distance that matters: the mean distance of points with
+  !! positive shape functions lies between those of the nodes. (Quadratic functions have negative values.)
+  pure logical function is_beyond_reach(slave, f, master, g, x, search_distance, plane)
+    type(facets_type), intent(in) :: slave, master
+    integer, intent(in) :: f, g                    !< slave and master facet
+    real(DP), intent(in) :: x(:, :), search_distance
+    type(projection_plane_type), intent(in) :: plane
+    real(DP) :: own(MAX_FACE_NODES), front(MAX_FACE_NODES), rounding
+    integer :: n, m, nodes(MAX_FACE_NODES), fronts(MAX_FACE_NODES)
+    call facet_nodes(slave, f, n, nodes)
+    call facet_nodes(master, g, m, fronts)
+    is_beyond_reach = .false.
+    if (n > n_facet_corners(slave%kind(f)) .or. m > n_facet_corners(master%kind(g))) return
+    own(:n) = matmul(plane%normal, x(:, nodes(:n)))
+    front(:m) = matmul(plane%normal, x(:, fronts(:m)))
+    rounding = DISTANCE_ROUNDING * (search_distance + maxval(abs(own(:n))))
+    is_beyond_reach = minval(front(:m)) - maxval(own(:n)) > search_distance + rounding &
+      .or. maxval(front(:m)) - minval(own(:n)) < -search_distance - rounding
+  end function is_beyond_reach
 
 
   !> Self contact: whether no node of a slave facet can touch a master facet.
@@ -238,7 +273,7 @@ contains
     type(mortar_segment_type), intent(out) :: segment
     real(DP) :: own(2, 4), projected_master(2, 4), cut(2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
     integer :: n, m, k, q, before
-    if (.not. is_facing_plane(plane, master, g, x, huge(1.0_DP)) .or. is_unseen_facet(slave, f, master, g)) return
+    if (is_unseen_facet(slave, f, master, g)) return
     call project_facet_corners(plane, slave, f, x, own, n)
     call project_facet_corners(plane, master, g, x, projected_master, m)
     projected_master(:, :m) = projected_master(:, m:1:-1)                ! seen from the slave it runs in the opposite sense

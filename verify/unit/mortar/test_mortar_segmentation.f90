@@ -7,7 +7,8 @@ program test_mortar_segmentation
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_mortar_segmentation, only: projection_plane_type, segmentation_type, build_segmentation, &
-    build_projection_plane, project_on_plane, project_facet_corners, is_facing_plane, find_depth, integrate_segments, &
+    build_projection_plane, build_projection_planes, project_on_plane, project_facet_corners, is_facing_plane, find_depth, &
+    integrate_segments, &
     choose_quadrature_order, find_natural_coordinates
   use amontons_polygon_clipping, only: signed_polygon_area
   use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
@@ -36,6 +37,7 @@ contains
     type(facets_type) :: slave, master
     type(facet_search_type) :: search
     type(projection_plane_type) :: plane
+    type(projection_plane_type), allocatable :: fronts(:), others(:)
     real(DP), allocatable :: x(:, :)
     real(DP) :: Q(3, 3), corners(2, 4), xi(2), N(MAX_FACE_NODES), p(2)
     integer :: k, n_nodes, nodes(MAX_FACE_NODES), i
@@ -56,9 +58,11 @@ contains
     call find_natural_coordinates(kind, plane, x(:, nodes(:n_nodes)), p, xi, N)
     call suite%near('over the same point', norm2(project_on_plane(plane, matmul(x(:, nodes(:n_nodes)), N(:n_nodes))) - p), &
       0.0_DP, 1.0e-13_DP)
-    call suite%that('the master is in front', is_facing_plane(plane, master, 1, x, 1.0_DP))
-    call suite%that('too far', .not. is_facing_plane(plane, master, 1, x, 0.01_DP))
-    call suite%that('a slave is not', .not. is_facing_plane(plane, slave, 2, x, 1.0_DP))
+    fronts = build_projection_planes(master, x)
+    others = build_projection_planes(slave, x)
+    call suite%that('the master is in front', is_facing_plane(plane, master, 1, fronts(1), 1.0_DP))
+    call suite%that('too far', .not. is_facing_plane(plane, master, 1, fronts(1), 0.01_DP))
+    call suite%that('a slave is not', .not. is_facing_plane(plane, slave, 2, others(2), 1.0_DP))
   end subroutine check_plane
 
 
@@ -75,7 +79,7 @@ contains
     total = 0
     shares = 0
     do f = 1, slave%n
-      call build_segmentation(slave, f, 1.0_DP, master, search, x, 0.5_DP, segmentation)
+      call build_segmentation(slave, f, 1.0_DP, master, build_projection_planes(master, x), search, x, 0.5_DP, segmentation)
       if (segmentation%n == 0) cycle
       call integrate_segments(slave, f, x, segmentation%plane, merge(0.5_DP, 1.0_DP, slave%first(f + 1) - slave%first(f) == 3 &
         .or. slave%first(f + 1) - slave%first(f) == 6), segmentation%points, segmentation%segments(:segmentation%n))

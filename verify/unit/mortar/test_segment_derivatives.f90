@@ -6,7 +6,8 @@ program test_segment_derivatives
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh
-  use amontons_mortar_segmentation, only: projection_plane_type, segmentation_type, build_segmentation, build_projection_plane
+  use amontons_mortar_segmentation, only: projection_plane_type, segmentation_type, build_segmentation, build_projection_plane, &
+    build_projection_planes
   use amontons_polygon_clipping, only: signed_polygon_area
   use amontons_segment_derivatives, only: facet_derivatives_type, facet_outline_type, differentiate_segmentation, &
     differentiate_plane_normal, build_facet_outline, differentiate_edge, MAX_CUT_COORDINATES
@@ -41,7 +42,7 @@ contains
     integer :: f, i, k, c
     call make_grids(kind, .false., slave, master, x, search)
     f = slave%n / 2
-    call build_segmentation(slave, f, 1.0_DP, master, search, x, 0.5_DP, segmentation)
+    call build_segmentation(slave, f, 1.0_DP, master, build_projection_planes(master, x), search, x, 0.5_DP, segmentation)
     call suite%that('several segments', segmentation%n > 1)
     call differentiate_segmentation(slave, f, master, x, segmentation, at_x)
     do k = 1, size(at_x%nodes)
@@ -49,10 +50,10 @@ contains
         c = 3 * (k - 1) + i
         y = x
         y(i, at_x%nodes(k)) = x(i, at_x%nodes(k)) + STEP
-        call build_segmentation(slave, f, 1.0_DP, master, search, y, 0.5_DP, segmentation)
+        call build_segmentation(slave, f, 1.0_DP, master, build_projection_planes(master, y), search, y, 0.5_DP, segmentation)
         call differentiate_segmentation(slave, f, master, y, segmentation, plus)
         y(i, at_x%nodes(k)) = x(i, at_x%nodes(k)) - STEP
-        call build_segmentation(slave, f, 1.0_DP, master, search, y, 0.5_DP, segmentation)
+        call build_segmentation(slave, f, 1.0_DP, master, build_projection_planes(master, y), search, y, 0.5_DP, segmentation)
         call differentiate_segmentation(slave, f, master, y, segmentation, minus)
         if (size(plus%nodes) /= size(at_x%nodes) .or. size(minus%nodes) /= size(at_x%nodes)) then
           call suite%that('the same masters beside it', .false.)
