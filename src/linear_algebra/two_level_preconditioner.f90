@@ -232,61 +232,87 @@ contains
     type(sparse_type), intent(in) :: matrix            !< A, or its blocks on the domains
     integer, intent(in) :: domain_first(:)             !< (n_domains + 1) first row of each domain
     logical, intent(out) :: is_broken                  !< a pivot is not positive
-    real(DP), allocatable :: u(:)
     logical :: is_domain_broken(self%n_domains)
     integer :: d
-    allocate (u, source=matrix%value)
+    if (.not. allocated(self%value)) allocate (self%value(size(matrix%column)))
     !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
     do d = 1, self%n_domains
-      call factorise_rows(matrix, domain_first(d), domain_first(d + 1) - 1, self%shift, u, is_domain_broken(d))
+      call factorise_rows(matrix, domain_first(d), domain_first(d + 1) - 1, self%shift, self%value, is_domain_broken(d))
     end do
     !$omp end parallel do
     is_broken = any(is_domain_broken)
-    if (.not. is_broken) self%value = real(u, SP)
   end subroutine factorise_incomplete
 
 
-  !> Some rows of U. Each row in turn updates the rows after it.
-  pure subroutine factorise_rows(matrix, low, high, shift, u, is_broken)
+  !> Some rows of U, each from the rows before it that have an entry in its column. Sums are of double precision, U is not.
+  subroutine factorise_rows(matrix, low, high, shift, u, is_broken)
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: low, high                   !< rows; their entries lie within them
     real(DP), intent(in) :: shift                      !< of the diagonal [-]
-    real(DP), intent(inout) :: u(:)                    !< entries; in: those of the matrix; out: the diagonal as the reciprocal
+    real(SP), intent(inout) :: u(:)                    !< entries; those of the rows are set, the diagonal as the reciprocal
     logical, intent(out) :: is_broken                  !< a pivot is not positive
-    integer :: k, p
-    do k = low, high
-      u(matrix%first(k)) = (1.0_DP + shift) * u(matrix%first(k))
-    end do
+    integer :: place(low:high)                         ! position of a column in row k, from 1; 0: not in it
+    integer :: head(low:high), next(low:high)          ! rows whose next entry is in a column: the first one, the one after a row
+    integer :: entry(low:high)                         ! the next entry of a row
+    real(DP), allocatable :: row(:)                    ! row k
+    real(DP) :: pivot
+    integer :: i, k, p, first, last, after
+    allocate (row(maxval(matrix%first(low + 1:high + 1) - matrix%first(low:high))))
+    place = 0
+    head = 0
     is_broken = .true.
     do k = low, high
-      p = matrix%first(k)
-      if (.not. u(p) > MIN_PIVOT_RATIO * matrix%value(p)) return
-      u(p) = 1.0_DP / sqrt(u(p))
-      u(p + 1:matrix%first(k + 1) - 1) = u(p + 1:matrix%first(k + 1) - 1) * u(p)
-      do p = matrix%first(k) + 1, matrix%first(k + 1) - 1
-        call eliminate_with_row(matrix, p, matrix%first(k + 1) - 1, u)
+      first = matrix%first(k)
+      last = matrix%first(k + 1) - 1
+      row(:last - first + 1) = matrix%value(first:last)
+      row(1) = (1.0_DP + shift) * row(1)
+      do p = first, last
+        place(matrix%column(p)) = p - first + 1
       end do
+      i = head(k)
+      do while (i > 0)
+        after = next(i)
+        call subtract_row(matrix, entry(i), matrix%first(i + 1) - 1, u, low, place, row)
+        call await(i, entry(i) + 1)
+        i = after
+      end do
+      place(matrix%column(first:last)) = 0
+      if (.not. row(1) > MIN_PIVOT_RATIO * matrix%value(first)) return
+      pivot = 1.0_DP / sqrt(row(1))
+      u(first) = real(pivot, SP)
+      u(first + 1:last) = real(pivot * row(2:last - first + 1), SP)
+      call await(k, first + 1)
     end do
     is_broken = .false.
+
+  contains
+
+    !> Lists a row at the column of its next entry, if it has one.
+    subroutine await(i, p)
+      integer, intent(in) :: i, p
+      if (p >= matrix%first(i + 1)) return
+      entry(i) = p
+      next(i) = head(matrix%column(p))
+      head(matrix%column(p)) = i
+    end subroutine await
+
   end subroutine factorise_rows
 
 
-  !> Subtracts from row j, the column of entry p, u_kj times the rest of row k, within the pattern.
-  pure subroutine eliminate_with_row(matrix, p, last, u)
+  !> Subtracts from row k u_ik times the rest of row i, within the pattern of row k.
+  pure subroutine subtract_row(matrix, first, last, u, low, place, row)
     type(sparse_type), intent(in) :: matrix
-    integer, intent(in) :: p, last                     !< entries of row k from u_kj to its end
-    real(DP), intent(inout) :: u(:)
-    integer :: q, r, end_of_row
-    q = matrix%first(matrix%column(p))
-    end_of_row = matrix%first(matrix%column(p) + 1) - 1
-    do r = p, last
-      do while (matrix%column(q) < matrix%column(r))
-        q = q + 1
-        if (q > end_of_row) return
-      end do
-      if (matrix%column(q) == matrix%column(r)) u(q) = u(q) - u(p) * u(r)
+    integer, intent(in) :: first, last                 !< entries of row i from u_ik to its end
+    real(SP), intent(in) :: u(:)
+    integer, intent(in) :: low                         !< least column
+    integer, intent(in) :: place(low:)                 !< of the columns in row k
+    real(DP), intent(inout) :: row(:)
+    integer :: p
+    do p = first, last
+      if (place(matrix%column(p)) > 0) row(place(matrix%column(p))) = row(place(matrix%column(p))) - real(u(first), DP) * &
+        real(u(p), DP)
     end do
-  end subroutine eliminate_with_row
+  end subroutine subtract_row
 
 
   !> The factor of Z'AZ. Missing motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
