@@ -14,6 +14,7 @@ module amontons_model_check_motion
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
   use amontons_null_space, only: find_null_space, find_null_vectors
+  use amontons_column_singletons, only: find_column_singletons, solve_column_singletons
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, dof_direction
@@ -55,6 +56,19 @@ module amontons_model_check_motion
     integer, allocatable :: touched(:)             !< bodies of the current row
     integer :: n_touched = 0
   end type rows_type
+
+  !> The rows on all motions as a sparse matrix, and the motions that one row alone has.
+  type :: motion_matrix_type
+    integer, allocatable :: first_motion(:)        !< (n_bodies + 1) the motions of a body are numbered on
+    integer, allocatable :: first(:)               !< (n_rows + 1)
+    integer, allocatable :: column(:)              !< (n_entries) motions
+    real(DP), allocatable :: value(:)              !< (n_entries)
+    integer, allocatable :: solved_columns(:), solved_rows(:)   !< pairs: the row gives the motion once the others are known
+    logical, allocatable :: is_solved_row(:)       !< (n_rows)
+    integer, allocatable :: place(:)               !< (n_motions) in the Gram matrix of its cluster; 0: solved
+  end type motion_matrix_type
+
+  real(DP), parameter :: MIN_PIVOT_PART = 0.1_DP   !< of the largest value of its row [-]
 
   ! Kinds of findings.
   integer, parameter :: FINDING_FREE = 1           !< no restraint
@@ -224,9 +238,7 @@ contains
     allocate (eigenvalues(6, bodies%n))
     allocate (bases%n(bodies%n), n_rows(bodies%n), source=0)
     allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
-    do b = 1, bodies%n
-      if (bodies%list(b)%n_elements == 0) call constrain_unattached_node(model, bodies%list(b)%node, gram(:, :, b))
-    end do
+    call constrain_unattached_nodes(model, bodies, gram)
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
         b = bodies%of_node(load%node)
@@ -401,22 +413,25 @@ contains
 
 
   !> A node without elements does not rotate, and moves only in the directions that occur in equations.
-  subroutine constrain_unattached_node(model, node, gram)
+  subroutine constrain_unattached_nodes(model, bodies, gram)
     type(model_type), intent(in) :: model
-    integer, intent(in) :: node
-    real(DP), intent(inout) :: gram(6, 6)
-    logical :: is_used(6)
-    integer :: i, k
-    is_used = .false.
+    type(bodies_type), intent(in) :: bodies
+    real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
+    logical, allocatable :: is_used(:, :)
+    integer :: b, i, k
+    allocate (is_used(6, bodies%n), source=.false.)
     do i = 1, size(model%equations)
       do k = 1, size(model%equations(i)%node)
-        if (model%equations(i)%node(k) == node) is_used(model%equations(i)%dof(k)) = .true.
+        is_used(model%equations(i)%dof(k), bodies%of_node(model%equations(i)%node(k))) = .true.
       end do
     end do
-    do k = 1, 6
-      if (.not. is_used(k)) gram(k, k) = 1.0_DP
+    do b = 1, bodies%n
+      if (bodies%list(b)%n_elements > 0) cycle
+      do k = 1, 6
+        if (.not. is_used(k, b)) gram(k, k, b) = 1.0_DP
+      end do
     end do
-  end subroutine constrain_unattached_node
+  end subroutine constrain_unattached_nodes
 
 
   !> Adds a'u(node) to the current row.
@@ -579,9 +594,11 @@ contains
     integer, intent(in) :: step
     logical, intent(in) :: is_start                !< .true.: without the contacts that are open at the start
     type(finding_type), allocatable, intent(inout) :: findings(:)
+    type(motion_matrix_type) :: matrix
     integer, allocatable :: parent(:)
     type(integer_list_type), allocatable :: members(:), rows_of(:)   ! of a cluster, at its root
     integer :: b, r, i, root
+    call build_matrix(bases, rows, is_start, matrix)
     allocate (members(bodies%n), rows_of(bodies%n))
     parent = [(b, b=1, bodies%n)]
     do r = 1, rows%n
@@ -596,51 +613,100 @@ contains
       call members(root)%add(b)
     end do
     do r = 1, rows%n
-      if (is_start .and. rows%is_open(r)) cycle
+      if ((is_start .and. rows%is_open(r)) .or. matrix%is_solved_row(r)) cycle
       root = find_root(parent, rows%body(rows%first(r)))
       call rows_of(root)%add(r)
     end do
     do b = 1, bodies%n
       if (members(b)%n == 0) cycle
-      call check_cluster(model, bodies, bases, rows, members(b)%trimmed(), rows_of(b), step, is_start, findings)
+      call check_cluster(model, bodies, bases, matrix, members(b)%trimmed(), rows_of(b), step, is_start, findings)
     end do
   end subroutine check_clusters
 
 
+  !> The sparse matrix of the rows that count. A node without elements, which three equations give, leaves the Gram matrices here.
+  subroutine build_matrix(bases, rows, is_start, matrix)
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    logical, intent(in) :: is_start                !< .true.: contacts that are open at the start are empty rows
+    type(motion_matrix_type), intent(out) :: matrix
+    real(DP), parameter :: ROUNDING = 1.0e-14_DP   ! of the largest value of a row [-]
+    real(DP) :: largest
+    integer :: b, r, i, l, n
+    allocate (matrix%first_motion(size(bases%n) + 1), matrix%first(rows%n + 1))
+    matrix%first_motion(1) = 1
+    do b = 1, size(bases%n)
+      matrix%first_motion(b + 1) = matrix%first_motion(b) + bases%n(b)
+    end do
+    allocate (matrix%column(6 * rows%n_entries), matrix%value(6 * rows%n_entries))
+    n = 0
+    do r = 1, rows%n
+      matrix%first(r) = n + 1
+      if (is_start .and. rows%is_open(r)) cycle
+      largest = maxval(abs(rows%value(:, rows%first(r):rows%first(r + 1) - 1)))
+      do i = rows%first(r), rows%first(r + 1) - 1
+        do l = 1, bases%n(rows%body(i))
+          if (abs(rows%value(l, i)) <= ROUNDING * largest) cycle
+          n = n + 1
+          matrix%column(n) = matrix%first_motion(rows%body(i)) + l - 1
+          matrix%value(n) = rows%value(l, i)
+        end do
+      end do
+    end do
+    matrix%first(rows%n + 1) = n + 1
+    call find_column_singletons(matrix%first, matrix%column(:n), matrix%value(:n), MIN_PIVOT_PART, matrix%solved_columns, &
+      matrix%solved_rows)
+    allocate (matrix%is_solved_row(rows%n), source=.false.)
+    matrix%is_solved_row(matrix%solved_rows) = .true.
+    allocate (matrix%place(matrix%first_motion(size(bases%n) + 1) - 1), source=1)
+    matrix%place(matrix%solved_columns) = 0
+  end subroutine build_matrix
+
+
   !> One cluster: reports the null space of its Gram matrix as motions.
-  subroutine check_cluster(model, bodies, bases, rows, members, rows_of, step, is_start, findings)
+  subroutine check_cluster(model, bodies, bases, matrix, members, rows_of, step, is_start, findings)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     type(bases_type), intent(in) :: bases
-    type(rows_type), intent(in) :: rows
+    type(motion_matrix_type), intent(inout) :: matrix
     integer, intent(in) :: members(:)              !< bodies
-    type(integer_list_type), intent(in) :: rows_of
+    type(integer_list_type), intent(in) :: rows_of !< that are not solved
     integer, intent(in) :: step
     logical, intent(in) :: is_start
     type(finding_type), allocatable, intent(inout) :: findings(:)
-    real(DP), allocatable :: gram(:, :), vectors(:, :), motions(:, :)
-    real(DP) :: motion(6)
-    integer, allocatable :: column_of(:)               ! (n_bodies) of a member's first motion, less one
-    integer :: i, k, l, m, n, b
-    allocate (column_of(bodies%n), source=0)
+    real(DP), allocatable :: gram(:, :), vectors(:, :), motions(:, :), x(:)
+    integer :: n_left(size(members))               ! motions that are not solved
+    integer :: i, k, m, n, c
     m = 0
     do i = 1, size(members)
-      column_of(members(i)) = m
-      m = m + bases%n(members(i))
+      n_left(i) = -m
+      do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
+        if (matrix%place(c) == 0) cycle
+        m = m + 1
+        matrix%place(c) = m
+      end do
+      n_left(i) = n_left(i) + m
     end do
+    if (m == 0) return
     allocate (gram(m, m), vectors(m, m))
-    call fill_gram(bases, rows, rows_of, column_of, gram)
-    call find_scaled_null_space(members, bases, gram, n, vectors)
+    call fill_gram(matrix, rows_of, gram)
+    call find_scaled_null_space(n_left, gram, n, vectors)
     if (n == 0) return
-    allocate (motions(6 * size(members), n))
-    do i = 1, size(members)
-      b = members(i)
-      do k = 1, n
-        motion = 0.0_DP
-        do l = 1, bases%n(b)
-          motion = motion + vectors(column_of(b) + l, k) * bases%motion(:, l, b)
+    allocate (motions(6 * size(members), n), x(size(matrix%place)))
+    do k = 1, n
+      x = 0.0_DP
+      do i = 1, size(members)
+        do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
+          if (matrix%place(c) > 0) x(c) = vectors(matrix%place(c), k)
         end do
-        motions(6 * i - 5:6 * i, k) = motion
+      end do
+      call solve_column_singletons(matrix%first, matrix%column, matrix%value, matrix%solved_columns, matrix%solved_rows, x)
+      motions(:, k) = 0.0_DP
+      do i = 1, size(members)
+        do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
+          motions(6 * i - 5:6 * i, k) = motions(6 * i - 5:6 * i, k) + &
+            x(c) * bases%motion(:, c - matrix%first_motion(members(i)) + 1, members(i))
+        end do
       end do
     end do
     call simplify_motions(motions)
@@ -648,23 +714,20 @@ contains
   end subroutine check_cluster
 
 
-  !> R'R of a cluster.
-  subroutine fill_gram(bases, rows, rows_of, column_of, gram)
-    type(bases_type), intent(in) :: bases
-    type(rows_type), intent(in) :: rows
+  !> R'R of a cluster, without the rows that are solved; the others have no motion that is solved.
+  pure subroutine fill_gram(matrix, rows_of, gram)
+    type(motion_matrix_type), intent(in) :: matrix
     type(integer_list_type), intent(in) :: rows_of !< the rows of the cluster
-    integer, intent(in) :: column_of(:)                !< (n_bodies) of a body's first motion, less one
     real(DP), intent(out) :: gram(:, :)
-    integer :: k, i, j, r, a, b
+    integer :: k, i, j, r
     gram = 0.0_DP
     do k = 1, rows_of%n
       r = rows_of%items(k)
-      do j = rows%first(r), rows%first(r + 1) - 1
-        b = rows%body(j)
-        do i = rows%first(r), rows%first(r + 1) - 1
-          a = rows%body(i)
-          call add_product(rows%value(:bases%n(a), i), rows%value(:bases%n(b), j), &
-            gram(column_of(a) + 1:column_of(a) + bases%n(a), column_of(b) + 1:column_of(b) + bases%n(b)))
+      do j = matrix%first(r), matrix%first(r + 1) - 1
+        do i = matrix%first(r), matrix%first(r + 1) - 1
+          associate (g => gram(matrix%place(matrix%column(i)), matrix%place(matrix%column(j))))
+            g = g + matrix%value(i) * matrix%value(j)
+          end associate
         end do
       end do
     end do
@@ -684,18 +747,17 @@ contains
 
   !> The null space after the motions of each body have been scaled by its strongest one, so that bodies with few rows
   !! count as those with many.
-  subroutine find_scaled_null_space(members, bases, gram, n, vectors)
-    integer, intent(in) :: members(:)              !< bodies of the cluster
-    type(bases_type), intent(in) :: bases
+  subroutine find_scaled_null_space(n_left, gram, n, vectors)
+    integer, intent(in) :: n_left(:)               !< motions of each body of the cluster
     real(DP), intent(inout) :: gram(:, :)          !< used up
     integer, intent(out) :: n
     real(DP), intent(out) :: vectors(:, :)         !< the first n columns
     real(DP) :: scale(size(gram, 1)), largest
     integer :: i, k, first, last
     last = 0
-    do k = 1, size(members)
+    do k = 1, size(n_left)
       first = last + 1
-      last = last + bases%n(members(k))
+      last = last + n_left(k)
       largest = 0.0_DP
       do i = first, last
         largest = max(largest, gram(i, i))

@@ -1,6 +1,9 @@
 """Unsupported models (rigid body motion): the model check names the cause and the remedy, exit code 4, before any file is written."""
 
+import os
 import re
+import resource
+import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -398,3 +401,26 @@ def _has_count(text: str, word: str, at_least: int) -> bool:
     """Whether the summary has a line `word  number`."""
     found: Sequence[str] = re.findall(rf"^ *{word} +(\d+)", text, re.M)
     return len(found) == 1 and int(found[0]) >= at_least
+
+
+def test_cost_of_many_equations(program: Path, tmp_path: Path) -> None:
+    """A plate of 3600 shells has three equations for each of its nodes: their motions leave the check at a cost that grows with them."""
+    n = 60
+    rows = "".join(f"{i * (n + 1) + j + 1}, {i}., {j}., 0.\n" for i in range(n + 1) for j in range(n + 1))
+    shells = ""
+    for i in range(n):
+        for j in range(n):
+            first = i * (n + 1) + j + 1
+            shells += f"{i * n + j + 1}, {first}, {first + n + 1}, {first + n + 2}, {first + 1}\n"
+    deck = tmp_path / "plate.inp"
+    deck.write_text(
+        f"*NODE\n{rows}*ELEMENT, TYPE=S4, ELSET=E\n{shells}*MATERIAL, NAME=M\n*ELASTIC\n210000, 0.3\n*SHELL SECTION, ELSET=E, MATERIAL=M\n0.1\n"
+        "*BOUNDARY\n1, 1, 3\n2, 1, 3\n*STEP\n*STATIC\n*CLOAD\n3721, 3, 1.\n*END STEP\n")
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_CPU, (20, 21))  # 2 s are enough; by the cube of the motions it is minutes
+
+    done = subprocess.run([program, "--check", "--dialect=calculix", deck], check=False, capture_output=True, text=True, preexec_fn=limit,  # noqa: PLW1509 (no threads here)
+                          env={**os.environ, "OMP_NUM_THREADS": "1"})
+    assert done.returncode == SETUP, done.stdout + done.stderr
+    assert "can turn about y" in done.stdout + done.stderr
