@@ -57,8 +57,9 @@ contains
   end subroutine find_balancing_supports
 
 
-  !> The supports of a model whose constraints are equations. Without loads on the body there is no support: that is more often a
-  !! support forgotten. But a straight beam on hinges always turns about its axis.
+  !> The supports of a model whose constraints are equations. A body without loads and moved supports gets none: a support was
+  !! more often forgotten. Nor does one between moved supports that an earlier step held. But a straight beam on hinges always turns
+  !! about its axis.
   subroutine find_linear_supports(model, supports, text)
     type(model_type), intent(in) :: model
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
@@ -79,6 +80,8 @@ contains
       do k = 1, size(free)
         if (has_contact(model, bodies, free(k)%body)) cycle
         if (.not. are_loads_balanced(model, bodies, free(k), i, has_loads)) cycle
+        if (i == 1 .or. any(bodies%of_node(supports%node) == free(k)%body)) has_loads = has_loads .or. &
+          is_moved(model, bodies, free(k)%body, i)
         call hold_spin(model, bodies, free(k), i, added)
         if (size(added) == 0) then
           if (.not. has_loads) cycle
@@ -170,6 +173,24 @@ contains
       are_balanced = are_balanced .and. all(abs(work) <= TOL_BALANCED * sizes)
     end do
   end function are_loads_balanced
+
+
+  !> Whether a boundary condition moves a node of a body, now or before.
+  pure logical function is_moved(model, bodies, body, step)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: body
+    integer, intent(in) :: step
+    integer :: i
+    is_moved = .false.
+    do i = 1, size(model%steps(step)%prescribed)
+      associate (load => model%steps(step)%prescribed(i))
+        if (bodies%of_node(load%node) /= body) cycle
+        is_moved = is_moved .or. load%is_user .or. load%is_velocity .or. load%is_held .or. abs(load%start) > 0.0_DP .or. &
+          abs(load%end) > 0.0_DP
+      end associate
+    end do
+  end function is_moved
 
 
   !> The body on which a load at each node acts: nodes of shells and beams, and their rotation nodes, belong to that of their fibre.

@@ -85,6 +85,27 @@ def test_free_block_in_a_linear_temperature(proof: Proof) -> None:
     case.done()
 
 
+def test_free_block_pulled_by_its_ends(proof: Proof) -> None:
+    """Both ends are moved along x; nothing holds the block across, nor its turn about x."""
+    case = proof(
+        "free-block-pulled",
+        title="A free block whose ends are moved apart",
+        model="A block 4 x 2 x 1 of C3D8, E = 200 000, nu = 0.3; u_x = -0.001 at one end and 0.003 at the other, no other support.",
+        formula="Stress xx = E 0.004 / 4 = 200, all others zero; the supports in place of the missing ones have no reaction.",
+        source="uniaxial stress",
+        proves="Moved supports load a body like forces: what they leave free needs no support.",
+    )
+    mesh = free_mesh("C3D8")
+    rows = "".join(f"{n + 1}, 1, 1, {-0.001 if x == 0.0 else 0.003}\n" for x in (0.0, SIZE[0]) for n in mesh.where(0, x))
+    job = case.run(free_deck(mesh, f"*BOUNDARY\n{rows}"))
+    exact = np.array([200.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    stress = np.abs(job.last("S") - exact).max()
+    case.within("error of the stress", stress, (0.0, 2e-6), why="rounding of 200", place="all nodes", time="the end")
+    across = np.abs(job.last("RF")[:, 1:]).max()
+    case.within("reactions across", across, (0.0, 4e-6), why="rounding of 400", place="all nodes", time="the end")
+    case.done()
+
+
 def test_message(run: Run, tmp_path: Path) -> None:
     """One line names the body and the nodes, under NLGEOM too; loads that do not balance are an error as before."""
     mesh = free_mesh("C3D8")
