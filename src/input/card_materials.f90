@@ -257,8 +257,9 @@ contains
       'The sections are RECT, CIRC, PIPE and BOX; build open sections of shells.')
     call table%option('OFFSET1|OFFSET2', VALUE_REAL, 'Place of the nodes over the dimension from the middle, along ' // &
       'direction 1 and 2.', default='0')
-    call table%option('TEMPERATURE|POISSON|ROTARY INERTIA|NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', &
-      status=ENTRY_REJECTED)
+    call table%option('TEMPERATURE', VALUE_WORD, 'A node has one temperature, for all of its cross-section.', &
+      status=ENTRY_IGNORED)
+    call table%option('POISSON|ROTARY INERTIA|NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', status=ENTRY_REJECTED)
     call table%card('NODAL THICKNESS', SCOPE_MODEL, 'Thickness at the nodes, for sections with NODAL THICKNESS.', &
       data='node or node set, thickness, second thickness of beams')
     call table%card('NORMAL', SCOPE_MODEL, 'Normal of a shell, or first direction of a beam, at a node of an element.', &

@@ -60,7 +60,7 @@ contains
       'this one first.')
     call table%option('INPUT|FILE', VALUE_TEXT, 'Path of the file.')
     call table%card('PARAMETER', SCOPE_BOTH, 'Gives names to numbers; <name> in a later line is replaced by the number.', &
-      data='name = expression, of numbers, earlier names, + - * / ** and parentheses')
+      data='name = expression, of numbers, earlier names, + - * / **, parentheses and functions (sqrt, sin, ...)')
 
     call table%card('PART', SCOPE_MODEL, 'Starts a part: nodes, elements, sets, surfaces and sections, written once for each of ' &
       // &

@@ -405,6 +405,7 @@ contains
         draft%material(e) = merge(material, -1, material > 0)
         draft%section_card(e) = c
         if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
+        if (draft%kind(e) == 0) cycle              ! not supported: reported with its card
         if (is_in_family(draft%kind(e), FAMILY_MEMBRANE) .eqv. is_card(reader, c, 'MEMBRANESECTION')) then
           if (.not. is_expanded_kind(draft%kind(e))) cycle
         end if
@@ -706,7 +707,8 @@ contains
     reader%has_unsupported_kinds = .true.
     if (type == '') return
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
-      '6, 8, 8R; T2D2, T2D3, T3D2, T3D3; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
+      '6, 8, 8R; S3, S4, S4R, S6, S8, S8R; M3D3 to M3D8R; B21 to B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; ' // &
+      'SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
     if (begins_with(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
     if (begins_with(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
     if (begins_with(type, 'C3D10')) advice = 'Use C3D10.'

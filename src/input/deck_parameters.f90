@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The substitution works on the text, before all other cards are read, line by line in the order of the deck: a line may name
-!! earlier parameters only. Expressions are those of Python's arithmetic: + - * / **, parentheses, signs.
+!! earlier parameters only. Expressions are those of Python's arithmetic: + - * / **, parentheses, signs, functions of one number.
 module amontons_deck_parameters
   use amontons_kinds, only: DP
   use amontons_cards, only: cards_type, parameter_type, deck_messages_type, start_deck_text, append_line, find_cards, line_text, &
@@ -16,6 +16,8 @@ module amontons_deck_parameters
   integer, parameter :: MAX_EXACT_INTEGER = huge(1)     !< larger results are written as reals
   character(*), parameter :: LETTERS = 'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_'
   character(*), parameter :: DIGITS = '0123456789'
+  character(5), parameter :: FUNCTIONS(*) = [character(5) :: 'sqrt', 'exp', 'log', 'log10', 'sin', 'cos', 'tan', 'asin', 'acos', &
+    'atan', 'sinh', 'cosh', 'tanh', 'abs']
 
   !> A number of an expression.
   type :: value_type
@@ -127,7 +129,7 @@ contains
   end function value_text
 
 
-  !> The lines `name = expression` of a PARAMETER card.
+  !> The lines `name = expression` of a PARAMETER card; semicolons part statements of one line.
   subroutine read_parameter_card(cards, c, scope, messages)
     type(cards_type), intent(in) :: cards
     integer, intent(in) :: c
@@ -135,15 +137,19 @@ contains
     type(deck_messages_type), intent(inout) :: messages
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: text
-    integer :: line
+    integer :: line, last
     call read_parameters(cards, cards%cards(c), parameters)
     if (size(parameters) > 0) call messages%add(cards%cards(c)%line, 'The parameter ' // parameters(1)%key // ' of *PARAMETER ' // &
       'is not supported; its data lines are: name = expression.')
     do line = cards%cards(c)%data_first, cards%cards(c)%data_last
       text = line_text(cards, line)
       if (index(text, '#') > 0) text = text(:index(text, '#') - 1)
-      if (name_key(text) == '' .or. index(adjustl(text), '**') == 1) cycle
-      call define_parameter(text, line, scope, messages)
+      if (index(adjustl(text), '**') == 1) cycle
+      do while (name_key(text) /= '')              ! Python's statements: one line may have several
+        last = index(text // ';', ';')
+        if (name_key(text(:last - 1)) /= '') call define_parameter(text(:last - 1), line, scope, messages)
+        text = text(min(last + 1, len(text) + 1):)
+      end do
     end do
   end subroutine read_parameter_card
 
@@ -171,7 +177,7 @@ contains
     call skip_blanks(expression)
     if (expression%trouble == '' .and. expression%next <= len(expression%text)) expression%trouble = &
       'what begins with ''' // expression%text(expression%next:expression%next) // ''' is not understood; known are numbers, ' // &
-      'earlier parameters, + - * / ** and parentheses'
+      'earlier parameters, + - * / **, parentheses and functions'
     if (expression%trouble == '' .and. .not. abs(value%number) <= huge(1.0_DP)) expression%trouble = 'it is not finite'
     if (expression%trouble /= '') then
       call messages%add(line, 'The expression of ' // name // ' has no value: ' // expression%trouble // '.')
@@ -254,7 +260,7 @@ contains
   end subroutine evaluate_power
 
 
-  !> A number, a parameter, or an expression in parentheses.
+  !> A number, a parameter, a function, or an expression in parentheses.
   recursive subroutine evaluate_operand(scope, expression, value)
     type(scope_type), intent(in) :: scope
     type(expression_type), intent(inout) :: expression
@@ -275,6 +281,12 @@ contains
     word = next_word(expression)
     expression%next = expression%next + len(word)
     if (scan(word // ' ', LETTERS) == 1) then
+      call skip_blanks(expression)
+      if (any(word == FUNCTIONS) .and. index(expression%text(expression%next:), '(') == 1) then
+        call evaluate_operand(scope, expression, value)
+        if (expression%trouble == '') call apply_function(word, value, expression%trouble)
+        return
+      end if
       position = scope%names%find(word)
       if (position > 0) value = scope%values(position)
       if (position == 0) expression%trouble = 'there is no parameter ''' // word // ''' before this line'
@@ -285,6 +297,62 @@ contains
     if (status /= NUMBER_OK) expression%trouble = 'a number or a parameter is missing in ''' // &
       trim(adjustl(expression%text)) // ''''
   end subroutine evaluate_operand
+
+
+  !> The function of a number; angles are in radians.
+  pure subroutine apply_function(name, value, trouble)
+    character(*), intent(in) :: name
+    type(value_type), intent(inout) :: value
+    character(:), allocatable, intent(inout) :: trouble   !< '': it has a value
+    logical :: is_defined
+    associate (x => value%number)
+      select case (name)
+      case ('sqrt')
+        is_defined = x >= 0.0_DP
+      case ('log', 'log10')
+        is_defined = x > 0.0_DP
+      case ('asin', 'acos')
+        is_defined = abs(x) <= 1.0_DP
+      case default
+        is_defined = .true.
+      end select
+      if (.not. is_defined) then
+        trouble = name // ' has no value here'
+        return
+      end if
+      select case (name)
+      case ('sqrt')
+        x = sqrt(x)
+      case ('exp')
+        x = exp(x)
+      case ('log')
+        x = log(x)
+      case ('log10')
+        x = log10(x)
+      case ('sin')
+        x = sin(x)
+      case ('cos')
+        x = cos(x)
+      case ('tan')
+        x = tan(x)
+      case ('asin')
+        x = asin(x)
+      case ('acos')
+        x = acos(x)
+      case ('atan')
+        x = atan(x)
+      case ('sinh')
+        x = sinh(x)
+      case ('cosh')
+        x = cosh(x)
+      case ('tanh')
+        x = tanh(x)
+      case ('abs')
+        x = abs(x)
+      end select
+    end associate
+    value%is_integer = value%is_integer .and. name == 'abs'
+  end subroutine apply_function
 
 
   !> The name or the number that begins here, with the sign of its exponent; empty if none does.

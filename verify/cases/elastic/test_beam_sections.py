@@ -102,7 +102,7 @@ def test_plane_frame(proof: Proof, kind: str) -> None:
     rows = "*NODE, NSET=N\n" + "".join(f"{i + 1}, {x:.15g}, {y:.15g}\n" for i, (x, y) in enumerate(places))
     rows += f"*ELEMENT, TYPE={kind}, ELSET=E\n"
     rows += "".join(f"{e + 1}, {', '.join(str(step_size * e + 1 + k) for k in range(step_size + 1))}\n" for e in range(2 * n))
-    rows += "*MATERIAL, NAME=M\n*ELASTIC\n2.1e5, 0.\n*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n.2, .1\n"
+    rows += "*MATERIAL, NAME=M\n*ELASTIC\n2.1e5, 0.\n*BEAM SECTION, ELSET=E, MATERIAL=M, TEMPERATURE=GRADIENTS, SECTION=RECT\n.2, .1\n"  # as Abaqus/CAE writes it
     job = case.run(rows + "*BOUNDARY\n1, ENCASTRE\n*STEP\n*STATIC\n*CLOAD\n" + f"{len(places)}, 2, -1.\n*END STEP\n", kind)
     bending = 2.1e5 * 0.2 * 0.1**3 / 12
     expected = 4**3 / (3 * bending) + 4**2 * 4 / bending + 4 / (2.1e5 * 0.02)

@@ -104,6 +104,7 @@ def test_node_file_with_a_trailing_comma(run_deck: Run, tmp_path: Path) -> None:
     ("2.5", 2.5), ("5/2.", 2.5), ("1. + 1.5", 2.5), ("-(1 - 3.5)", 2.5), ("10*0.5**2", 2.5), ("2 - -0.5", 2.5), ("b/c", 2.5),
     ("2.5e-1*10 # comment", 2.5), ("+1D1/4", 2.5), ("8-2-1*3-.5", 2.5), ("2**-1*b/c*2", 2.5), ("-2**2 + 6.5", 2.5), ("a_1*1.", 2.5),
     ("2*(b - (c + .5))", 11.0), ("10/2", 5.0), ("1+2*3", 7.0), ("2**3**2/128", 4.0),
+    ("sqrt(6.25)", 2.5), ("2.5*sin(2*atan(1.)); d = 2;", 2.5), ("3; force = force - 0.5", 2.5), ("abs(-2.5)", 2.5),
 ])  # fmt: skip
 def test_parameters(run_deck: Run, tmp_path: Path, expression: str, value: float) -> None:
     """Expressions as Python evaluates them, in data lines and in parameters of cards."""
@@ -125,7 +126,8 @@ def test_parameters_change_in_the_order_of_the_deck(run_deck: Run, tmp_path: Pat
 
 @pytest.mark.parametrize(("line", "message"), [
     ("f = 3/2", "write a decimal point"), ("f = 1/0", "divides by zero"), ("f = g + 1", "no parameter 'g' before"), ("f = (1 + 2", "not closed"),
-    ("f = 2 +", "is missing in '2 +'"), ("f = 'text'", "is missing"), ("f = sqrt(2.)", "no parameter 'sqrt'"), ("2.5", "name = expression"),
+    ("f = 2 +", "is missing in '2 +'"), ("f = 'text'", "is missing"), ("f = sqrt(-2.)", "sqrt has no value here"), ("f = log(0)", "log has no value"),
+    ("f = cot(2.)", "no parameter 'cot'"), ("f = asin 1.", "no parameter 'asin'"), ("2.5", "name = expression"),
     ("f = 1 2", "'2' is not understood"), ("f = 10.**400", "not finite"), ("f-1 = 2", "name = expression"), ("e = 1", "There is no parameter 'f'"),
 ])  # fmt: skip
 def test_wrong_parameters(run_deck: Run, line: str, message: str) -> None:
@@ -133,6 +135,16 @@ def test_wrong_parameters(run_deck: Run, line: str, message: str) -> None:
     done = run_deck(CUBE + BOUNDARY + f"*PARAMETER\n{line}\n" + STEP + "*CLOAD\nHIGH, 3, <f>\n" + END)
     assert done.returncode == 3
     assert message in output_of(done)
+
+
+def test_unsupported_element_has_one_message(run_deck: Run) -> None:
+    """The section of an element whose type is refused adds no message of its own."""
+    deck = re.sub(r"TYPE=C3D8\b", "TYPE=M4R", CUBE).replace("*SOLID SECTION", "*MEMBRANE SECTION")
+    done = run_deck(deck + BOUNDARY + STEP + LOAD + END)
+    assert done.returncode == 3
+    output = output_of(done)
+    assert "The element type M4R is not supported. The kinds are" in output and "B21 to B32R" in output
+    assert "The deck has 1 error" in output, output
 
 
 def deck_with(wrong: str, right: str = "", more: str = "") -> str:

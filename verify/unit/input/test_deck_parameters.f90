@@ -46,6 +46,11 @@ contains
     call expect_value('b = 4;b = 5;e = b', 5.0_DP)
     call expect_value('e = 7  # a remark', 7.0_DP)
     call expect_value('e = 6/3', 2.0_DP)
+    call expect_value('e = sqrt(2.)**2', 2.0_DP)
+    call expect_value('p = atan(1.);e = 4*sin(2*p)**2 + abs(-cos (4*p))', 5.0_DP)
+    call expect_value('e = exp(log(3.)) + log10(100) + tan(0) + asin(0) + acos(1)', 5.0_DP)
+    call expect_value('e = cosh(1.)**2 - sinh(1.)**2 + tanh(0)', 1.0_DP)
+    call expect_value('sin = 2;e = sin + abs(-3)', 5.0_DP)
   end subroutine check_values
 
 
