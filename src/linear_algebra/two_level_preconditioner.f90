@@ -234,6 +234,9 @@ contains
     logical, intent(out) :: is_broken                  !< a pivot is not positive
     logical :: is_domain_broken(self%n_domains)
     integer :: d
+    if (allocated(self%value)) then
+      if (size(self%value) /= size(matrix%column)) deallocate (self%value)
+    end if
     if (.not. allocated(self%value)) allocate (self%value(size(matrix%column)))
     !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
     do d = 1, self%n_domains
