@@ -33,7 +33,6 @@ module amontons_contact_evaluation
                                                    !! [-]
   real(DP), parameter :: TOL_SLIP_ROUNDING = 1.0e-11_DP        !< a slip below this times the edge is at rounding level [-]
   real(DP), parameter :: SLIP_ZERO = 1.0e-12_DP    !< for the slip scenarios a slip up to this times the edge is zero [-]
-  real(DP), parameter :: HELD_SPRING = 0.25_DP     !< spring of a friction that is held, over the stiffness c of the node [-]
   real(DP), parameter :: TOL_SUPPORT_SLIDING = 1.0e-9_DP  !< a larger displacement imposed by supports, over the edge, is sliding
                                                           !! [-]
 
@@ -270,7 +269,7 @@ contains
 
 
   !> The friction of a slipping node: that of its normal force or, where it is held under a constant limit L with f of size L at the
-  !! start of the round, f - k g, k = HELD_SPRING c, shortened to L. The latter is the gradient of a convex function of the slip g,
+  !! start of the round, f - k g, k a part of c, shortened to L. The latter is the gradient of a convex function of the slip g,
   !! so that conjugate gradients can turn it.
   pure function slip_friction(contact, slave, s, coulomb) result(friction)
     type(contact_type), intent(in) :: contact
@@ -279,7 +278,7 @@ contains
     real(DP), intent(in) :: coulomb(3)             !< friction of the normal force [force]
     real(DP) :: friction(3)
     friction = coulomb
-    if (is_friction_held(contact, slave%status)) friction = shorten(contact%held_friction(:, s) - HELD_SPRING * &
+    if (is_friction_held(contact, slave%status)) friction = shorten(contact%held_friction(:, s) - contact%held_spring * &
       slave%stiffness * slave%slip_increment, contact%held_limit(s))
   end function slip_friction
 

@@ -217,6 +217,7 @@ module amontons_controls
     integer :: max_portions = 64           !< portions in which a round moves the supports | set
     integer :: max_cuts = 12               !< halves of a portion, or quarters of a trial step, that invert elements | set
     real(DP) :: portion_reduction = 0.1_DP   !< residual after a portion over the largest force [-] | set
+    real(DP) :: held_spring = 0.25_DP      !< spring of held friction over the stiffness of the node [-] | contact_rounds
     real(DP) :: max_excess = 1.5_DP        !< largest accelerated friction over its limit [-] | set
     integer :: max_flips = 5               !< changes between stick and slip in an attempt; then the status is frozen |
                                            !! contact_rounds

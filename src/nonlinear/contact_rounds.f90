@@ -79,7 +79,7 @@ contains
       slaves) / max(system%largest_force, rounds%least_force, tiny(1.0_DP))), sets_origins(system, state))
     if (rounds%n_rounds == 1 .and. measures%residual(0) > FAR_FROM_EQUILIBRIUM) &
       call keep_friction(system%contact, state%old%slaves, state%new%slaves)
-    call hold_friction(rounds, step%controls%gradients%max_excess, system%contact, state%new%slaves)
+    call hold_friction(rounds, step%controls%gradients, system%contact, state%new%slaves)
     if (is_augmented) call hold_forces(rounds%is_augmented, system%contact, state%new%slaves)
     rounds%is_augmented = is_augmented
     call solve_portions(rounds, system, model, step, reduction, state, inner, outcome, error)
@@ -206,9 +206,9 @@ contains
 
   !> Holds the friction limits, and the friction of the slipping nodes: that of the last full evaluation, accelerated while the
   !! statuses stay the same. A friction larger than `max_excess` times the limit is shortened.
-  subroutine hold_friction(rounds, max_excess, contact, slaves)
+  subroutine hold_friction(rounds, controls, contact, slaves)
     type(contact_rounds_type), intent(inout) :: rounds
-    real(DP), intent(in) :: max_excess             !< of accelerated friction over its limit [-]
+    type(gradient_controls_type), intent(in) :: controls
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves) evaluated in full
     real(DP) :: limit
@@ -225,7 +225,7 @@ contains
       call accelerate(rounds%acceleration, reshape(rounds%held(:, slipping), [3 * size(slipping)]), &
         reshape(contact%held_friction(:, slipping), [3 * size(slipping)]), next)
       do s = 1, size(slipping)
-        limit = max_excess * norm2(slaves(slipping(s))%shear)
+        limit = controls%max_excess * norm2(slaves(slipping(s))%shear)
         associate (friction => contact%held_friction(:, slipping(s)))
           friction = next(3 * s - 2:3 * s)
           if (norm2(friction) > limit) friction = limit / norm2(friction) * friction
@@ -235,6 +235,7 @@ contains
       call forget_iterates(rounds%acceleration)
     end if
     rounds%held = contact%held_friction
+    contact%held_spring = controls%held_spring
     contact%held_limit = merge(norm2(contact%held_friction, dim=1), contact%slip_data%limit, slaves%status == STATUS_SLIP .and. &
       .not. is_compliant(contact%laws(slaves%pair)))
   end subroutine hold_friction
