@@ -83,6 +83,13 @@ module amontons_posix
       integer(c_int64_t) :: sum
     end function checksum_words_c
 
+    pure function checksum_text_c(text, n_bytes) bind(C, name='amontons_checksum') result(sum)
+      import :: c_int64_t, c_char
+      character(kind=c_char), intent(in) :: text(*)
+      integer(c_int64_t), value :: n_bytes
+      integer(c_int64_t) :: sum
+    end function checksum_text_c
+
     pure function continue_checksum_c(before, words, n_bytes) bind(C, name='amontons_continue_checksum') result(sum)
       import :: c_int64_t
       integer(c_int64_t), value :: before
@@ -298,7 +305,7 @@ contains
   pure function checksum_of_text(text) result(sum)
     character(*), intent(in) :: text
     integer(I64) :: sum
-    sum = checksum_words_c([transfer(text, [0_I64]), 0_I64], int(len(text), I64))
+    sum = checksum_text_c(text, int(len(text), I64))
   end function checksum_of_text
 
 
