@@ -6,7 +6,7 @@ CalculiX passes over these cards; any other is read under the calculix dialect, 
 copy that requests the displacements in its .frd file. Displacements are compared at the end of the job, at the nodes with one number
 and one place in both, over the largest of CalculiX.
 
-    python -m verify.study.public_decks FOLDER [--seconds 60] [--folder RUNS] [--details]
+    python -m verify.study.public_decks FOLDER [--seconds 60] [--details]
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -14,9 +14,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 import argparse
-import os
 import re
-import resource
 import shutil
 import signal
 import subprocess
@@ -31,6 +29,7 @@ import h5py
 import numpy as np
 
 from verify.readers.dat_frd_files import read_frd, read_frd_places
+from verify.study.runs import run_limited
 
 WITHIN = 0.01  #: of the largest displacement: agrees
 HAS_PARTS = re.compile(r"^\*(part|assembly|instance)\b", re.I | re.M)
@@ -80,18 +79,12 @@ def cause_of(run: Run) -> str:
 
 def execute(command: list[str | Path], folder: Path, seconds: float) -> Run:
     """Runs a program in a folder with a limit of processor time."""
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     try:
-        done = subprocess.run(command, cwd=folder, check=False, capture_output=True, timeout=10 * seconds, preexec_fn=limit,  # noqa: PLW1509 (no threads here)
-                              env={**os.environ, "OMP_NUM_THREADS": "1"})
-        code, log = done.returncode, (done.stdout + done.stderr).decode(errors="replace")
+        done, spent = run_limited(command, seconds, folder, timeout=10 * seconds)
     except subprocess.TimeoutExpired:
-        code, log = -1, ""
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-    return Run(-1 if code in (-signal.SIGXCPU, -signal.SIGKILL) else code, spent, log)
+        return Run(-1, seconds, "")
+    log = (done.stdout + done.stderr).decode(errors="replace")
+    return Run(-1 if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode, spent, log)
 
 
 def has_parts(deck: Path) -> bool:
@@ -144,11 +137,11 @@ def deviation(ours: Run, theirs: Run) -> float | None:
 
 def decks_below(folder: Path) -> list[Path]:
     """The static decks below a folder, in the order of their names."""
-    def counts(path: Path) -> bool:
+    def is_static(path: Path) -> bool:
         text = path.read_text(errors="replace")
         return bool(IS_STATIC.search(text)) and not OTHERS.search(text)
 
-    return [path for path in sorted(folder.rglob("*")) if path.suffix.lower() == ".inp" and path.is_file() and counts(path)]
+    return [path for path in sorted(folder.rglob("*")) if path.suffix.lower() == ".inp" and path.is_file() and is_static(path)]
 
 
 def run_all(folder: Path, work: Path, program: Path, peer: str, seconds: float) -> Iterator[Outcome]:

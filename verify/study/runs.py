@@ -9,7 +9,7 @@ import csv
 import os
 import resource
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,19 +17,27 @@ from typing import Any, TypeVar
 Run = TypeVar("Run")  #: a dataclass of words and numbers
 
 
-def execute(program: Path, folder: Path, name: str, deck: str, seconds: float, is_logged: bool = False) -> tuple[bool, float]:
-    """Runs a deck; whether it finishes, and the processor's seconds. is_logged: what it prints is in NAME.log."""
-    (folder / f"{name}.inp").write_text(deck)
+def run_limited(
+    command: Sequence[str | Path], seconds: float, folder: Path | None = None, timeout: float | None = None
+) -> tuple[subprocess.CompletedProcess[bytes], float]:
+    """Runs a program on one thread with a limit of processor time; what it printed and its exit code, and the seconds that it took."""
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
 
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    command = [program, "--quiet", "--no-checkpoint", "--outdir", folder, folder / f"{name}.inp"]
-    done = subprocess.run(command, check=False, capture_output=True, preexec_fn=limit, env={**os.environ, "OMP_NUM_THREADS": "1"})  # noqa: PLW1509 (no threads here)
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(command, cwd=folder, check=False, capture_output=True, timeout=timeout, preexec_fn=limit, env=environment)  # noqa: PLW1509 (no threads here)
+    return done, resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def execute(program: Path, folder: Path, name: str, deck: str, seconds: float, is_logged: bool = False) -> tuple[bool, float]:
+    """Runs a deck; whether it finishes, and the processor's seconds. is_logged: what it prints is in NAME.log."""
+    (folder / f"{name}.inp").write_text(deck)
+    done, spent = run_limited([program, "--quiet", "--no-checkpoint", "--outdir", folder, folder / f"{name}.inp"], seconds)
     if is_logged:
         (folder / f"{name}.log").write_bytes(done.stdout + done.stderr)
-    return done.returncode == 0, resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    return done.returncode == 0, spent
 
 
 def read_runs(file: Path, kind: type[Run]) -> list[Run]:

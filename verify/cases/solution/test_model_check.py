@@ -1,9 +1,6 @@
 """Unsupported models (rigid body motion): the model check names the cause and the remedy, exit code 4, before any file is written."""
 
-import os
 import re
-import resource
-import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from verify.conftest import Run
+from verify.study.runs import run_limited
 
 SETUP = 4
 Point = tuple[float, float, float]
@@ -416,11 +414,7 @@ def test_cost_of_many_equations(program: Path, tmp_path: Path) -> None:
     deck.write_text(
         f"*NODE\n{rows}*ELEMENT, TYPE=S4, ELSET=E\n{shells}*MATERIAL, NAME=M\n*ELASTIC\n210000, 0.3\n*SHELL SECTION, ELSET=E, MATERIAL=M\n0.1\n"
         "*BOUNDARY\n1, 1, 3\n2, 1, 3\n*STEP\n*STATIC\n*CLOAD\n3721, 3, 1.\n*END STEP\n")
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_CPU, (20, 21))  # 2 s are enough; by the cube of the motions it is minutes
-
-    done = subprocess.run([program, "--check", "--dialect=calculix", deck], check=False, capture_output=True, text=True, preexec_fn=limit,  # noqa: PLW1509 (no threads here)
-                          env={**os.environ, "OMP_NUM_THREADS": "1"})
-    assert done.returncode == SETUP, done.stdout + done.stderr
-    assert "can turn about y" in done.stdout + done.stderr
+    done, _ = run_limited([program, "--check", "--dialect=calculix", deck], 20.0)  # 2 s are enough; by the cube of the motions it is minutes
+    output = (done.stdout + done.stderr).decode()
+    assert done.returncode == SETUP, output
+    assert "can turn about y" in output
