@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_posix
   use, intrinsic :: iso_c_binding, only: c_double, c_char, c_int, c_int64_t, c_null_char, c_ptr, c_null_ptr, c_associated
+  use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
   implicit none
@@ -9,7 +10,7 @@ module amontons_posix
   public :: new_file_type, start_new_file, append_words, place_new_file, sync_file, truncate_file
   public :: checksum_of_words, continue_checksum, checksum_of_text, errno_text
   public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
-    is_status_requested, set_exit_handler, restart_passive_threads
+    is_status_requested, set_exit_handler, end_process, restart_passive_threads
   public :: heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat, stop_heartbeat
   public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
 
@@ -158,6 +159,11 @@ module amontons_posix
       import :: c_double
       real(c_double) :: megabytes
     end function peak_megabytes
+
+    subroutine end_process_c(code) bind(C, name='amontons_end_process')
+      import :: c_int
+      integer(c_int), value :: code
+    end subroutine end_process_c
 
     subroutine set_exit_handler_c(is_on) bind(C, name='amontons_watch_end')
       import :: c_int
@@ -338,6 +344,16 @@ contains
     logical, intent(in) :: is_on
     call set_exit_handler_c(merge(1_c_int, 0_c_int, is_on))
   end subroutine set_exit_handler
+
+
+  !> Ends the process with an exit code, without what the run-time libraries do at the end: after an error their memory may be
+  !! broken. All files must be closed. For the main program only.
+  subroutine end_process(code)
+    integer, intent(in) :: code
+    flush (output_unit)
+    flush (error_unit)
+    call end_process_c(int(code, c_int))
+  end subroutine end_process
 
 
   !> Makes an error from an error number.

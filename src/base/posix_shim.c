@@ -21,6 +21,9 @@
 static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM arrived */
 static volatile sig_atomic_t n_status_requested = 0; /* SIGUSR1 arrived and was not answered */
 static volatile sig_atomic_t is_watching_end = 0;
+static struct sigaction access_before, abort_before; /* actions of SIGSEGV and SIGABRT outside the main program */
+
+enum { UNMAPPED_BYTES = 4096 };                      /* from address 0; a null pointer lies there */
 
 /* A second SIGINT or SIGTERM kills the process. An iteration may last minutes, so the first signal is answered at once. */
 static void note_stop(int number)
@@ -185,11 +188,27 @@ void amontons_stop_heartbeat(void *handle)
   free(beat);
 }
 
+static const char no_memory[] = "*ERROR: There is not enough memory for this job.\n";
+
+/* gfortran does not check the memory of array temporaries: an expression without memory is written at address 0. HDF5 aborts
+ * if memory ends at the wrong place. Any other invalid access or abort is a bug: it occurs again, now with the action of the
+ * run-time library. */
+static void end_without_memory(int number, siginfo_t *info, void *context)
+{
+  (void)context;
+  if (errno == ENOMEM && (number == SIGABRT || (uintptr_t)info->si_addr < UNMAPPED_BYTES)) {
+    ssize_t unused = write(STDOUT_FILENO, no_memory, strlen(no_memory));
+    (void)unused;
+    _exit(6);
+  }
+  sigaction(number, number == SIGABRT ? &abort_before : &access_before, NULL);
+  if (number == SIGABRT) raise(number);
+}
+
 /* Runs when the process ends. Unless the main program announced a regular end, a run-time library has ended the process after
  * its own message and with its own exit code: most often memory is exhausted. */
 static void give_exit_code(void)
 {
-  const char no_memory[] = "*ERROR: There is not enough memory for this job.\n";
   const char no_space[] = "*ERROR: A file could not be written: is the disk full?\n";
   const char other[] = "*ERROR: Amontons was ended by the run-time library, see its message above.\n";
   if (!is_watching_end) return;
@@ -204,8 +223,26 @@ static void give_exit_code(void)
 /* Starts monitoring the end of the process (is_on = 1), or announces a regular end (0). */
 void amontons_watch_end(int is_on)
 {
-  if (is_on && !is_watching_end) atexit(give_exit_code);
+  if (is_on && !is_watching_end) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_sigaction = end_without_memory;
+    action.sa_flags = SA_SIGINFO;
+    atexit(give_exit_code);
+    sigaction(SIGSEGV, &action, &access_before);
+    sigaction(SIGABRT, &action, &abort_before);
+  } else if (!is_on && is_watching_end) {
+    sigaction(SIGSEGV, &access_before, NULL);
+    sigaction(SIGABRT, &abort_before, NULL);
+  }
   is_watching_end = is_on;
+}
+
+/* Ends the process at once. */
+void amontons_end_process(int code)
+{
+  fflush(NULL);
+  _exit(code);
 }
 
 /* Restarts the program with its arguments, so that its threads spin SPINS times (half a millisecond) before they

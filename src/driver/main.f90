@@ -4,7 +4,7 @@ program amontons
   use omp_lib, only: omp_get_max_threads
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_IO
-  use amontons_posix, only: restart_passive_threads, set_exit_handler, install_signal_handlers
+  use amontons_posix, only: restart_passive_threads, set_exit_handler, end_process, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -81,7 +81,7 @@ contains
     if (allocated(error)) call logger%fail(error%message)
     call end_ranks()
     if (.not. allocated(error)) stop EXIT_SUCCESS, quiet=.true.
-    stop error%code, quiet=.true.
+    call end_process(error%code)
   end subroutine run_command
 
 

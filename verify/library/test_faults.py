@@ -195,6 +195,42 @@ def test_no_memory(program: Path, root: Path, tmp_path: Path, megabytes: int) ->
     assert done.stdout.splitlines()[-1].startswith("*ERROR"), done.stdout[-600:]
 
 
+FAILING_MALLOC = """
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+extern char **environ;
+extern void *__libc_malloc(size_t);
+void *malloc(size_t bytes)
+{
+  static long n_large, failing = -1;
+  if (failing < 0 && environ)
+    for (char **e = (failing = 0, environ); *e; e++) if (strncmp(*e, "FAILING=", 8) == 0) failing = atol(*e + 8);
+  if (bytes >= 2000 && failing > 0 && __atomic_add_fetch(&n_large, 1, __ATOMIC_RELAXED) == failing) {
+    errno = ENOMEM;
+    return NULL;
+  }
+  return __libc_malloc(bytes);
+}
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux" or not shutil.which("cc"), reason="needs the C library of Linux and a compiler")
+def test_each_request_for_memory(program: Path, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """One request for memory that fails, also that of an array temporary, which gfortran does not check: exit code 6 to 8, or done."""
+    (tmp_path / "failing.c").write_text(FAILING_MALLOC)
+    library = tmp_path / "failing.so"
+    subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", library, tmp_path / "failing.c"], check=True)
+    codes = []
+    for failing in range(50, 1000, 25):
+        done = subprocess.run([str(program), "--outdir", str(tmp_path), str(block)], capture_output=True, text=True,
+                              env=os.environ | {"OMP_NUM_THREADS": "1", "LD_PRELOAD": str(library), "FAILING": str(failing)})  # fmt: skip
+        assert done.returncode in (0, SOLVER, IO, 8), f"request {failing}: {done.returncode}\n{done.stdout}{done.stderr[:900]}"
+        assert done.returncode == 0 or "*ERROR" in done.stdout, f"request {failing}\n{done.stdout}"
+        codes.append(done.returncode)
+    assert codes.count(SOLVER) >= 3, codes
+
+
 LIMITED = """
 import resource, sys
 import amontons
