@@ -8,6 +8,7 @@ module amontons_tunnelling_check
   use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
   use amontons_analytic_master, only: evaluate_profile_bending
   use amontons_contact_pairs, only: contact_type, current_row, SEARCH_RADIUS_RATIO
+  use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_tensor, only: cross_product
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet, is_unseen
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -67,7 +68,9 @@ contains
   !! - The node had a projection and has none now, and lies behind its old projection point by more than the search depth. (A
   !!   path over the master's edge counts too: only its ends are known.)
   !! - The node is open, with no projection, or on the opposite side of the master, or without projection before, and its straight
-  !!   path crosses a facet from the front. Sliding over the master's edge is excluded by the least steepness.
+  !!   path crosses a facet from the front. Sliding over the master's edge is excluded by the least steepness. A row of
+  !!   surface-to-surface contact holds in the mean over the slave's faces: its node may lie behind facets that the row faces,
+  !!   within the search depth. Only what the row does not face can have been crossed.
   integer function find_tunnelled_slave(contact, x_old, x_new, old, new, min_steepness) result(tunnelled)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) at the start and at the end of the increment [length]
@@ -91,7 +94,7 @@ contains
         if (allocated(facets%profile)) cycle       ! an analytic profile has no meshed facets to cross
         if (.not. allocated(near%first)) call build_facet_search(facets, x_new, &
           crossing_reach(facets, pack(new%node, new%pair == new(s)%pair), x_old, x_new), near)
-        if (has_crossed_master(facets, near, x_old, x_new, new(s)%node, min_steepness)) return
+        if (has_crossed_master(facets, near, x_old, x_new, new(s), min_steepness)) return
       end associate
     end do
     tunnelled = 0
@@ -140,22 +143,24 @@ contains
 
 
   !> Whether the straight path of a point crosses a facet from front to back; the facet moves with its centre.
-  logical function has_crossed_master(facets, search, x_old, x_new, node, min_steepness)
+  logical function has_crossed_master(facets, search, x_old, x_new, slave, min_steepness)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search        !< at x_new, with the margin `crossing_reach`
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) coordinates [length]
-    integer, intent(in) :: node                    !< the point
+    type(slave_state_type), intent(in) :: slave    !< of the point, at the end
     real(DP), intent(in) :: min_steepness          !< of a path that counts wherever it ends [-]
     integer, allocatable :: list(:)
     integer :: i, n
-    real(DP) :: steepness
-    call find_near_facets(search, x_new(:, node), list, n)
+    real(DP) :: steepness, facing(3)
+    call find_near_facets(search, x_new(:, slave%node), list, n)
+    facing = 0.0_DP
+    if (slave%row > 0 .and. slave%facet > 0) facing = slave%normal
     has_crossed_master = .false.
     do i = 1, n
-      if (is_unseen(facets, node, list(i))) cycle
-      steepness = crossing_steepness(facets, list(i), x_old, x_new, node)
+      if (is_unseen(facets, slave%node, list(i))) cycle
+      steepness = crossing_steepness(facets, list(i), x_old, x_new, slave%node, facing)
       if (steepness <= 0.0_DP) cycle
-      if (steepness < min_steepness .and. .not. projects_on_facets(facets, list(:n), x_new, node)) cycle
+      if (steepness < min_steepness .and. .not. projects_on_facets(facets, list(:n), x_new, slave%node)) cycle
       has_crossed_master = .true.
       return
     end do
@@ -163,12 +168,14 @@ contains
 
 
   !> The same for one facet: normal part of the path over its length [-]; 0 where the path does not cross the mean plane of the
-  !! corners within the facet, or ends behind it by no more than the facet's curvature or warp.
-  pure real(DP) function crossing_steepness(facets, f, x_old, x_new, node) result(steepness)
+  !! corners within the facet, or ends behind it by no more than the facet's curvature or warp, or by no more than the search
+  !! depth where the point's row faces the facet.
+  pure real(DP) function crossing_steepness(facets, f, x_old, x_new, node, facing) result(steepness)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: f
     real(DP), intent(in) :: x_old(:, :), x_new(:, :)
     integer, intent(in) :: node
+    real(DP), intent(in) :: facing(3)              !< normal of the master in the point's row; 0: no row [-]
     real(DP) :: start(3), path(3), normal(3), centre(3), before, behind, corner(3, 4)
     integer :: n, m, nodes(MAX_FACE_NODES)
     steepness = 0.0_DP
@@ -185,6 +192,7 @@ contains
     behind = -dot_product(normal, x_new(:, node) - centre)
     if (before <= MIN_FRONT_DISTANCE * facets%edge_length(f)) return
     if (behind <= maxval(abs(matmul(normal, x_new(:, nodes(:n)) - spread(centre, 2, n))))) return
+    if (dot_product(normal, facing) > MIN_FACING_COSINE .and. behind <= SEARCH_RADIUS_RATIO * facets%edge_length(f)) return
     if (is_inside_facet(start + before / (before + behind) * path, corner(:, :m), normal, is_line_facet(facets%kind(f)))) &
       steepness = (before + behind) / norm2(path)
   end function crossing_steepness

@@ -24,6 +24,7 @@ program test_tunnelling_check
   end do
   call check_waves(suite)
   call check_first(suite)
+  call check_rows(suite)
   call suite%finish()
 
 contains
@@ -87,6 +88,43 @@ contains
     call suite%that('some ways go through', n_through > 200)
     call suite%that('they are found, and no others', n_wrong == 0)
   end subroutine check_ways
+
+
+  !> A row of surface-to-surface contact faces the grid: its node may lie behind it within the search depth, as the mean gap admits,
+  !! but not deeper; nor may it if the row faces the other way, or nothing.
+  subroutine check_rows(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(contact_type) :: contact
+    type(slave_state_type) :: old, new
+    real(DP), allocatable :: x_old(:, :), x_new(:, :)
+    call make_pair(FACET_QUAD4, mesh, contact)
+    x_old = reshape([mesh%coordinates, 4.3_DP, 3.2_DP, 0.5_DP], [3, mesh%n_nodes + 1])
+    x_new = x_old
+    old = slave_state_type(pair=1, node=size(x_old, 2), row=1)
+    new = slave_state_type(pair=1, node=size(x_old, 2), row=1, facet=1, normal=[0.0_DP, 0.0_DP, 1.0_DP])
+    x_new(3, size(x_old, 2)) = -0.2_DP
+    call suite%that('a node may lie behind what its row faces', .not. is_found(contact, x_old, x_new, new))
+    new%normal = -new%normal
+    call suite%that('but not if the row faces the other way', is_found(contact, x_old, x_new, new))
+    call suite%that('nor if it faces nothing', is_found(contact, x_old, x_new, old))
+    new%normal = -new%normal
+    new%row = 0
+    call suite%that('nor without a row', is_found(contact, x_old, x_new, new))
+    new%row = 1
+    x_new(3, size(x_old, 2)) = -3.5_DP * contact%edge(1)
+    call suite%that('nor beyond the search depth', is_found(contact, x_old, x_new, new))
+  end subroutine check_rows
+
+
+  !> Whether the check finds one node, which had no projection before.
+  logical function is_found(contact, x_old, x_new, state)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x_old(:, :), x_new(:, :)   !< (3, n_nodes) [length]
+    type(slave_state_type), intent(in) :: state    !< at the end
+    is_found = find_tunnelled_slave(contact, x_old, x_new, [slave_state_type(pair=1, node=state%node, row=state%row)], [state], &
+      MIN_STEEPNESS) > 0
+  end function is_found
 
 
   !> Every downward path crosses a wavy and folded surface of triangles; a path that stays above does not.
