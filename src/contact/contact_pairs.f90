@@ -30,7 +30,7 @@ module amontons_contact_pairs
   use amontons_exterior_surface, only: depths_below
   use amontons_facet_search, only: facet_search_type, renew_facet_search
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
-    end_rows_at_edges, merge_rows, rotate_with_normal, differentiate_rotation
+    mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, rotate_with_normal, differentiate_rotation
   use amontons_surface_projection, only: projection_type, track_projection, find_projection, measure_thickness, find_clearance, &
     PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
@@ -42,8 +42,12 @@ module amontons_contact_pairs
     find_slave_projection, renew_searches, begin_search, measure_clearances, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, &
     MAX_DEPTH_SHARE
 
+  integer, parameter :: SEAM_UNKNOWN = 0         !< a node was over one master only in this increment
+  integer, parameter :: SEAM_COPLANAR = 1        !< its masters are coplanar: the surface continues
+  integer, parameter :: SEAM_STEP = 2            !< they are not
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
+  real(DP), parameter :: TOL_ENTRY = 1.0e-3_DP           !< error of the part of a path after which a node enters its master [-]
   real(DP), parameter :: SEARCH_SLACK_RATIO = 0.5_DP     !< motion of a master, over that edge, after which its grid is rebuilt [-]
   real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP  !< a node behind a facet by more than this share of the depth of its element,
                                                    !! or of the thickness of its sheet, does not see it [-]
@@ -69,7 +73,7 @@ module amontons_contact_pairs
     real(DP), allocatable :: axes(:, :, :)  !< (3, 3, n_slaves) in columns: the global axes, or those of the node's local coordinate
                                             !! system
     real(DP), allocatable :: free_mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 fixed by a support or an equation
-    logical, allocatable :: is_coplanar(:)  !< (n_slaves) merged into the row of an earlier slave of its node with the same normal
+    integer, allocatable :: seam(:)  !< (n_slaves) SEAM_...: whether it is merged into the row of an earlier slave of its node
     type(shared_slaves_type) :: shared_slaves               !< pairs that share nodes
     type(sparse_type) :: force_condensation  !< E: condenses forces on all nodes to free unknowns; only with several levels of
                                              !! slaves
@@ -154,7 +158,8 @@ contains
     end do
     n = size(slaves)
     call unite_hard_mortar_pairs(contact, model)
-    allocate (contact%is_pretension_duplicate(n), contact%is_coplanar(n), contact%has_sliding_support(n), source=.false.)
+    allocate (contact%is_pretension_duplicate(n), contact%has_sliding_support(n), source=.false.)
+    allocate (contact%seam(n), source=SEAM_UNKNOWN)
     if (allocated(model%pretension_node_pairs)) call mark_pretension_duplicates(contact, model, slaves)
     call find_shared_slaves(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%shared_slaves)
     do p = 1, size(model%pairs)
@@ -429,6 +434,7 @@ contains
     logical, intent(in) :: is_start                !< start of an increment
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     integer :: p, s
+    logical :: is_found, is_shared(size(is_wanted))
     do s = 1, size(slaves)
       if (slaves(s)%row > 0 .and. slaves(s)%slave_facet == 0) contact%mortar(slaves(s)%pair)%was_closed(slaves(s)%row) = &
         slaves(s)%status /= STATUS_OPEN .and. .not. contact%has_fixed_geometry(slaves(s)%pair)
@@ -439,58 +445,113 @@ contains
         SEARCH_RADIUS_RATIO * contact%edge(p))
     end do
     if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
-    call merge_all(is_start)
-    if (.not. is_start) return
+    is_shared = is_wanted .and. .not. contact%mortar%has_unique_slaves
+    if (is_start) contact%seam = SEAM_UNKNOWN
+    is_found = is_start
+    if (.not. is_start) call mark_second_masters(contact, slaves, is_wanted, is_found)
+    if (is_found .and. .not. is_start) call rebuild()
+    call merge_rows_at_seams(contact, slaves, is_wanted, x)
+    if (.not. is_found) return
     do p = 1, size(is_wanted)
-      if (.not. is_wanted(p) .or. contact%mortar(p)%has_unique_slaves) cycle
-      call end_rows_at_edges(contact%mortar(p), contact%facets(p), contact%search(p), x, SEARCH_RADIUS_RATIO * contact%edge(p))
+      if (is_shared(p)) call end_rows_at_edges(contact%mortar(p), is_start)
     end do
-    call merge_all(.false.)
+    call rebuild()
+    call merge_rows_at_seams(contact, slaves, is_wanted, x)
 
   contains
 
-    !> Merges the rows of all nodes in several pairs. At the start of an increment finds which masters are coplanar.
-    subroutine merge_all(is_compared)
-      logical, intent(in) :: is_compared
-      integer :: n, i, j
-      associate (first => contact%shared_slaves%first, member => contact%shared_slaves%member)
-        do n = 1, size(first) - 1
-          do i = first(n), first(n + 1) - 2
-            do j = i + 1, first(n + 1) - 1
-              if (.not. (is_wanted(slaves(member(i))%pair) .and. is_wanted(slaves(member(j))%pair))) cycle
-              if (is_compared) contact%is_coplanar(member(j)) = (i == first(n) .or. contact%is_coplanar(member(j))) .and. &
-                are_coplanar(slaves(member(i)), slaves(member(j)))
-              if (contact%is_coplanar(member(j))) call merge_slaves(slaves(member(i)), slaves(member(j)))
-            end do
+    !> The rows of all pairs that share slave nodes.
+    subroutine rebuild()
+      do p = 1, size(is_wanted)
+        if (is_shared(p)) call build_rows(contact%mortar(p), contact%facets(p), contact%search(p), x, SEARCH_RADIUS_RATIO * &
+          contact%edge(p))
+      end do
+    end subroutine rebuild
+
+  end subroutine update_mortar_rows
+
+
+  !> Marks the rows of nodes that come over a second master within the increment: they continue for the comparison of both masters.
+  subroutine mark_second_masters(contact, slaves, is_wanted, is_found)
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)
+    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
+    logical, intent(out) :: is_found
+    integer :: n, i
+    is_found = .false.
+    do n = 1, size(contact%shared_slaves%first) - 1
+      associate (own => contact%shared_slaves%member(contact%shared_slaves%first(n):contact%shared_slaves%first(n + 1) - 1))
+        if (size(own) < 2) cycle
+        if (all(contact%seam(own(2:)) /= SEAM_UNKNOWN)) cycle
+        if (.not. any([(are_over_masters(contact, slaves([own(i)]), is_wanted), i=1, size(own))])) cycle
+        do i = 1, size(own)
+          if (.not. is_wanted(slaves(own(i))%pair)) cycle
+          call mark_row_at_seam(contact%mortar(slaves(own(i))%pair), slaves(own(i))%row, is_found)
+        end do
+      end associate
+    end do
+  end subroutine mark_second_masters
+
+
+  !> Whether slaves at a node have rows over their masters.
+  pure logical function are_over_masters(contact, own, is_wanted) result(are_over)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: own(:)
+    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
+    integer :: i
+    are_over = all(is_wanted(own%pair))
+    if (are_over) are_over = all([(contact%mortar(own(i)%pair)%places(own(i)%row)%vertex > 0, i=1, size(own))])
+  end function are_over_masters
+
+
+  !> Merges the rows of all nodes in several pairs where the masters are coplanar. They are compared once in an increment, where a
+  !! node is first over both.
+  subroutine merge_rows_at_seams(contact, slaves, is_wanted, x)
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)
+    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    integer :: n, i, j
+    do n = 1, size(contact%shared_slaves%first) - 1
+      associate (own => contact%shared_slaves%member(contact%shared_slaves%first(n):contact%shared_slaves%first(n + 1) - 1))
+        do j = 2, size(own)
+          do i = 1, merge(j - 1, 0, contact%seam(own(j)) == SEAM_UNKNOWN)
+            if (are_over_masters(contact, slaves([own(i), own(j)]), is_wanted)) contact%seam(own(j)) = &
+              max(contact%seam(own(j)), compared(contact, slaves(own(i)), slaves(own(j)), x))
+          end do
+          do i = 1, merge(j - 1, 0, contact%seam(own(j)) == SEAM_COPLANAR)
+            if (are_over_masters(contact, slaves([own(i), own(j)]), is_wanted)) &
+              call merge_slaves(contact, slaves(own(i)), slaves(own(j)))
           end do
         end do
       end associate
-    end subroutine merge_all
+    end do
+  end subroutine merge_rows_at_seams
 
-    !> Whether the masters of two slaves at a node are coplanar there: their gaps are equal.
-    pure logical function are_coplanar(s, t)
-      type(slave_state_type), intent(in) :: s, t
-      associate (a => contact%mortar(s%pair), b => contact%mortar(t%pair))
-        are_coplanar = a%places(s%row)%vertex == 0 .or. b%places(t%row)%vertex == 0   ! one of them is not over its master yet
-        if (are_coplanar) return
-        are_coplanar = abs(s%offset + dot_product(a%places(s%row)%normal, evaluate_relative_position(a%rows(s%row), x)) - t%offset &
-          - dot_product(b%places(t%row)%normal, evaluate_relative_position(b%rows(t%row), x))) &
-          <= MAX_COPLANAR_OFFSET * min(contact%edge(s%pair), contact%edge(t%pair))
-      end associate
-    end function are_coplanar
 
-    !> Merges the rows of two slaves at a node.
-    subroutine merge_slaves(s, t)
-      type(slave_state_type), intent(in) :: s, t
-      if (any(contact%is_removed([s%pair, t%pair]))) return
-      associate (a => contact%mortar(s%pair)%places(s%row), b => contact%mortar(t%pair)%places(t%row))
-        if (a%vertex == 0 .or. b%vertex == 0) return
-        if (dot_product(a%normal, b%normal) <= MIN_PARALLEL_COSINE) return
-      end associate
-      call merge_rows(contact%mortar(s%pair), s%row, contact%mortar(t%pair), t%row)
-    end subroutine merge_slaves
+  !> SEAM_COPLANAR if the masters of two slaves at a node are coplanar there: their gaps are equal; else SEAM_STEP.
+  pure integer function compared(contact, s, t, x) result(seam)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: s, t     !< both over their masters
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    associate (a => contact%mortar(s%pair), b => contact%mortar(t%pair))
+      seam = merge(SEAM_COPLANAR, SEAM_STEP, abs(s%offset + dot_product(a%places(s%row)%normal, &
+        evaluate_relative_position(a%rows(s%row), x)) - t%offset - dot_product(b%places(t%row)%normal, &
+        evaluate_relative_position(b%rows(t%row), x))) <= MAX_COPLANAR_OFFSET * min(contact%edge(s%pair), contact%edge(t%pair)))
+    end associate
+  end function compared
 
-  end subroutine update_mortar_rows
+
+  !> Merges the rows of two slaves at a node.
+  subroutine merge_slaves(contact, s, t)
+    type(contact_type), intent(inout) :: contact
+    type(slave_state_type), intent(in) :: s, t
+    if (any(contact%is_removed([s%pair, t%pair]))) return
+    associate (a => contact%mortar(s%pair)%places(s%row), b => contact%mortar(t%pair)%places(t%row))
+      if (dot_product(a%normal, b%normal) <= MIN_PARALLEL_COSINE) return
+    end associate
+    call merge_rows(contact%mortar(s%pair), s%row, contact%mortar(t%pair), t%row)
+  end subroutine merge_slaves
 
 
   !> Rebuilds the grids of the masters that have moved too far since the last build within finite sliding.
@@ -771,8 +832,8 @@ contains
 
   !> Sets the origin of an open node that closes: the first touch on its straight path from the committed state.
   !!
-  !! All points move along straight lines, so the gap decreases linearly but for rotating normals; a node already in contact
-  !! keeps its old position as origin. The projection is repeated at both positions, because the node may be over another facet.
+  !! The gap decreases linearly but for rotating normals; a node already in contact keeps its old position as origin. A node that
+  !! comes over the border of its master, as from one master to the next, touches no earlier than it enters.
   subroutine set_first_touch_origin(contact, model, u_old, u, slave)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
@@ -782,7 +843,7 @@ contains
     type(slave_state_type) :: touch
     type(contact_row_type) :: row
     real(DP), allocatable :: u_touch(:, :)
-    real(DP) :: gap
+    real(DP) :: gap, entry
     if (slave%gap >= 0.0_DP) then
       call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
     else if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then     ! the row stays: no field of all nodes is needed
@@ -790,11 +851,10 @@ contains
       gap = max(slave%offset + dot_product(slave%normal, evaluate_relative_position(row, model%mesh%coordinates, u_old)), 0.0_DP)
       call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave, u_old, gap / (gap - slave%gap))
     else
-      touch = slave
-      call update_gap(contact, model%mesh%coordinates + u_old, touch)
+      call find_entry(contact, model%mesh%coordinates, u_old, u, slave, touch, entry)
       gap = max(touch%gap, 0.0_DP)
-      allocate (u_touch, source=u_old + gap / (gap - slave%gap) * (u - u_old))
-      if (touch%facet > 0) call update_gap(contact, model%mesh%coordinates + u_touch, touch)
+      allocate (u_touch, source=u_old + (entry + (1.0_DP - entry) * gap / (gap - slave%gap)) * (u - u_old))
+      call update_gap(contact, model%mesh%coordinates + u_touch, touch)
       if (touch%facet > 0) then
         call set_stick_origin(contact, model, u_touch, touch%facet, touch%xi, slave)
       else
@@ -802,5 +862,39 @@ contains
       end if
     end if
   end subroutine set_first_touch_origin
+
+
+  !> The part of the straight path of a node relative to its master after which it projects on it, by bisection; 0: from the start.
+  subroutine find_entry(contact, x, u_old, u, slave, touch, entry)
+    type(contact_type), intent(in) :: contact
+    real(DP), intent(in) :: x(:, :), u_old(:, :), u(:, :)   !< (3, n_nodes) coordinates, start and end of the path [length]
+    type(slave_state_type), intent(in) :: slave    !< at the end of the path
+    type(slave_state_type), intent(out) :: touch   !< at the entry
+    real(DP), intent(out) :: entry                 !< [-]
+    type(slave_state_type) :: trial
+    type(contact_row_type) :: row
+    real(DP), allocatable :: x_end(:, :)
+    real(DP) :: outside, path(3), final(3)
+    touch = slave
+    call update_gap(contact, x + u_old, touch)
+    entry = 0.0_DP
+    if (touch%facet > 0) return
+    call current_row(contact, slave, row)
+    path = evaluate_relative_position(row, u) - evaluate_relative_position(row, u_old)
+    x_end = x + u
+    final = x_end(:, slave%node)
+    touch = slave
+    entry = 1.0_DP
+    outside = 0.0_DP
+    do while (entry - outside > TOL_ENTRY)
+      trial = touch
+      x_end(:, slave%node) = final - (1.0_DP - 0.5_DP * (outside + entry)) * path
+      call update_gap(contact, x_end, trial)
+      if (trial%facet == 0) outside = 0.5_DP * (outside + entry)
+      if (trial%facet == 0) cycle
+      entry = 0.5_DP * (outside + entry)
+      touch = trial
+    end do
+  end subroutine find_entry
 
 end module amontons_contact_pairs

@@ -26,7 +26,7 @@ module amontons_mortar
   implicit none
   private
   public :: mortar_type, mortar_node_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
-    end_rows_at_edges, merge_rows, n_imbalance_nodes, &
+    mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, n_imbalance_nodes, &
     find_search_margin, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, evaluate_transfer_slope
 
   real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node with a smaller covered fraction of its area has no row
@@ -81,7 +81,8 @@ module amontons_mortar
     logical, allocatable :: is_decoupled(:)  !< (n) no other row gives a force to the nodes whose imbalance forms that of the row
     logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other pair with exact contact
     integer, allocatable :: node_pairs(:, :)            !< (2, n) rows of nodes, and of the nodes bound to them by an equation
-    logical, allocatable :: is_at_seam(:)  !< (n) another pair has a coplanar master there: the row continues beyond the edge
+    logical, allocatable :: is_at_seam(:)  !< (n) another pair has a coplanar master there, or may: the row continues
+    logical, allocatable :: was_at_seam(:)  !< (n) another pair has one, at the last comparison of the increment
     logical, allocatable :: is_left_out(:)  !< (n) slaves of other pairs, too, beyond the master's edge: no row
     logical, allocatable :: was_closed(:)         !< (n) closed at the start of the increment
     real(DP), allocatable :: excess_limits(:)  !< (n) current excess limit up to which a node is over a master, over the edge [-]
@@ -114,7 +115,7 @@ contains
     n = size(nodes)
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origin_rows(n))
-    allocate (mortar%was_closed(n), mortar%is_at_seam(n), mortar%is_left_out(n), source=.false.)
+    allocate (mortar%was_closed(n), mortar%is_at_seam(n), mortar%was_at_seam(n), mortar%is_left_out(n), source=.false.)
     allocate (mortar%excess_limits(n), source=MAX_EXCESS)
     allocate (mortar%node_pairs(2, 0))
     of_node = 0
@@ -358,16 +359,29 @@ contains
   end subroutine integrate_mortar
 
 
+  !> Marks the row of a slave node that is over another master and has a part of its faces over this one, but no row for it yet. The
+  !! rows have to be built again.
+  pure subroutine mark_row_at_seam(mortar, j, is_marked)
+    type(mortar_type), intent(inout) :: mortar
+    integer, intent(in) :: j                       !< its row
+    logical, intent(inout) :: is_marked            !< out: .true. if it is
+    if (.not. mortar%is_left_out(j) .or. mortar%is_at_seam(j)) return
+    if (.not. any(mortar%cuts%area(mortar%vertices(mortar%first(j):mortar%first(j + 1) - 1)) > 0.0_DP)) return
+    mortar%is_at_seam(j) = .true.
+    is_marked = .true.
+  end subroutine mark_row_at_seam
+
+
   !> Ends the rows of nodes that are slaves of several pairs at the master's edge, unless they were merged with those of a coplanar
-  !! master, which continues there.
-  subroutine end_rows_at_edges(mortar, master, search, x, reach)
-    type(mortar_type), intent(inout) :: mortar     !< as integrated and merged at the start of an increment
-    type(facets_type), intent(in) :: master
-    type(facet_search_type), intent(in) :: search
-    real(DP), intent(in) :: x(:, :), reach         !< as for `integrate_mortar`
-    mortar%is_at_seam = mortar%places%is_shared .or. mortar%places%is_merged
+  !! master in this increment, which continues there. The rows have to be built again.
+  pure subroutine end_rows_at_edges(mortar, is_start)
+    type(mortar_type), intent(inout) :: mortar     !< as integrated and merged
+    logical, intent(in) :: is_start                !< start of an increment
+    if (is_start) mortar%was_at_seam = .false.
+    mortar%is_at_seam = mortar%was_at_seam .or. mortar%places%is_shared .or. mortar%places%is_merged
+    mortar%was_at_seam = mortar%is_at_seam
+    if (.not. is_start) return
     where (.not. mortar%is_at_seam) mortar%excess_limits = MAX_EXCESS
-    call build_rows(mortar, master, search, x, reach)
   end subroutine end_rows_at_edges
 
 
