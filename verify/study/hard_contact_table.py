@@ -4,10 +4,12 @@
         [--forms nodes faces] [--program bin/amontons]
     python -m verify.study.hard_contact_table --show runs.csv
 
+
 Each problem runs by nodes and by faces, for some seconds of a processor at most. --second N runs a second set, with parameters at random: N seeds of
 each problem; nothing is tuned to it. Where statics has no answer a problem of the classes a, b and d runs again with STABILIZE, then by inertia
 (QUASI-STATIC). The check is the balance of loads, reactions and the contact forces on each body, Coulomb's limit at each slave node, and a reaction in
-closed form where there is one.
+closed form where there is one. With --ccx CalculiX runs each problem too, for so many seconds, with a contact stiffness of 50 E and a stick slope of
+5 E; the largest difference of the reactions of a body, over the largest reaction, stands beside its iterations where it ends.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -16,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -29,7 +32,7 @@ from verify.decks.hard_contact import Draw, Problem, problems
 from verify.decks.loose_bodies import by_inertia
 from verify.independent.results import point_data
 from verify.study.ironing_table import ROOT, count_rows
-from verify.study.runs import execute, read_runs, write_runs
+from verify.study.runs import execute, read_runs, run_limited, write_runs
 
 FORMS = {"nodes": "", "faces": ", TYPE=SURFACE TO SURFACE"}
 REMEDIES = {"": lambda deck: deck, "STABILIZE": lambda deck: deck.replace("*STATIC\n", "*STATIC, STABILIZE\n"),
@@ -52,6 +55,7 @@ class Run:
     iterations: int  #: those of failed attempts included
     seconds: float  #: of the processor
     check: str
+    peer: str = "-"  #: CalculiX: its iterations and the difference of the reactions, or why not
 
     @property
     def case(self) -> tuple[str, str, int, str]:
@@ -81,6 +85,43 @@ def check(problem: Problem, file: Path) -> str:
     return "closed form" if abs(reaction[members, direction - 1].sum() / value - 1) <= tolerance else "CLOSED FORM"
 
 
+def peer_deck(deck: str, form: str) -> str:
+    """The deck for CalculiX: a contact stiffness of 50 E of the stiffest body, a stick slope of 5 E, the reactions of each body."""
+    young = max([3.0, *(float(value) for value in re.findall(r"\*ELASTIC\n([^,]+),", deck))])
+    behavior = f"{50 * young:g}" + (f", {1e-3 * young:g}, 1e-3" if form == "nodes" else "")
+    deck = re.sub(r"(\*SURFACE INTERACTION, NAME=\S+\n)", rf"\1*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{behavior}\n", deck)
+    deck = re.sub(r"\*FRICTION\n(\S+)\n", rf"*FRICTION\n\1, {5 * young:g}\n", deck)
+    if form == "nodes":
+        deck = re.sub(r"(\*CONTACT PAIR, INTERACTION=\S+)", r"\1, TYPE=NODE TO SURFACE", deck)
+    prints = "".join(f"*NODE PRINT, NSET={name}, TOTALS=ONLY, FREQUENCY=1000\nRF\n" for name in re.findall(r"\*NODE, NSET=(\S+)", deck))
+    return deck.replace("*END STEP", f"{prints}*END STEP")
+
+
+def compare(problem: Problem, form: str, file: Path, seconds: float) -> str:
+    """CalculiX on the same problem: its iterations and the largest difference of the reactions of a body, over the largest reaction."""
+    folder = file.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    (folder / "job.inp").write_text(peer_deck(problem.deck, form))
+    ccx = shutil.which("ccx")
+    assert ccx is not None, "ccx is not in the path"
+    done, spent = run_limited([ccx, "-i", "job"], seconds, folder, timeout=20 * seconds)
+    rows = [line.split() for line in (folder / "job.sta").read_text().splitlines()[2:]] if (folder / "job.sta").exists() else []
+    ended = {row[0]: float(row[5]) for row in rows}
+    if len(ended) < problem.deck.count("*STEP") or any(abs(time - 1) > 1e-6 for time in ended.values()):
+        return f"no end in {seconds:g} s" if spent >= seconds - 1 else "ends early"
+    found = re.findall(r"for set (\S+) and time\s+\S+\s+(\S+)\s+(\S+)\s+(\S+)", (folder / "job.dat").read_text())
+    theirs = {name: np.array([float(value) for value in values]) for name, *values in found}  # the last of each set
+    with h5py.File(file) as results:
+        reaction = point_data(results["VTKHDF"], "RF")[-1]
+    first = [int(label) for label in re.findall(r"\*NODE, NSET=\S+\n(\d+)", problem.deck)]
+    labels = [int(label) for part in re.findall(r"\*NODE, NSET=\S+\n([^*]+)", problem.deck) for label in re.findall(r"^(\d+),", part, re.MULTILINE)]
+    bounds = [*(labels.index(label) for label in first), len(labels)]
+    ours = {name.upper(): reaction[bounds[i] : bounds[i + 1]].sum(axis=0) for i, name in enumerate(re.findall(r"\*NODE, NSET=(\S+)", problem.deck))}
+    largest = max(float(np.linalg.norm(value)) for value in ours.values())
+    difference = max(float(np.linalg.norm(theirs[name] - value)) for name, value in ours.items())
+    return f"{sum(int(row[3]) for row in rows)} iterations, {100 * difference / max(largest, 1e-30):.1f} %"
+
+
 def _node_set(deck: str, name: str) -> str:
     """The labels of a node set of the deck, one by one."""
     body = re.search(rf"\*NSET, NSET={name}(, GENERATE)?\n([^*]*)", deck)
@@ -100,8 +141,8 @@ def reason(folder: Path, name: str, spent: float, seconds: float) -> str:
     return found[1] if found else "error"
 
 
-def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: float) -> Run:
-    """Runs one problem; classes a, b and d by their remedies too."""
+def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: float, peer_seconds: float) -> Run:
+    """Runs one problem; classes a, b and d by their remedies too. CalculiX runs it if it is given time."""
     group, title, seed, form = case
     problem = problems()[group][title](Draw(f"{title} {seed}" if seed else ""), FORMS[form])
     n_steps = problem.deck.count("*STEP")
@@ -110,8 +151,9 @@ def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: f
         is_done, spent = execute(program, folder, name, REMEDIES[by](problem.deck), seconds, is_logged=True)
         counts = count_rows(folder / f"{name}.sta", n_steps, is_done)
         outcome = "finished" if is_done else reason(folder, name, spent, seconds)
-        made = Run(*case, by, outcome, counts.made, counts.failed, counts.iterations, round(spent, 1),
-                   check(problem, folder / f"{name}.vtkhdf") if is_done else "-")
+        file = folder / f"{name}.vtkhdf"
+        made = Run(*case, by, outcome, counts.made, counts.failed, counts.iterations, round(spent, 1), check(problem, file) if is_done else "-",
+                   compare(problem, form, file, peer_seconds) if is_done and peer_seconds else "-")
         (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
         if is_done:
             break
@@ -132,11 +174,11 @@ def show(runs: list[Run]) -> str:
         if not made:
             continue
         lines += ["", "The second set" if is_second else "The first set", ""]
-        lines += head("class", "problem", "contact by", "outcome", "increments", "failed attempts", "iterations", "seconds", "check")
+        lines += head("class", "problem", "contact by", "outcome", "increments", "failed attempts", "iterations", "seconds", "check", "CalculiX")
         for r in made:
             title = f"{r.problem}, seed {r.seed}" if r.seed else r.problem
             outcome = r.outcome + (f" by {r.by}" if r.by and r.outcome == "finished" else "")
-            lines.append(f"| {r.group} | {title} | {r.form} | {outcome} | {r.made} | {r.failed} | {r.iterations} | {r.seconds:g} | {r.check} |")
+            lines.append(f"| {r.group} | {title} | {r.form} | {outcome} | {r.made} | {r.failed} | {r.iterations} | {r.seconds:g} | {r.check} | {r.peer} |")
         lines += ["", *head("class", "contact by", "finished and right", "failed attempts", "iterations where both finish", "seconds where both finish")]
         for group in dict.fromkeys(r.group for r in made):
             lines += _sums([r for r in made if r.group == group])
@@ -178,6 +220,7 @@ def main() -> int:
     parser.add_argument("--forms", nargs="+", choices=list(FORMS), default=list(FORMS))
     parser.add_argument("--second", type=int, default=0, metavar="N", help="the second set: N seeds of each problem")
     parser.add_argument("--seconds", type=float, default=120.0, help="most time of a processor for one run")
+    parser.add_argument("--ccx", type=float, default=0.0, metavar="SECONDS", help="run CalculiX too, so long at most")
     parser.add_argument("--runs", type=Path, help="file in which the runs are kept; runs made again take the place of the old ones")
     parser.add_argument("--show", type=Path, metavar="FILE", help="print the tables of a file of runs")
     parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
@@ -196,8 +239,8 @@ def main() -> int:
                 for form in options.forms:
                     if options.only not in title:
                         continue
-                    r = made[group, title, seed, form] = run(options.program.resolve(), folder, (group, title, seed, form), options.seconds)
-                    print(*r.case, r.by, r.outcome, r.made, r.failed, r.iterations, f"{r.seconds:g} s", r.check, file=sys.stderr, flush=True)
+                    r = made[group, title, seed, form] = run(options.program.resolve(), folder, (group, title, seed, form), options.seconds, options.ccx)
+                    print(*r.case, r.by, r.outcome, r.made, r.failed, r.iterations, f"{r.seconds:g} s", r.check, "CalculiX:", r.peer, file=sys.stderr, flush=True)
                     if options.runs:
                         write_runs(options.runs, (kept | made).values())
     print(show(list(made.values())))

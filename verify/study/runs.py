@@ -44,7 +44,7 @@ def read_runs(file: Path, kind: type[Run]) -> list[Run]:
     """The runs of a file, each of the dataclass `kind`."""
     kinds: dict[str, Any] = {"str": str, "float": float, "int": int}
     with file.open(newline="") as rows:
-        return [kind(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(kind)}) for row in csv.DictReader(rows)]  # type: ignore[arg-type]
+        return [kind(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(kind) if f.name in row}) for row in csv.DictReader(rows)]  # type: ignore[arg-type]
 
 
 def write_runs(file: Path, runs: Iterable[Any]) -> None:
