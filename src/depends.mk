@@ -43,7 +43,8 @@ uses_surfaces = kinds analytic_profiles
 uses_mpc_data = kinds tensor
 uses_steps = kinds controls loads surfaces
 uses_structural_data = kinds
-uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data
+uses_user_elements = kinds
+uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data user_elements
 
 # materials
 uses_plasticity = kinds scalar_root materials
@@ -83,7 +84,8 @@ uses_card_table = card_schema card_materials
 uses_element_drafts = kinds containers
 uses_deck_labels = kinds text containers element_kinds cards card_schema
 uses_deck_reader = kinds text containers mesh model cards card_schema
-uses_deck_mesh = kinds text containers element_kinds materials mesh model cards card_schema element_drafts deck_labels deck_reader
+uses_deck_user_elements = kinds text containers element_kinds mesh steps user_elements model cards card_schema element_drafts deck_reader
+uses_deck_mesh = kinds text containers element_kinds materials mesh user_elements model cards card_schema element_drafts deck_labels deck_reader deck_user_elements
 uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader
 uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
 uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
@@ -96,7 +98,7 @@ uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards car
 uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mesh mpc_data structural_data model cards card_schema deck_reader
 uses_deck_couplings = kinds text tensor element_kinds mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_mpc
-uses_deck_parts = kinds text tensor element_kinds cards card_schema
+uses_deck_parts = kinds text tensor element_kinds user_elements cards card_schema
 uses_deck_generate = kinds text tensor cards card_schema deck_labels
 uses_deck_parameters = kinds text containers cards
 uses_deck_restart = kinds text errors restart_file model cards card_schema
@@ -107,9 +109,9 @@ uses_deck_output = kinds text element_kinds steps model cards card_schema card_t
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
-uses_deck_steps = kinds text controls element_kinds materials mpc_data steps model cards card_schema deck_reader deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
+uses_deck_steps = kinds text controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions
@@ -138,7 +140,7 @@ uses_segment_derivatives = kinds tensor dense element_kinds shape_functions face
 uses_mortar_linearization = kinds element_kinds facets contact_constraint_rows mortar_segmentation mortar segment_derivatives
 
 # state
-uses_state = kinds tensor element_kinds materials mesh steps model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
+uses_state = kinds tensor element_kinds materials mesh steps user_elements model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
 uses_model_change = mesh model state
 uses_user_state = kinds errors element_kinds loads user_routines materials mesh model element_integration_points shape_functions element state
 
@@ -148,6 +150,7 @@ uses_assembly = kinds containers errors sparse graph_partition mpi_ranks element
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly external_loads
 uses_stabilization = kinds sparse mesh steps state
+uses_user_element_forces = kinds user_routines steps user_elements model state assembly
 
 # constraints
 uses_constraints = kinds errors sparse
@@ -178,10 +181,10 @@ uses_contact_tiles = kinds containers errors blas_lapack sparse
 uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles
 uses_contact_preconditioner = kinds errors dense sparse controls constraints reduced_system contact_tiles contact_coarse_space
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds errors iteration_records posix sparse factorization controls surfaces steps model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
+uses_equilibrium = kinds containers errors iteration_records posix sparse factorization controls surfaces steps user_elements model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
 uses_robin_springs = kinds errors tensor sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
 uses_tangent_solution = kinds errors sparse factorization krylov distributed_solver steps state unsymmetric_tangent constraints contact_operators arc_length reduced_system schur_interface contact_preconditioner equilibrium
-uses_newton_step = kinds errors iteration_records sparse factorization woodbury_interface surfaces steps model contact_constraint_rows state unsymmetric_tangent assembly external_loads inertia stabilization constraints nonlinear_mpc contact_pairs contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs tangent_solution
+uses_newton_step = kinds errors iteration_records sparse factorization woodbury_interface surfaces steps model contact_constraint_rows state unsymmetric_tangent assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc contact_pairs contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs tangent_solution
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
@@ -228,7 +231,7 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization slave_nodes unpaired_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse model friction_slip_scenarios state unsymmetric_tangent equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

@@ -14,7 +14,7 @@ module amontons_assembly
   use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: MAX_HISTORY
-  use amontons_model, only: model_type, is_out, material_in_step
+  use amontons_model, only: model_type, is_out, material_in_step, has_unsymmetric_elements
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_unsymmetric_tangent, only: skew_part_type, reset_element_skew, evaluate_element_skew
@@ -27,7 +27,7 @@ module amontons_assembly
   implicit none
   private
   public :: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces, assemble_tangent, &
-    assemble_nodal_stiffness, add_node_block, add_row_block, element_material
+    assemble_nodal_stiffness, add_node_block, add_skew_block, add_row_block, element_material
 
   integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< for fewer elements a batch is not worth its empty lanes
   integer, parameter :: ELEMENTS_PER_PART = 400       !< enough work for a thread, small enough for the cache
@@ -334,6 +334,15 @@ contains
     real(DP), intent(in) :: block(3, 3)            !< [force/length]
     call add_row_block(assembly%stiffness, low, find_block_position(assembly, low, high), block)
   end subroutine add_node_block
+
+
+  !> The same in the skew-symmetric part of the tangent, which materials or user elements make nonzero.
+  pure subroutine add_skew_block(assembly, low, high, block)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: low, high               !< nodes, low <= high
+    real(DP), intent(in) :: block(3, 3)            !< upper triangle of (k - k')/2 [force/length]
+    call add_row_block(assembly%skew%elements, low, find_block_position(assembly, low, high), block)
+  end subroutine add_skew_block
 
 
   !> Internal forces F_int and the stresses, strains and energies at u, if the fields have them.
@@ -708,7 +717,7 @@ contains
     failed = huge(failed)
     call ensure_matrix(assembly, model%mesh)
     assembly%stiffness%value = 0.0_DP
-    call reset_element_skew(assembly%skew, assembly%stiffness, any(model%materials%is_unsymmetric))
+    call reset_element_skew(assembly%skew, assembly%stiffness, has_unsymmetric_elements(model))
     !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts

@@ -1,17 +1,17 @@
 !> External loads: concentrated, pressure, traction, body, gravity and centrifugal forces, and their load stiffness.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Pressures follow their faces under NLGEOM, tractions keep their direction. The symmetric part of a load's stiffness is added to
-!! K, the skew-symmetric part of a pressure's to assembly%skew.
+!! Pressures follow their faces under NLGEOM, forces with FOLLOWER their nodes; tractions and other forces keep their direction. The
+!! symmetric part of a load's stiffness is added to K, the skew-symmetric part to assembly%skew.
 module amontons_external_loads
   use amontons_kinds, only: DP
-  use amontons_tensor, only: IDENTITY
+  use amontons_tensor, only: IDENTITY, rotation_matrix
   use amontons_tributary_areas, only: out_of_plane_depth, integrate_nodal_areas
-  use amontons_assembly, only: assembly_type, add_row_block, element_material
+  use amontons_assembly, only: assembly_type, add_node_block, add_row_block, element_material
   use amontons_element, only: integrate_body_force, integrate_facet_pressure, integrate_edge_pressure, evaluate_point_volumes, &
     ELEMENT_OK
-  use amontons_loads, only: distributed_type, DISTRIBUTED_PRESSURE, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, &
-    DISTRIBUTED_TRACTION
+  use amontons_loads, only: concentrated_type, distributed_type, DISTRIBUTED_PRESSURE, DISTRIBUTED_CENTRIFUGAL, &
+    DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, dof_direction, is_out, load_now, DIALECT_CALCULIX
@@ -31,8 +31,8 @@ contains
 
   !> The applied forces F_ext at a time, and under NLGEOM their stiffness subtracted from K.
   !!
-  !! A pressure follows its face. Its load stiffness is unsymmetric in general: the symmetric part goes into K, the rest into
-  !! assembly%skew, which finish_skew completes.
+  !! The load stiffness is unsymmetric in general: the symmetric part goes into K, the rest into assembly%skew, which assemble_skew
+  !! completes.
   subroutine assemble_external_loads(assembly, model, step, fields, is_nlgeom, has_stiffness)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
@@ -47,8 +47,12 @@ contains
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
         magnitude = load_now(model, step, load, load_time(step, fields), fields%total_time)
-        fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
-          + magnitude * dof_direction(model, load%node, load%dof)
+        if (load%is_follower .and. is_nlgeom) then
+          call add_follower_force(assembly, model, load, magnitude, fields, has_stiffness)
+        else
+          fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
+            + magnitude * dof_direction(model, load%node, load%dof)
+        end if
       end associate
     end do
     do i = 1, size(step%distributed)
@@ -92,6 +96,34 @@ contains
     fields%load_factor = load_factor
     fields%applied_force = applied_force
   end subroutine assemble_reference_loads
+
+
+  !> A force that turns with its node: F = R(w) F0, w the displacement of the rotation node. Its stiffness dR/dw F0 has rows of the
+  !! node and columns of the rotation node.
+  subroutine add_follower_force(assembly, model, load, magnitude, fields, has_stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    type(concentrated_type), intent(in) :: load
+    real(DP), intent(in) :: magnitude              !< [force]
+    type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: has_stiffness
+    real(DP) :: R(3, 3), dR(3, 3, 3), force(3), stiffness(6, 6)
+    integer :: k
+    associate (node => load%node, rotation => model%rotation_of(load%node))
+      force = magnitude * dof_direction(model, node, load%dof)
+      call rotation_matrix(fields%u(:, rotation), R, dR)
+      fields%applied_force(:, node) = fields%applied_force(:, node) + matmul(R, force)
+      if (.not. has_stiffness) return
+      stiffness = 0
+      do k = 1, 3
+        stiffness(:3, 3 + k) = matmul(dR(:, :, k), force)
+      end do
+      call add_node_block(assembly, min(node, rotation), max(node, rotation), merge(-0.5_DP * stiffness(:3, 4:), &
+        -0.5_DP * transpose(stiffness(:3, 4:)), node < rotation))
+      call add_face_skew(assembly%skew, [node, rotation], stiffness)
+      assembly%skew%has_follower_forces = .true.
+    end associate
+  end subroutine add_follower_force
 
 
   !> Nodal forces of a pressure on a face, in the current configuration under NLGEOM.

@@ -32,6 +32,7 @@ module amontons_unsymmetric_tangent
   !> W, and its entries during the loop over the faces.
   type :: skew_part_type
     integer :: n = 0                               !< entries collected
+    logical :: has_follower_forces = .false.       !< on nodes
     integer, allocatable :: row(:), column(:)      !< (>= n)
     real(DP), allocatable :: value(:)              !< (>= n) [force/length]
     type(sparse_type) :: elements                  !< U: elements add U - U' [force/length]; not built if not wanted
@@ -53,13 +54,14 @@ contains
   pure subroutine reset_load_skew(skew)
     type(skew_part_type), intent(inout) :: skew
     skew%n = 0
+    skew%has_follower_forces = .false.
     skew%matrix = sparse_type()
     if (allocated(skew%row)) return
     allocate (skew%row(1024), skew%column(1024), skew%value(1024))
   end subroutine reset_load_skew
 
 
-  !> Adds (k - k')/2 of a face.
+  !> Adds (k - k')/2 of a face or of a follower force.
   pure subroutine add_face_skew(skew, nodes, stiffness)
     type(skew_part_type), intent(inout) :: skew
     integer, intent(in) :: nodes(:)                !< of the face
@@ -93,11 +95,13 @@ contains
   end subroutine reset_element_skew
 
 
-  !> Whether the tangent of a material is unsymmetric now. Its symmetric part need not be positive then, without a limit point.
+  !> Whether the tangent of a material is unsymmetric now, or forces turn with nodes. The symmetric part need not be positive then,
+  !! without a limit point.
   pure logical function has_unsymmetric_law(skew) result(is_so)
     type(skew_part_type), intent(in) :: skew
     is_so = allocated(skew%elements%value)
     if (is_so) is_so = any(skew%elements%value /= 0.0_DP)
+    is_so = is_so .or. skew%has_follower_forces
   end function has_unsymmetric_law
 
 

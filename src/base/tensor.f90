@@ -8,6 +8,7 @@ module amontons_tensor
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
   public :: cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
+  public :: rotation_matrix
   public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen, solve_normal_equations
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -275,5 +276,38 @@ contains
       N(i, :) = N(i, :) / L(i, i)
     end do
   end subroutine solve_normal_equations
+
+
+  !> R(w) = 1 + s [w] + c [w][w], s = sin t / t, c = (1 - cos t) / t^2, t = |w|, and dR/dw_k. Series for small t.
+  pure subroutine rotation_matrix(w, R, dR)
+    real(DP), intent(in) :: w(3)                   !< rotation vector [rad]
+    real(DP), intent(out) :: R(3, 3)               !< [-]
+    real(DP), intent(out) :: dR(3, 3, 3)           !< (:, :, k) dR/dw_k
+    real(DP) :: t2, t, s, c, ds, dc, S_matrix(3, 3), E(3, 3)
+    integer :: i, k
+    t2 = dot_product(w, w)
+    t = sqrt(t2)
+    if (t2 < 1.0e-4_DP) then                       ! next terms below 1e-16
+      s = 1.0_DP - t2 / 6.0_DP * (1.0_DP - t2 / 20.0_DP * (1.0_DP - t2 / 42.0_DP))
+      c = 0.5_DP - t2 / 24.0_DP * (1.0_DP - t2 / 30.0_DP * (1.0_DP - t2 / 56.0_DP))
+      ds = -(1.0_DP - t2 / 10.0_DP * (1.0_DP - t2 / 28.0_DP)) / 3.0_DP
+      dc = -(1.0_DP - t2 / 15.0_DP * (1.0_DP - 0.75_DP * t2 / 28.0_DP)) / 12.0_DP
+    else
+      s = sin(t) / t
+      c = (1.0_DP - cos(t)) / t2
+      ds = (cos(t) - s) / t2                       ! ds/dw_k = ds * w_k
+      dc = (s - 2.0_DP * c) / t2
+    end if
+    S_matrix = skew_matrix(w)
+    R = s * S_matrix + c * matmul(S_matrix, S_matrix)
+    do i = 1, 3
+      R(i, i) = R(i, i) + 1.0_DP
+    end do
+    do k = 1, 3
+      E = skew_matrix([(merge(1.0_DP, 0.0_DP, i == k), i=1, 3)])
+      dR(:, :, k) = w(k) * (ds * S_matrix + dc * matmul(S_matrix, S_matrix)) + s * E &
+        + c * (matmul(E, S_matrix) + matmul(S_matrix, E))
+    end do
+  end subroutine rotation_matrix
 
 end module amontons_tensor

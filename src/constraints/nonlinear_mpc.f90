@@ -19,7 +19,7 @@
 module amontons_nonlinear_mpc
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_tensor, only: cross_product, skew_matrix
+  use amontons_tensor, only: cross_product, rotation_matrix
   use amontons_mesh, only: mesh_extent
   use amontons_loads, only: equation_type
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
@@ -31,7 +31,7 @@ module amontons_nonlinear_mpc
   implicit none
   private
   public :: add_nonlinear_mpcs, add_mpc_stiffness, fix_unconnected_unknowns, extract_support_reactions, linearize_mpcs
-  public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, rotation_matrix, find_rotation_lengths, TAG_PRESCRIBED
+  public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, find_rotation_lengths, TAG_PRESCRIBED
 
   integer, parameter :: TAG_PRESCRIBED = 1            !< rows of prescribed displacements of transformed nodes
   integer, parameter :: TAG_MPC = 1000000000      !< rows of nonlinear MPCs have this tag and higher ones
@@ -478,39 +478,6 @@ contains
       end do
     end do
   end function sum_force_moments
-
-
-  !> R(w) = 1 + s [w] + c [w][w], s = sin t / t, c = (1 - cos t) / t^2, t = |w|, and dR/dw_k. Series for small t.
-  pure subroutine rotation_matrix(w, R, dR)
-    real(DP), intent(in) :: w(3)                   !< rotation vector [rad]
-    real(DP), intent(out) :: R(3, 3)               !< [-]
-    real(DP), intent(out) :: dR(3, 3, 3)           !< (:, :, k) dR/dw_k
-    real(DP) :: t2, t, s, c, ds, dc, S_matrix(3, 3), E(3, 3)
-    integer :: i, k
-    t2 = dot_product(w, w)
-    t = sqrt(t2)
-    if (t2 < 1.0e-4_DP) then                       ! next terms below 1e-16
-      s = 1.0_DP - t2 / 6.0_DP * (1.0_DP - t2 / 20.0_DP * (1.0_DP - t2 / 42.0_DP))
-      c = 0.5_DP - t2 / 24.0_DP * (1.0_DP - t2 / 30.0_DP * (1.0_DP - t2 / 56.0_DP))
-      ds = -(1.0_DP - t2 / 10.0_DP * (1.0_DP - t2 / 28.0_DP)) / 3.0_DP
-      dc = -(1.0_DP - t2 / 15.0_DP * (1.0_DP - 0.75_DP * t2 / 28.0_DP)) / 12.0_DP
-    else
-      s = sin(t) / t
-      c = (1.0_DP - cos(t)) / t2
-      ds = (cos(t) - s) / t2                       ! ds/dw_k = ds * w_k
-      dc = (s - 2.0_DP * c) / t2
-    end if
-    S_matrix = skew_matrix(w)
-    R = s * S_matrix + c * matmul(S_matrix, S_matrix)
-    do i = 1, 3
-      R(i, i) = R(i, i) + 1.0_DP
-    end do
-    do k = 1, 3
-      E = skew_matrix([(merge(1.0_DP, 0.0_DP, i == k), i=1, 3)])
-      dR(:, :, k) = w(k) * (ds * S_matrix + dc * matmul(S_matrix, S_matrix)) + s * E &
-        + c * (matmul(E, S_matrix) + matmul(S_matrix, E))
-    end do
-  end subroutine rotation_matrix
 
 
   !> The three unknowns of a node.

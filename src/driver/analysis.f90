@@ -24,6 +24,7 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
+  use amontons_user_element_forces, only: user_strain_energy, user_inelastic_work
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
   use amontons_model_change, only: activate_elements
   use amontons_model_setup, only: set_up_model
@@ -638,10 +639,11 @@ contains
     real(DP) :: start_share                        ! of the forces at the start in the work: half, but none for backward Euler [-]
     integer :: s
     call accumulate_slip(state%old, state%new)
-    state%new%strain_energy = sum(state%new%energy * state%new%volume)
+    state%new%strain_energy = sum(state%new%energy * state%new%volume) + user_strain_energy(model, state%new)
     start_share = merge(0.0_DP, 0.5_DP, step%is_dynamic)
     associate (old => state%old, new => state%new, is_abstract => model%mesh%is_auxiliary)
       call add_inelastic_work(model, old, new)
+      new%plastic_work = new%plastic_work + user_inelastic_work(model, new) - user_inelastic_work(model, old)
       new%external_work = old%external_work + sum((new%u - old%u) * (start_share * (old%applied_force + old%reaction_force) &
         + (1.0_DP - start_share) * (new%applied_force + new%reaction_force))) - damping_work
       if (step%is_dynamic) new%integration_loss = new%integration_loss + implicit_loss(old, new)
@@ -654,8 +656,8 @@ contains
       do s = 1, size(new%slaves)
         record%slave_force = record%slave_force + new%slaves(s)%force + new%slaves(s)%shear
       end do
-      if (has_energy_balance(step) .and. new%proximal_work <= old%proximal_work) new%proximal_work = old%proximal_work &
-        + released_energy(old, new)
+      if (has_energy_balance(step) .and. .not. allocated(model%user_elements) .and. new%proximal_work <= old%proximal_work) &
+        new%proximal_work = old%proximal_work + released_energy(old, new)
       record%external_work = new%external_work
       record%friction_work = new%friction_work
       record%proximal_work = new%proximal_work

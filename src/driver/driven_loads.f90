@@ -309,7 +309,7 @@ contains
     if (kind == DRIVEN_FORCE) then
       do i = 1, size(step%concentrated)
         k = item_of_force(step%concentrated(i))
-        sums(k) = sums(k) + load_now(model, step, step%concentrated(i), now(2), now(1))
+        if (k > 0) sums(k) = sums(k) + load_now(model, step, step%concentrated(i), now(2), now(1))
       end do
     else
       do i = 1, size(step%distributed)
@@ -322,10 +322,10 @@ contains
   end function current_loads
 
 
-  !> The item of a force.
+  !> The item of a force; 0: it turns with its node.
   elemental integer function item_of_force(load)
     type(concentrated_type), intent(in) :: load
-    item_of_force = 3 * (load%node - 1) + load%dof
+    item_of_force = merge(0, 3 * (load%node - 1) + load%dof, load%is_follower)
   end function item_of_force
 
 

@@ -9,7 +9,7 @@ module amontons_user_routine_setup
     pass_job_name, &
     uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
     ROUTINE_UINTER, &
-    ROUTINE_SDVINI
+    ROUTINE_SDVINI, ROUTINE_UEL
   use amontons_loads, only: amplitude_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
@@ -159,6 +159,8 @@ contains
     integer :: i
     path = ''
     if (allocated(options%user)) path = options%user
+    if (allocated(model%user_elements)) call check_routine(model%routines, path, ROUTINE_UEL, '*USER ELEMENT', error)
+    if (allocated(error)) return
     if (any(model%amplitudes%is_user)) call check_routine(model%routines, path, ROUTINE_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
     do i = 1, size(model%steps)
       if (allocated(error)) return

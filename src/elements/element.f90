@@ -21,7 +21,7 @@ module amontons_element
   use amontons_tensor, only: cross_product, skew_matrix
   use amontons_element_kinds, only: facet_kind_type, kind_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
-    KIND_CPS3, KIND_CAX8R, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, KIND_RAX2, &
+    KIND_CPS3, KIND_CAX8R, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, KIND_USER, &
     N_SOLID_KINDS
   implicit none
   private
@@ -53,7 +53,7 @@ contains
       call evaluate_truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_SPRINGA:KIND_GAPUNI)
       call evaluate_spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
-    case (KIND_MASS:KIND_RAX2)                     ! no stiffness of their own
+    case (KIND_MASS:KIND_USER)                     ! no stiffness of their own, or one by the routine UEL
       force = 0
       status = ELEMENT_OK
       if (present(stiffness)) stiffness(:3 * size(X, 2), :3 * size(X, 2)) = 0

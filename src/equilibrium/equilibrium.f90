@@ -7,9 +7,10 @@
 !! Both give forces only. The tangent matrix and the Newton direction are in `newton_step`.
 module amontons_equilibrium
   use amontons_kinds, only: DP, I64
+  use amontons_containers, only: integer_list_type
   use amontons_errors, only: error_type
   use amontons_posix, only: peak_megabytes
-  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements
+  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes
   use amontons_surfaces, only: is_compliant
   use amontons_controls, only: controls_type, PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL
   use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_GRADIENTS
@@ -30,6 +31,8 @@ module amontons_equilibrium
   use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force
   use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces
   use amontons_external_loads, only: assemble_external_loads
+  use amontons_user_element_forces, only: add_user_forces
+  use amontons_user_elements, only: user_unknowns
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row, &
     renew_searches
@@ -172,25 +175,60 @@ contains
   end subroutine create_equilibrium
 
 
-  !> The pattern of the stiffness, with the couplings of nonlinear MPCs, and the unknowns without elements.
+  !> The pattern of the stiffness, with the couplings of nonlinear MPCs, follower forces and user elements, and the unknowns without
+  !! elements.
   subroutine prepare_nonlinear_mpcs(system, model, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: first(:), nodes(:)
     integer :: i
-    allocate (first(n_nonlinear_mpcs(model) + 1), nodes(0))
-    first(1) = 1
-    do i = 1, n_nonlinear_mpcs(model)
-      nodes = [nodes, list_hessian_nodes(model%nonlinear_mpcs(i))]
-      first(i + 1) = size(nodes) + 1
-    end do
+    call list_coupled_nodes(model, first, nodes)
     call create_assembly(system%assembly, model%mesh, error, first, nodes, &
       is_matrix_free=size(model%steps) > 0 .and. all([(is_matrix_free_step(model%steps(i)), i=1, size(model%steps))]))
     if (allocated(error)) return
-    system%has_no_element = find_unconnected_unknowns(model%mesh, absent_elements(model, 1))
+    system%has_no_element = find_unconnected(model, absent_elements(model, 1))
     system%rotation_length = find_rotation_lengths(model)
   end subroutine prepare_nonlinear_mpcs
+
+
+  !> Groups of nodes that K couples besides those of an element of the mesh.
+  subroutine list_coupled_nodes(model, first, nodes)
+    type(model_type), intent(in) :: model
+    integer, allocatable, intent(out) :: first(:)  !< (groups + 1) start of a group
+    integer, allocatable, intent(out) :: nodes(:)
+    type(integer_list_type) :: starts, list
+    integer, allocatable :: turning(:)
+    integer :: i
+    call starts%add(1)
+    do i = 1, n_nonlinear_mpcs(model)
+      call add_group(list_hessian_nodes(model%nonlinear_mpcs(i)))
+    end do
+    turning = list_follower_nodes(model)
+    do i = 1, size(turning)
+      call add_group([turning(i), model%rotation_of(turning(i))])
+    end do
+    if (allocated(model%user_elements)) then
+      do i = 1, size(model%user_elements%elements)
+        call add_group(model%user_elements%elements(i)%nodes)
+      end do
+    end if
+    first = starts%trimmed()
+    nodes = list%trimmed()
+
+  contains
+
+    !> Appends a group.
+    subroutine add_group(members)
+      integer, intent(in) :: members(:)
+      integer :: k
+      do k = 1, size(members)
+        call list%add(members(k))
+      end do
+      call starts%add(list%n + 1)
+    end subroutine add_group
+
+  end subroutine list_coupled_nodes
 
 
   !> Creates the slave nodes of contact and the state.
@@ -221,14 +259,12 @@ contains
     if (allocated(system%volume_share)) deallocate (system%volume_share)
     if (allocated(system%mass)) deallocate (system%mass)
     system%is_nlgeom = step%is_nlgeom
-    system%is_constant = .not. step%is_nlgeom .and. all(model%materials%is_linear_isotropic) &
-      .and. .not. allocated(model%mesh%spring) &
-      .and. .not. has_rate_forces(step)
+    system%is_constant = .not. step%is_nlgeom .and. has_linear_bulk(model) .and. .not. has_rate_forces(step)
     system%is_assembled = .false.
     system%is_matrix_free = is_matrix_free_step(step)
     if (.not. system%is_matrix_free) call ensure_matrix(system%assembly, model%mesh)
     system%skin%memory%is_abandoned = .false.
-    if (allocated(step%is_inactive)) system%has_no_element = find_unconnected_unknowns(model%mesh, step%is_inactive)
+    if (allocated(step%is_inactive)) system%has_no_element = find_unconnected(model, step%is_inactive)
     system%controls = step%controls
     system%schur_interface%controls = step%controls%krylov
     system%reduced_system%controls = step%controls%linear_solver
@@ -250,11 +286,35 @@ contains
   end subroutine begin_step
 
 
+  !> Whether the stiffness of all elements is constant at small displacements.
+  pure logical function has_linear_bulk(model)
+    type(model_type), intent(in) :: model
+    has_linear_bulk = all(model%materials%is_linear_isotropic) .and. .not. (allocated(model%mesh%spring) .or. &
+      allocated(model%user_elements))
+  end function has_linear_bulk
+
+
   !> Whether the bulk depends on the length of the increment.
   pure logical function has_rate_forces(step)
     type(step_type), intent(in) :: step
     has_rate_forces = is_damped(step) .or. step%is_dynamic
   end function has_rate_forces
+
+
+  !> The unknowns without elements; those of a rotation node may be in a user element.
+  pure function find_unconnected(model, is_absent) result(is_unconnected)
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_absent(:)            !< (n_elements) inactive
+    logical :: is_unconnected(3 * model%mesh%n_nodes)
+    integer :: i
+    is_unconnected = find_unconnected_unknowns(model%mesh, is_absent)
+    if (.not. allocated(model%user_elements)) return
+    do i = 1, size(model%user_elements%elements)
+      associate (element => model%user_elements%elements(i))
+        if (.not. is_absent(element%element)) is_unconnected(user_unknowns(element)) = .false.
+      end associate
+    end do
+  end function find_unconnected
 
 
   !> Whether a step needs no matrix.
@@ -333,7 +393,7 @@ contains
     integer :: failed
     integer(I64) :: clock
     call start_clock(system, clock)
-    call assemble_forces(system%assembly, model, step%is_nlgeom, state, failed)
+    call assemble_internal_forces(system, model, step, state, failed)
     outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
     system%failed_element = failed
     if (failed /= 0) return
@@ -359,6 +419,18 @@ contains
   end subroutine evaluate_equilibrium
 
 
+  !> Internal forces of the elements, those of user elements included.
+  subroutine assemble_internal_forces(system, model, step, state, failed)
+    type(equilibrium_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: failed                 !< 0, or the first element that is inverted or not finite
+    call assemble_forces(system%assembly, model, step%is_nlgeom, state, failed)
+    if (failed == 0 .and. allocated(model%user_elements)) call add_user_forces(model, step, state, failed)
+  end subroutine assemble_internal_forces
+
+
   !> Stress, strain, energy and volume at the points of a converged state, if its trial fields have none: the forces are evaluated
   !! once more.
   subroutine evaluate_points(system, model, step, state, outcome)
@@ -372,7 +444,7 @@ contains
     if (state%has_trial_points) return
     call start_clock(system, clock)
     call take_points(state)
-    call assemble_forces(system%assembly, model, step%is_nlgeom, state, system%failed_element)
+    call assemble_internal_forces(system, model, step, state, system%failed_element)
     if (system%failed_element /= 0) outcome = OUTCOME_ELEMENT
     call stop_clock(system, clock, PHASE_ASSEMBLY)
   end subroutine evaluate_points
@@ -590,9 +662,8 @@ contains
     if (system%n_indefinite > 0) system%is_schur_allowed = .true.   ! attempts are independent
     system%n_indefinite = 0
     if (may_keep_skin(system, model, step, is_step_start)) return
-    is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. system%base%n_rows == 0 &
-      .and. &
-      (.not. step%is_nlgeom .or. size(step%distributed) == 0) .and. .not. has_rate_forces(step)
+    is_kept = has_linear_bulk(model) .and. system%base%n_rows == 0 .and. (.not. step%is_nlgeom .or. size(step%distributed) == 0) &
+      .and. .not. has_rate_forces(step)
     if (is_kept .and. is_step_start) is_kept = is_same_bulk(system) .and. .not. (allocated(step%is_inactive) .or. &
       allocated(step%material))
     is_contact = interface_unknowns(system, model, state%new, .not. step%is_nlgeom)
@@ -621,8 +692,7 @@ contains
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     is_kept = (system%skin%is_ready .or. allocated(system%skin%memory%is_near)) .and. is_same_bulk(system)
-    if (is_kept) is_kept = all(model%materials%is_linear_isotropic) .and. .not. allocated(model%mesh%spring) .and. &
-      n_nonlinear_mpcs(model) == 0 .and. .not. has_rate_forces(step)
+    if (is_kept) is_kept = has_linear_bulk(model) .and. n_nonlinear_mpcs(model) == 0 .and. .not. has_rate_forces(step)
     if (is_kept .and. is_step_start) is_kept = .not. (allocated(step%is_inactive) .or. allocated(step%material))
   end function may_keep_skin
 

@@ -34,6 +34,7 @@ module amontons_newton_step
   use amontons_unsymmetric_tangent, only: assemble_skew, has_unsymmetric_law
   use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
   use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads
+  use amontons_user_element_forces, only: add_user_stiffness
   use amontons_tangent_solution, only: solve_constrained_system, follow_path, tangent_type, is_skin_cheaper
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows
   use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
@@ -230,7 +231,7 @@ contains
       outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
       return
     end if
-    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+    call assemble_element_tangent(system, model, step, state, failed)
     outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
     if (failed /= 0) return
     call assemble_external_loads(system%assembly, model, step, state%new, step%is_nlgeom, .true.)
@@ -243,6 +244,18 @@ contains
     call add_proximal_shift(system)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call add_mpc_stiffness(system%base, system%assembly, model, state%new)
   end subroutine assemble_bulk
+
+
+  !> K of the elements, user elements included.
+  subroutine assemble_element_tangent(system, model, step, state, failed)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state
+    integer, intent(out) :: failed                 !< 0, or the first element that is inverted or not finite
+    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+    if (failed == 0 .and. allocated(model%user_elements)) call add_user_stiffness(system%assembly, model, step, state, failed)
+  end subroutine assemble_element_tangent
 
 
   !> The scale c of the trial traction: the mean diagonal stiffness of the node in K. Conjugate gradients have springs of stiffness
@@ -593,7 +606,7 @@ contains
     end if
     u = state%new%u
     if (is_resumed) state%new%u = system%bulk_factor_u
-    call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
+    call assemble_element_tangent(system, model, step, state, failed)
     call renew()
     if (is_ready() .and. .not. is_resumed) system%bulk_factor_u = u
     state%new%u = u

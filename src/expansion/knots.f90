@@ -68,14 +68,14 @@ contains
   end function last_of_node
 
 
-  !> Whether the directors first to last of a node make a knot. A single fibre that is turned is one under the abaqus dialect, where
-  !! it turns by finite rotations.
+  !> Whether the directors first to last of a node make a knot, which turns by finite rotations: several; under the abaqus dialect a
+  !! single fibre that is turned, and a cross-section with which a force turns.
   pure logical function is_knot(model, first, last)
     type(model_type), intent(in) :: model
     integer, intent(in) :: first, last
     associate (director => model%structure%directors(first))
-      is_knot = last > first .or. (model%dialect /= DIALECT_CALCULIX .and. director%n_outer == 2 .and. &
-        model%structure%is_turned(director%node))
+      is_knot = last > first .or. model%structure%is_follower(director%node) .or. (model%dialect /= DIALECT_CALCULIX .and. &
+        director%n_outer == 2 .and. model%structure%is_turned(director%node))
     end associate
   end function is_knot
 

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_materials
   use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, ENTRY_REJECTED, &
-    VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD
+    VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
   implicit none
   private
   public :: describe_materials
@@ -27,6 +27,7 @@ contains
     call describe_hyperelastic(table)
     call describe_user(table)
     call describe_section(table)
+    call describe_user_elements(table)
     call describe_initial_conditions(table)
   end subroutine describe_materials
 
@@ -330,5 +331,32 @@ contains
     call table%option('FILE|BSTEP|BINC|ESTEP|EINC|INPUT|MIDSIDE|INTERPOLATE|SUBMODEL|STEP|DATA SET|TIME DELAY|OUTPUT VARIABLE', &
       VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
   end subroutine reject_fields_of_files
+
+
+  !> User elements.
+  subroutine describe_user_elements(table)
+    type(card_table_type), intent(inout) :: table
+    character(*), parameter :: NO_MATRIX = 'The routine UEL gives force and stiffness.'
+    call table%card('USER ELEMENT', SCOPE_MODEL, 'Defines a type of elements whose force and stiffness are by the user ' // &
+      'routine UEL.', data='degrees of freedom (1 to 6) of the nodes; in further lines a node of the element, 1 to NODES, and ' // &
+      'those from it on, or, for a node that is not behind the one before, those that follow in a second list')
+    call table%option('TYPE', VALUE_TEXT, 'Name of the type, U1 to U9999; JTYPE is its number.', default='required')
+    call table%option('NODES', VALUE_INTEGER, 'Number of nodes, at most 20.', default='required')
+    call table%option('COORDINATES', VALUE_INTEGER, 'Number of coordinates in COORDS; at least the largest displacement of ' // &
+      'the data lines.', default='1')
+    call table%option('PROPERTIES', VALUE_INTEGER, 'Number of real properties.', default='0')
+    call table%option('I PROPERTIES', VALUE_INTEGER, 'Number of integer properties.', default='0')
+    call table%option('VARIABLES|VAR', VALUE_INTEGER, 'Number of SVARS of an element.', default='1')
+    call table%option('UNSYMM', VALUE_NONE, 'AMATRX is not symmetric; without it its symmetric part counts.')
+    call table%option('LINEAR|FILE|OLD ELEMENT|STEP|INCREMENT', VALUE_OPTIONAL_WORD, NO_MATRIX, status=ENTRY_REJECTED)
+    call table%option('INTEGRATION|TENSOR', VALUE_TEXT, 'There is no UELMAT. ' // NO_MATRIX, status=ENTRY_REJECTED)
+    call table%option('INTEGRATION POINTS|MAXDOF', VALUE_TEXT, 'Elements of CalculiX are compiled into it. ' // NO_MATRIX, &
+      status=ENTRY_REJECTED)
+    call table%card('UEL PROPERTY', SCOPE_MODEL, 'Gives user elements their properties.', data='reals, then integers, in any ' // &
+      'number of lines')
+    call table%option('ELSET', VALUE_NAME, 'Element set of user elements of one type.', default='required')
+    call table%option('MATERIAL|ORIENTATION', VALUE_TEXT, 'UEL has its own law; give its constants as properties.', &
+      status=ENTRY_REJECTED)
+  end subroutine describe_user_elements
 
 end module amontons_card_materials

@@ -94,7 +94,7 @@ contains
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
       'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; S3, S4, S4R, S6, S8, S8R; M3D3, M3D4, M3D4R, M3D6, M3D8, M3D8R; B21, B22, B31, ' // &
       'B31R, B32, B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; SPRINGA, SPRING1, SPRING2; GAPUNI; ' // &
-      'MASS.', default='required')
+      'MASS; U1 to U9999 of *USER ELEMENT.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%add_dialect_note('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full, ' // &
@@ -468,8 +468,8 @@ contains
     call table%option('TIME DELAY', VALUE_REAL, TIME_DELAY_TEXT, default='0')
     call describe_load_case(table)
     call table%option('OMEGA0', VALUE_TEXT, 'The sectors do not turn.', status=ENTRY_IGNORED)
-    call table%option('FOLLOWER', VALUE_NONE, 'Without NLGEOM it has no effect; with it it is refused: forces keep their ' // &
-      'direction, a pressure on faces turns with them.')
+    call table%option('FOLLOWER', VALUE_NONE, 'Under NLGEOM the force turns with its node (of shells and beams, reference ' // &
+      'nodes of rigid bodies and *KINEMATIC couplings); its components are those of the undeformed state.')
     call table%option('USER', VALUE_NONE, 'Give the forces an AMPLITUDE; it may be by the routine UAMP.', status=ENTRY_REJECTED)
     call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the forces themselves.', &
       status=ENTRY_REJECTED)
@@ -795,8 +795,8 @@ contains
       'MATERIAL), whose DDSDDE need not be symmetric.')
     call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
       'routine UMAT (*USER MATERIAL), which receives the length of the increment.')
-    call table%cards_with(ENTRY_REJECTED, 'USER ELEMENT|USER SECTION|USER DEFINED FIELD|UEL PROPERTY', &
-      'Of the user subroutines there are UMAT, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
+    call table%cards_with(ENTRY_REJECTED, 'USER SECTION|USER DEFINED FIELD', &
+      'Of the user subroutines there are UMAT, UEL, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
     call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', &

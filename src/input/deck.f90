@@ -29,6 +29,7 @@ module amontons_deck
   use amontons_deck_sets, only: read_sets
   use amontons_deck_structure, only: read_structural_sections, read_structure, free_slave_nodes, &
     refine_thin_shells
+  use amontons_deck_user_elements, only: read_user_kinds, read_user_properties, connect_user_elements
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_deck_plausibility, only: report_traps, report_mixed_units
@@ -135,12 +136,14 @@ contains
     call check_cards(reader)
     call read_heading(reader, model)
     call read_nodes(reader, draft, model%mesh)
-    call read_elements(reader, model%mesh, draft)
+    call read_user_kinds(reader, model)
+    call read_elements(reader, model%mesh, model%user_elements, draft)
     call read_sets(reader, draft, model%mesh)
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
     call read_structural_sections(reader, model, draft)
     call read_springs(reader, model, draft)
+    call read_user_properties(reader, model, draft)
     call read_distance_limits(reader, model, draft)
     call select_elements(reader, model, draft)
     call read_structure(reader, model, draft)
@@ -154,6 +157,7 @@ contains
     call read_couplings(reader, model)
     call free_slave_nodes(reader, model)
     call read_distributing_couplings(reader, model)
+    call connect_user_elements(draft, model)
     call read_cyclic_symmetry(reader, model)
     call read_clearances(reader, model)
     call read_equations(reader, model)
@@ -449,7 +453,7 @@ contains
   pure logical function is_linear(model)
     type(model_type), intent(in) :: model
     integer :: i
-    is_linear = size(model%pairs) == 0 .and. .not. allocated(model%general_contact)
+    is_linear = size(model%pairs) == 0 .and. .not. (allocated(model%general_contact) .or. allocated(model%user_elements))
     do i = 1, size(model%materials)
       is_linear = is_linear .and. has_linear_law(model%materials(i))
     end do

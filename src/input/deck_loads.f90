@@ -202,8 +202,14 @@ contains
     integer, allocatable :: nodes(:)
     real(DP) :: value
     integer :: amplitude, dof, i, place, dof_there
-    logical :: is_ok
+    logical :: is_ok, is_follower
     call open_card(reader, c, parameters, row)
+    is_follower = has_parameter(parameters, 'FOLLOWER')
+    if (is_follower .and. model%dialect == DIALECT_CALCULIX) then
+      call report_note(reader, reader%cards%cards(c)%line, 'CalculiX has no FOLLOWER and passes over it; so does this ' // &
+        'dialect: the forces keep their direction.')
+      is_follower = .false.
+    end if
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call &
       ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_CLOAD), active_loads%cloads)
     call find_amplitude(reader, c, parameters, amplitude)
@@ -217,6 +223,10 @@ contains
       if (is_ok .and. (dof < 1 .or. dof > 6)) then
         call report_error(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3, of a moment 4, 5 or 6.')
         is_ok = .false.
+      else if (is_ok .and. is_follower .and. dof > 3) then
+        call report_error(reader, row%line, 'FOLLOWER turns forces, degrees of freedom 1 to 3. A moment about the axis of the ' // &
+          'rotation is the same without it.')
+        is_ok = .false.
       end if
       if (.not. is_ok) cycle
       do i = 1, size(nodes)
@@ -226,7 +236,12 @@ contains
             'and couplings do.')
           exit
         end if
-        call add_node_force(model, place, dof_there, value, amplitude, active_loads)
+        if (is_follower) then
+          call add_load(3 * (model%mesh%n_nodes + place) - 3 + dof_there, value, amplitude, active_loads%step, &
+            active_loads%is_step, active_loads%cloads)
+        else
+          call add_node_force(model, place, dof_there, value, amplitude, active_loads)
+        end if
       end do
     end do
   end subroutine read_cload

@@ -12,22 +12,23 @@ module amontons_deck_mesh
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, &
     check_n_fields, check_no_data, has_decimal_comma, is_card, DECIMAL_COMMA_TEXT
   use amontons_containers, only: integer_list_type, label_table_type
-  use amontons_element_drafts, only: element_draft_type, resize_draft
+  use amontons_element_drafts, only: element_draft_type, resize_draft, NOT_GIVEN
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, finalize_mesh
+  use amontons_deck_user_elements, only: mark_user_directions
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: to_text, plural, verb, is_one_of, NUMBER_OK
+  use amontons_user_elements, only: user_elements_type, user_kind_number
   use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_CPE4, &
     KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, &
-    is_structural_family
+    FAMILY_USER, KIND_USER, is_structural_family
   implicit none
   private
-  public :: read_nodes, read_elements, read_sections, select_elements, count_rows, is_in_family, NOT_GIVEN
+  public :: read_nodes, read_elements, read_sections, select_elements, count_rows, is_in_family
 
   character(*), parameter :: RIGID_TYPES = 'R3D3|R3D4|R2D2|RAX2'   !< no section: their *RIGID BODY holds them
-  real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass
 
 contains
 
@@ -183,13 +184,14 @@ contains
 
 
   !> Reads all ELEMENT cards.
-  subroutine read_elements(reader, mesh, draft)
+  subroutine read_elements(reader, mesh, user_elements, draft)
     type(reader_type), intent(inout) :: reader
     type(mesh_type), intent(in) :: mesh
+    type(user_elements_type), allocatable, intent(in) :: user_elements   !< with kinds
     type(element_draft_type), intent(inout) :: draft
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    integer :: c, kind, n_rows, n_wanted
+    integer :: c, kind, n_rows, n_wanted, user_kind
     logical :: is_ok
     n_rows = count_rows(reader, 'ELEMENT')
     call resize_draft(draft, n_rows)
@@ -201,12 +203,18 @@ contains
       kind = kind_of_type(reader, c, parameter_word(parameters, 'TYPE', ''))
       n_wanted = 0
       if (kind > 0) n_wanted = node_count(kind)
+      user_kind = find_user_kind(user_elements, parameter_word(parameters, 'TYPE', ''))
+      if (user_kind > 0) then
+        kind = KIND_USER
+        n_wanted = user_elements%kinds(user_kind)%n_nodes
+      end if
       is_ok = .true.
       do while (is_ok)
         if (.not. next_row(reader%cards, row)) exit
         call read_element(reader, row, c, kind, n_wanted, draft, is_ok)
       end do
       draft%element_last(c) = draft%n
+      draft%user_kind(draft%element_first(c):draft%n) = user_kind
       draft%is_in_plane(draft%element_first(c):draft%n) = kind > 0 .and. (begins_with(parameter_word(parameters, 'TYPE', ''), &
         'T2D') .or. begins_with(parameter_word(parameters, 'TYPE', ''), 'B2'))
       draft%is_rigid(draft%element_first(c):draft%n) = kind > 0 .and. is_one_of(parameter_word(parameters, 'TYPE', ''), &
@@ -218,6 +226,16 @@ contains
     call check_connectivity(reader, mesh, draft)
     if (draft%n == 0) call report_error(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
+
+
+  !> The index of the kind of a user element; 0: no such kind.
+  pure integer function find_user_kind(user_elements, type) result(kind)
+    type(user_elements_type), allocatable, intent(in) :: user_elements
+    character(*), intent(in) :: type             !< upper case
+    kind = 0
+    if (allocated(user_elements) .and. user_kind_number(type) > 0) kind = findloc(user_elements%kinds%number, &
+      user_kind_number(type), dim=1)
+  end function find_user_kind
 
 
   !> The number of nodes of an element kind.
@@ -336,7 +354,7 @@ contains
     type(element_draft_type), intent(in) :: draft
     integer :: e, i, j, node
     element: do e = 1, draft%n
-      if (draft%kind(e) == 0) cycle element
+      if (draft%kind(e) == 0 .or. draft%kind(e) == KIND_USER) cycle element   ! the nodes of a user element may repeat
       do i = draft%first(e), draft%first(e + 1) - 1
         node = draft%nodes%items(i)
         if (node == 0) cycle
@@ -438,7 +456,7 @@ contains
     is_so = .false.
     if (kind == 0) return
     entry = element_kind(kind)
-    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID]) .and. .not. &
+    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID, FAMILY_USER]) .and. .not. &
       is_structural_family(entry%family)
   end function is_thin
 
@@ -501,6 +519,7 @@ contains
       n = n + draft%n_layers(e)
     end do
     call build_mesh(draft, n, model%mesh)
+    call mark_user_directions(draft, model)
     call finalize_mesh(model%mesh)
     if (size(model%materials) == 0) model%materials = [material_type(name='')]   ! springs and masses need no material
     call reader%element_labels%build(model%mesh%element_label)
@@ -639,6 +658,7 @@ contains
         if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
         if (is_in_family(draft%kind(e), FAMILY_MASS)) card = 'MASS'
         if (is_in_family(draft%kind(e), FAMILY_RIGID)) card = 'RIGID BODY'
+        if (draft%kind(e) == KIND_USER) card = 'UEL PROPERTY'
         if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, index(card, 'SECTION') > 0)) cycle
         n = n + 1
         if (first == 0) first = draft%label(e)
@@ -724,6 +744,7 @@ contains
       'dialect), or solids in a *RIGID BODY; or *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
     if (begins_with(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
+    if (user_kind_number(type) > 0) advice = 'A user element needs *USER ELEMENT, TYPE=' // type // ' and the routine UEL.'
     if (begins_with(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'
     call report_error(reader, reader%cards%cards(c)%line, 'The element type ' // type // ' is not supported. ' // advice)
   end subroutine report_unsupported_type

@@ -13,6 +13,7 @@ module amontons_deck_parts
   use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
+  use amontons_user_elements, only: user_kind_number
   implicit none
   private
   public :: flatten_parts
@@ -22,7 +23,7 @@ module amontons_deck_parts
   !< parameters whose values are names or numbers of a part
   character(*), parameter :: CARDS_WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
   character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|MEMBRANESECTION|SPRING|MASS|INSTANCE|RIGIDBODY|' // &
-    'COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
+    'USERELEMENT|UELPROPERTY|COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
   !< their data lines have no numbers of a part
   character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|BEAMGENERALSECTION|' // &
     'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
@@ -297,7 +298,7 @@ contains
     do c = first, last
       if (cards%cards(c)%key /= key) cycle
       n_nodes = 0
-      if (key == 'ELEMENT') n_nodes = n_nodes_of_type(parameter_value(cards, c, 'TYPE'))
+      if (key == 'ELEMENT') n_nodes = n_nodes_of_type(cards, parameter_value(cards, c, 'TYPE'))
       n_left = 0
       call start_rows(cards%cards(c), row)
       do while (next_row(cards, row))
@@ -514,7 +515,7 @@ contains
         end if
         text = node_row(cards, row, scope)
       case ('ELEMENT')
-        call element_row(cards, work, row, scope, n_nodes_of_type(parameter_value(cards, c, 'TYPE')), n_left, text)
+        call element_row(cards, work, row, scope, n_nodes_of_type(cards, parameter_value(cards, c, 'TYPE')), n_left, text)
       case ('NSET')
         text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%node_shift)
       case ('ELSET')
@@ -587,13 +588,21 @@ contains
 
 
   !> The number of nodes of an element type; 0: unknown type.
-  integer function n_nodes_of_type(type) result(n)
+  integer function n_nodes_of_type(cards, type) result(n)
+    type(cards_type), intent(in) :: cards
     character(*), intent(in) :: type
     type(element_kind_type) :: entry
     character(:), allocatable :: name
-    integer :: i, kind
+    integer :: i, kind, c, status
     n = 0
     name = name_key(type)
+    if (user_kind_number(name) > 0) then
+      do c = 1, cards%n_cards
+        if (cards%cards(c)%key /= 'USERELEMENT') cycle
+        if (name_key(parameter_value(cards, c, 'TYPE')) == name) call parse_integer(parameter_value(cards, c, 'NODES'), n, status)
+      end do
+      return
+    end if
     do i = 0, 2                                  ! without up to two letters at the end: H, M, ...
       if (len(name) - i < 1) return
       kind = element_kind_by_name(name(:len(name) - i))

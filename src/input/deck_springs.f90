@@ -8,8 +8,8 @@ module amontons_deck_springs
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_deck_couplings, only: find_orientation
-  use amontons_deck_mesh, only: count_rows, is_in_family, NOT_GIVEN
-  use amontons_element_drafts, only: element_draft_type, resize_draft
+  use amontons_deck_mesh, only: count_rows, is_in_family
+  use amontons_element_drafts, only: element_draft_type, resize_draft, NOT_GIVEN
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, &
     is_card

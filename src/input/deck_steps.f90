@@ -23,6 +23,8 @@ module amontons_deck_steps
     LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
     SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
+  use amontons_deck_user_elements, only: check_user_element_step
+  use amontons_loads, only: concentrated_type
   use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
@@ -215,9 +217,8 @@ contains
       'This step has no *STATIC, *VISCO or *DYNAMIC card.')
     call get_step_loads(progress%active_loads, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
-    if (progress%step%is_nlgeom .and. progress%follower_line > 0) call report_error(reader, progress%follower_line, &
-      'FOLLOWER turns a force with its node under NLGEOM, which a node of a solid cannot: forces keep their direction. Leave ' // &
-      'out FOLLOWER, or give a pressure on faces, which turns with them.')
+    if (progress%step%is_nlgeom .and. any(progress%step%concentrated%is_follower)) call check_follower_forces(reader, model, &
+      progress%follower_line, progress%step%concentrated)
     if (progress%step%is_nlgeom .and. any(progress%step%distributed%is_follower)) call report_error(reader, &
       reader%cards%cards(k)%line, 'Under NLGEOM a traction keeps its direction and its size per undeformed area: its card ' // &
       'needs FOLLOWER=NO, CONSTANT RESULTANT=YES.')
@@ -231,13 +232,14 @@ contains
     is_after_path = progress%n > 1
     if (is_after_path) is_after_path = model%steps(progress%n - 1)%is_riks
     call check_path_step(reader, reader%cards%cards(k)%line, progress%active_loads%is_step, is_after_path, progress%step)
+    if (allocated(model%user_elements)) call check_user_element_step(reader, reader%cards%cards(k)%line, progress%step)
     progress%step%number = progress%n
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period
   end subroutine close_step
 
 
-  !> CLOAD: notes a force with FOLLOWER, which persists in later steps until OP=NEW.
+  !> CLOAD: notes the line of a force with FOLLOWER, which persists in later steps.
   subroutine note_follower(reader, c, line)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -245,9 +247,36 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     call open_card(reader, c, parameters, row)
-    if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') line = 0
     if (has_parameter(parameters, 'FOLLOWER')) line = reader%cards%cards(c)%line
   end subroutine note_follower
+
+
+  !> Reports the first node with a FOLLOWER force that has no finite rotation.
+  subroutine check_follower_forces(reader, model, line, forces)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: line                  !< of the last card with FOLLOWER
+    type(concentrated_type), intent(in) :: forces(:)
+    logical :: has_rotation, is_mean
+    integer :: i
+    do i = 1, size(forces)
+      if (.not. forces(i)%is_follower) cycle
+      has_rotation = .false.
+      if (allocated(model%rotation_of)) has_rotation = model%rotation_of(forces(i)%node) > 0
+      is_mean = .false.
+      if (allocated(model%distributing_couplings)) is_mean = any(model%distributing_couplings%reference == forces(i)%node)
+      if (has_rotation .and. .not. is_mean) cycle
+      if (is_mean) then
+        call report_error(reader, line, 'FOLLOWER turns a force with its node under NLGEOM; the rotation of a *DISTRIBUTING ' // &
+          'coupling is a small one. Use *KINEMATIC, or leave out FOLLOWER.')
+      else
+        call report_error(reader, line, 'FOLLOWER turns a force with its node under NLGEOM, which the node ' // &
+          to_text(model%mesh%node_label(forces(i)%node)) // ' cannot: nodes of shells and beams and reference nodes of rigid ' // &
+          'bodies and couplings have rotations. Leave out FOLLOWER, or give a pressure on faces, which turns with them.')
+      end if
+      return
+    end do
+  end subroutine check_follower_forces
 
 
   !> One card of a step.

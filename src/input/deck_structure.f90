@@ -524,7 +524,8 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c
-    allocate (model%structure%is_turned(model%mesh%n_nodes), source=.false.)
+    logical :: is_follower
+    allocate (model%structure%is_turned(model%mesh%n_nodes), model%structure%is_follower(model%mesh%n_nodes), source=.false.)
     allocate (model%structure%held_from(6, model%mesh%n_nodes), source=0)
     associate (is_turned => model%structure%is_turned)
       do c = 1, reader%cards%n_cards
@@ -533,11 +534,14 @@ contains
           is_turned(named_nodes(reader, model, parameter_text(parameters, 'REF NODE'))) = .true.
         else if (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD')) then
           call open_card(reader, c, parameters, row)
+          is_follower = has_parameter(parameters, 'FOLLOWER') .and. model%dialect /= DIALECT_CALCULIX
           do while (next_row(reader%cards, row))
             call note_dofs(reader, model, c, row)
+            if (is_follower) model%structure%is_follower(named_nodes(reader, model, field_text(reader%cards, row, 1))) = .true.
           end do
         end if
       end do
+      is_turned = is_turned .or. model%structure%is_follower
     end associate
   end subroutine find_turned_nodes
 

@@ -5,7 +5,9 @@ module amontons_element_drafts
   use amontons_containers, only: integer_list_type, label_table_type
   implicit none
   private
-  public :: element_draft_type, resize_draft
+  public :: element_draft_type, resize_draft, NOT_GIVEN
+
+  real(DP), parameter :: NOT_GIVEN = -huge(1.0_DP)   !< spring constant or mass; or the properties of a user element
 
   !> All elements of the deck as written.
   type :: element_draft_type
@@ -23,6 +25,8 @@ module amontons_element_drafts
     integer, allocatable :: directions(:, :)     !< (2, n) of SPRING1, SPRING2
     integer, allocatable :: spring(:)            !< (n) index into model%springs, 0: none
     integer, allocatable :: section(:)           !< (n) index into the sections of shells and beams, 0: none
+    integer, allocatable :: user_kind(:)         !< (n) index into the kinds of user elements, 0: no user element
+    integer, allocatable :: user_properties(:)   !< (n) index into the properties of user elements, 0: none
     integer, allocatable :: n_layers(:)          !< (n) of a composite shell; 1: all others
     integer, allocatable :: section_card(:)      !< (n) the card that gives its section, 0: none
     integer, allocatable :: mesh_index(:)              !< (n) index in the mesh of its first layer, 0: dropped
@@ -56,6 +60,8 @@ contains
       call resize_integers(draft%material, kept, n, 0)
       call resize_integers(draft%spring, kept, n, 0)
       call resize_integers(draft%section, kept, n, 0)
+      call resize_integers(draft%user_kind, kept, n, 0)
+      call resize_integers(draft%user_properties, kept, n, 0)
       call resize_integers(draft%n_layers, kept, n, 1)
       call resize_integers(draft%section_card, kept, n, 0)
       call resize_logicals(draft%is_in_plane, kept, n)

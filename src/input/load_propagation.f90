@@ -67,7 +67,7 @@ module amontons_load_propagation
     integer :: n_held = 0
     type(active_prescribed_type), allocatable :: active_prescribed(:)
     integer, allocatable :: prescribed_index(:)           !< (3 n_nodes) index into active_prescribed, 0 none
-    type(load_list_type) :: cloads                  !< key 3 (node - 1) + dof
+    type(load_list_type) :: cloads                  !< key 3 (node - 1) + dof; plus 3 n_nodes with FOLLOWER
     type(load_list_type) :: pressures               !< key 6 (element - 1) + face
     type(load_list_type) :: volumes                 !< key: index into places
     type(load_region_type), allocatable :: places(:)
@@ -81,7 +81,7 @@ contains
     type(active_loads_type), intent(out) :: active_loads
     allocate (active_loads%active_prescribed(256), active_loads%places(0))
     allocate (active_loads%prescribed_index(3 * model%mesh%n_nodes), source=0)
-    allocate (active_loads%cloads%head(3 * model%mesh%n_nodes), source=0)
+    allocate (active_loads%cloads%head(6 * model%mesh%n_nodes), source=0)
     allocate (active_loads%pressures%head(6 * model%mesh%n_elements), source=0)
     allocate (active_loads%volumes%head(1024), source=0)
     allocate (active_loads%cloads%items(256), active_loads%pressures%items(256), active_loads%volumes%items(16))
@@ -328,7 +328,8 @@ contains
     type(prescribed_type), allocatable, intent(out) :: prescribed(:)
     type(concentrated_type), allocatable, intent(out) :: concentrated(:)
     type(distributed_type), allocatable, intent(out) :: distributed(:)
-    integer :: i, n
+    integer :: i, n, key, n_keys
+    n_keys = size(active_loads%cloads%head) / 2
     allocate (prescribed(count(active_loads%active_prescribed(:active_loads%n_held)%is_active)))
     n = 0
     do i = 1, active_loads%n_held
@@ -343,8 +344,10 @@ contains
         if (.not. force%is_active) cycle
         n = n + 1
         concentrated(n)%load_type = force%load_type
-        concentrated(n)%node = (force%key - 1) / 3 + 1
-        concentrated(n)%dof = modulo(force%key - 1, 3) + 1
+        concentrated(n)%is_follower = force%key > n_keys
+        key = modulo(force%key - 1, n_keys)
+        concentrated(n)%node = key / 3 + 1
+        concentrated(n)%dof = modulo(key, 3) + 1
       end associate
     end do
     call get_distributed_loads(active_loads, distributed)

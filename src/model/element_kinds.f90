@@ -12,13 +12,13 @@ module amontons_element_kinds
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
-  public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS, KIND_R2D2, KIND_RAX2
+  public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS, KIND_R2D2, KIND_RAX2, KIND_USER
   public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D6, KIND_M3D8R, &
     KIND_B31, KIND_B31R, KIND_B32, KIND_B32R
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
-    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, is_structural_family, has_faces_in_space, &
-    is_membrane, is_two_sided
+    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, FAMILY_USER, is_structural_family, &
+    has_faces_in_space, is_membrane, is_two_sided
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
   public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
@@ -71,24 +71,26 @@ module amontons_element_kinds
   integer, parameter :: KIND_MASS = 49        !< point mass
   integer, parameter :: KIND_R2D2 = 50        !< rigid edge in the plane: a face on both sides, no stiffness
   integer, parameter :: KIND_RAX2 = 51        !< the same of a body of revolution
-  integer, parameter :: N_KINDS = 51
+  integer, parameter :: KIND_USER = 52        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
+  integer, parameter :: N_KINDS = 52
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 52          !< shells
-  integer, parameter :: KIND_S4 = 53
-  integer, parameter :: KIND_S4R = 54
-  integer, parameter :: KIND_S6 = 55
-  integer, parameter :: KIND_S8 = 56
-  integer, parameter :: KIND_S8R = 57
-  integer, parameter :: KIND_B31 = 58         !< beams
-  integer, parameter :: KIND_B31R = 59
-  integer, parameter :: KIND_B32 = 60         !< end, middle, end
-  integer, parameter :: KIND_B32R = 61
-  integer, parameter :: N_DECK_KINDS = 61
+  integer, parameter :: KIND_S3 = 53          !< shells
+  integer, parameter :: KIND_S4 = 54
+  integer, parameter :: KIND_S4R = 55
+  integer, parameter :: KIND_S6 = 56
+  integer, parameter :: KIND_S8 = 57
+  integer, parameter :: KIND_S8R = 58
+  integer, parameter :: KIND_B31 = 59         !< beams
+  integer, parameter :: KIND_B31R = 60
+  integer, parameter :: KIND_B32 = 61         !< end, middle, end
+  integer, parameter :: KIND_B32R = 62
+  integer, parameter :: N_DECK_KINDS = 62
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
-    FAMILY_MEMBRANE = 5, FAMILY_TRUSS = 6, FAMILY_SPRING = 7, FAMILY_MASS = 8, FAMILY_SHELL = 9, FAMILY_BEAM = 10, FAMILY_RIGID = 11
+    FAMILY_MEMBRANE = 5, FAMILY_TRUSS = 6, FAMILY_SPRING = 7, FAMILY_MASS = 8, FAMILY_SHELL = 9, FAMILY_BEAM = 10, &
+    FAMILY_RIGID = 11, FAMILY_USER = 12
 
   ! Edges are the facets of plane and axisymmetric elements.
   integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
@@ -182,6 +184,8 @@ contains
       if (kind == KIND_RAX2) entry%name = 'RAX2'
       entry%face_kind(:2) = FACET_LINE2
       entry%face_nodes(:2, :2) = reshape([1, 2, 2, 1], [2, 2])
+    case (KIND_USER)                          ! its words in a deck are U1, U2, ...; any number of nodes
+      entry = element_kind_type(name='user', family=FAMILY_USER, vtk_type=2)
     case (KIND_S3:KIND_S8R)
       entry = surface_kind('S', FAMILY_SHELL, kind - KIND_S3)
     case (KIND_M3D3:KIND_M3D8R)

@@ -63,6 +63,7 @@ module amontons_loads
   type, extends(load_type) :: concentrated_type
     integer :: node = 0
     integer :: dof = 0
+    logical :: is_follower = .false.             !< under NLGEOM it turns with the rotation node of its node
   end type concentrated_type
 
   !> A load on one element or one of its faces; several add up.

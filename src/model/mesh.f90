@@ -5,7 +5,7 @@ module amontons_mesh
   use amontons_containers, only: find_root, unite_trees
   use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
-    FAMILY_RIGID
+    FAMILY_RIGID, FAMILY_USER
   implicit none
   private
   public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
@@ -44,6 +44,8 @@ module amontons_mesh
     logical, allocatable :: is_shell(:)            !< (n_elements) a solid into which a shell expands; unallocated: there are none
     integer, allocatable :: layer(:)               !< (n_elements) layer of a shell from its bottom; 1: the only one, or no shell
     logical, allocatable :: is_in_plane(:)                !< (n_elements) a truss whose nodes stay in the plane z = 0; may be absent
+    logical, allocatable :: user_directions(:, :)   !< (3, size(nodes)) displacements that a user element stiffens at its node;
+                                                   !! unallocated: there are none
     logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none has stiffness in this direction
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
@@ -95,7 +97,11 @@ contains
       do i = mesh%first(e), mesh%first(e + 1) - 1
         if (mesh%nodes(i) == 0) cycle
         associate (is_idle => mesh%is_unstiffened(:, mesh%nodes(i)))
-          is_idle = is_idle .and. .not. stiffened_directions(mesh, e, i - mesh%first(e) + 1, entry%family)
+          if (entry%family == FAMILY_USER) then
+            is_idle = is_idle .and. .not. mesh%user_directions(:, i)
+          else
+            is_idle = is_idle .and. .not. stiffened_directions(mesh, e, i - mesh%first(e) + 1, entry%family)
+          end if
         end associate
       end do
     end do
@@ -107,6 +113,10 @@ contains
       do i = mesh%first(e), mesh%first(e + 1) - 1
         if (mesh%nodes(i) > 0) mesh%is_unstiffened(3, mesh%nodes(i)) = .true.
       end do
+    end do
+    if (.not. allocated(mesh%user_directions)) return
+    do i = 1, size(mesh%nodes)                       ! the third displacement may be another field in a plane model
+      if (mesh%nodes(i) > 0 .and. mesh%user_directions(3, i)) mesh%is_unstiffened(3, mesh%nodes(i)) = .false.
     end do
   end subroutine find_unstiffened_dofs
 

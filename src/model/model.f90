@@ -10,11 +10,12 @@ module amontons_model
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_structural_data, only: structure_type
+  use amontons_user_elements, only: user_elements_type
   use amontons_user_routines, only: user_library_type
   implicit none
   private
-  public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, with_pretension_copies, &
-    new_equation, append_equation, &
+  public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, list_follower_nodes, &
+    has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, &
     is_out, absent_elements, material_in_step, load_now, displacement_now, &
     DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
@@ -57,6 +58,7 @@ module amontons_model
     type(mesh_type) :: mesh
     type(structure_type), allocatable :: structure    !< shells, membranes and beams before expansion; unallocated: there are none
     type(material_type), allocatable :: materials(:)
+    type(user_elements_type), allocatable :: user_elements   !< unallocated: there are none
     type(spring_type), allocatable :: springs(:)      !< spring laws beyond a constant; unallocated: none
     type(surface_type), allocatable :: surfaces(:)
     type(interaction_type), allocatable :: interactions(:)
@@ -107,6 +109,31 @@ contains
     n = 0
     if (allocated(model%nonlinear_mpcs)) n = size(model%nonlinear_mpcs)
   end function n_nonlinear_mpcs
+
+
+  !> Whether the tangent of some element may be unsymmetric.
+  pure logical function has_unsymmetric_elements(model) result(has)
+    type(model_type), intent(in) :: model
+    has = any(model%materials%is_unsymmetric)
+    if (allocated(model%user_elements)) has = has .or. any(model%user_elements%kinds%is_unsymmetric)
+  end function has_unsymmetric_elements
+
+
+  !> Nodes on which forces turn with their rotation nodes in some step, each once.
+  pure function list_follower_nodes(model) result(nodes)
+    type(model_type), intent(in) :: model
+    integer, allocatable :: nodes(:)
+    logical, allocatable :: is_follower(:)
+    integer :: i
+    allocate (is_follower(model%mesh%n_nodes), source=.false.)
+    do i = 1, size(model%steps)
+      if (.not. allocated(model%steps(i)%concentrated)) cycle
+      associate (forces => model%steps(i)%concentrated)
+        if (model%steps(i)%is_nlgeom) is_follower(pack(forces%node, forces%is_follower)) = .true.
+      end associate
+    end do
+    nodes = pack([(i, i=1, model%mesh%n_nodes)], is_follower)
+  end function list_follower_nodes
 
 
   !> Nodes and their duplicates: the nodes on both sides of a pre-tension section have the same position.

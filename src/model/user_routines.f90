@@ -1,4 +1,4 @@
-!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI) and their calls.
+!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL) and their calls.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The calls are declared pure: pure element procedures call them, and the results depend on the arguments only.
@@ -12,16 +12,16 @@ module amontons_user_routines
   private
   public :: user_library_type, umat_type, uamp_type, open_routines, close_routines, has_routine, collect_user_messages, &
     pass_job_name
-  public :: fric_type, uinter_type, call_fric, call_uinter
+  public :: fric_type, uinter_type, call_fric, call_uinter, uel_type, call_uel
   public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp
-  public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_NAMES, &
-    USER_NAME_LENGTH
+  public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_UEL, &
+    ROUTINE_NAMES, USER_NAME_LENGTH
 
   integer, parameter :: ROUTINE_UMAT = 0, ROUTINE_FRIC = 1, ROUTINE_UINTER = 2, ROUTINE_DLOAD = 3, ROUTINE_DISP = 4, &
     ROUTINE_UAMP = 5, &
-    ROUTINE_SDVINI = 6
-  character(6), parameter :: ROUTINE_NAMES(0:6) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
-    'SDVINI']
+    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7
+  character(6), parameter :: ROUTINE_NAMES(0:7) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
+    'SDVINI', 'UEL']
   integer, parameter :: USER_NAME_LENGTH = 80             !< longest name passed to a routine
   integer, parameter :: MESSAGE_LENGTH = 8192           !< of messages of a compiler or a routine
 
@@ -95,7 +95,26 @@ module amontons_user_routines
     integer(c_int) :: is_accepted = 0                 !< out; 0: XIT
   end type uinter_type
 
+  !> Arguments of UEL except arrays.
+  type, bind(C) :: uel_type
+    real(c_double) :: time(2) = 0                  !< step, total, at the end of the increment [time]
+    real(c_double) :: dtime = 0, period = 0        !< [time]
+    integer(c_int) :: lflags(5) = 0
+    integer(c_int) :: ndofel = 0, nsvars = 0, mcrd = 0, nnode = 0, npredf = 0, jtype = 0, element = 0
+    integer(c_int) :: step = 0, increment = 0
+    integer(c_int) :: is_accepted = 0              !< out; 1: valid result; 2: PNEWDT < 1; 0: XIT
+  end type uel_type
+
   interface
+    subroutine uel_c(handle, props, jprops, counts, inputs, rhs, amatrx, memory, values) bind(C, name='amontons_user_uel')
+      import :: c_double, c_int, c_ptr, uel_type
+      type(c_ptr), value :: handle
+      real(c_double), intent(in) :: props(*), inputs(*)
+      integer(c_int), intent(in) :: jprops(*), counts(2)
+      real(c_double), intent(inout) :: rhs(*), amatrx(*), memory(*)
+      type(uel_type), intent(inout) :: values
+    end subroutine uel_c
+
     pure subroutine fric_c(handle, names, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_fric')
       import :: c_char, c_double, c_int, c_ptr, fric_type
       type(c_ptr), value :: handle
@@ -222,7 +241,7 @@ contains
     case (LIBRARY_NOT_LOADED)
       call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // text_before_null(message) // '.')
     case (LIBRARY_NO_ROUTINE)
-      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI (as ' // &
+      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL (as ' // &
         'umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
     case default
       call set_error(error, EXIT_SOLVER, who // 'cannot be opened: there is no memory.')
@@ -347,6 +366,20 @@ contains
     type(uamp_type), intent(inout) :: values
     call uamp_c(routines%handle, name, props, size(props), svars, size(svars), values)
   end subroutine call_uamp
+
+
+  !> Calls UEL.
+  subroutine call_uel(routines, props, jprops, inputs, rhs, amatrx, memory, values)
+    type(user_library_type), intent(in) :: routines
+    real(DP), intent(in) :: props(:)               !< PROPS
+    integer, intent(in) :: jprops(:)               !< JPROPS
+    real(DP), intent(in) :: inputs(:)              !< COORDS, U, DU, PREDEF, one after the other
+    real(DP), intent(inout) :: rhs(:)              !< (NDOFEL) RHS [force]
+    real(DP), intent(inout) :: amatrx(:, :)        !< (NDOFEL, NDOFEL) AMATRX [force/length]
+    real(DP), intent(inout) :: memory(:)           !< SVARS, ENERGY
+    type(uel_type), intent(inout) :: values
+    call uel_c(routines%handle, props, jprops, [size(props), size(jprops)], inputs, rhs, amatrx, memory, values)
+  end subroutine call_uel
 
 
   !> Calls FRIC.

@@ -28,9 +28,9 @@
 #endif
 
 /* The routines, in the order of user_routines.f90. */
-enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, N_ROUTINES };
-static const char *const NAMES[N_ROUTINES] = {"umat", "fric", "uinter", "dload", "disp", "uamp", "sdvini"};
-static const char *const CAPITALS[N_ROUTINES] = {"UMAT", "FRIC", "UINTER", "DLOAD", "DISP", "UAMP", "SDVINI"};
+enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, N_ROUTINES };
+static const char *const NAMES[N_ROUTINES] = {"umat", "fric", "uinter", "dload", "disp", "uamp", "sdvini", "uel"};
+static const char *const CAPITALS[N_ROUTINES] = {"UMAT", "FRIC", "UINTER", "DLOAD", "DISP", "UAMP", "SDVINI", "UEL"};
 
 /* Status codes of opening; the same numbers as in user_routines.f90. */
 enum { OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4, NO_MEMORY = 5 };
@@ -165,7 +165,8 @@ static int describe_call(const routines *self, const char *cause, char *to, int 
 {
   const call_place *at = &place_of_call;
   int n = snprintf(to, (size_t)capacity, "The routine %s of %s has crashed", CAPITALS[at->routine], self->file);
-  if (at->element > 0) n += snprintf(to + n, (size_t)(capacity - n), " at element %d, integration point %d", at->element, at->point);
+  if (at->element > 0) n += snprintf(to + n, (size_t)(capacity - n), " at element %d", at->element);
+  if (at->point > 0) n += snprintf(to + n, (size_t)(capacity - n), ", integration point %d", at->point);
   if (at->node > 0) n += snprintf(to + n, (size_t)(capacity - n), " at node %d", at->node);
   if (at->increment > 0) n += snprintf(to + n, (size_t)(capacity - n), " in increment %d of step %d", at->increment, at->step);
   n += snprintf(to + n, (size_t)(capacity - n), ": %s.", cause);
@@ -797,4 +798,44 @@ void amontons_user_uinter(void *handle, const char *names, const double *props, 
     for (int i = 0; i < n; i++) v->ddsddr[3 * j + i] = d[n * j + i];
   if (n < 3) v->stress[2] = 0;
   v->is_taken = !self->is_stopped;
+}
+
+typedef void uel_routine(double *rhs, double *amatrx, double *svars, double *energy, const int *ndofel, const int *nrhs,
+                         const int *nsvars, const double *props, const int *nprops, const double *coords, const int *mcrd,
+                         const int *nnode, const double *u, const double *du, const double *v, const double *a, const int *jtype,
+                         const double *time, const double *dtime, const int *kstep, const int *kinc, const int *jelem,
+                         const double *params, const int *ndload, const int *jdltyp, const double *adlmag, const double *predef,
+                         const int *npredf, const int *lflags, const int *mlvarx, const double *ddlmag, const int *mdload,
+                         double *pnewdt, const int *jprops, const int *njprop, const double *period);
+
+/* uel_type of user_routines.f90. */
+typedef struct {
+  double time[2], dtime, period;    /* time: step, total */
+  int lflags[5], ndofel, nsvars, mcrd, nnode, npredf, jtype, element, step, increment;
+  int is_taken;                     /* 1: valid result; 2: PNEWDT < 1; 0: it has called XIT */
+} uel_values;
+
+/* UEL. `inputs`: coords, u, du, predef; `memory`: svars, energy; `counts`: nprops, njprop. There are no loads on user elements and
+ * no velocities. */
+void amontons_user_uel(void *handle, const double *props, const int *jprops, const int *counts, const double *inputs, double *rhs,
+                       double *amatrx, double *memory, uel_values *v)
+{
+  routines *self = handle;
+  const int one = 1, none = 0, no_type = 0;
+  const double no_load = 0, params[3] = {0};
+  const double *coords = inputs, *u = coords + v->mcrd * v->nnode, *du = u + v->ndofel, *predef = du + v->ndofel;
+  double pnewdt = 1, *rest = calloc((size_t)v->ndofel, sizeof *rest);
+  uel_routine *uel = (uel_routine *)(uintptr_t)self->routine[UEL];
+  const call_place where = {UEL, v->element, 0, 0, v->step, v->increment};
+  v->is_taken = 0;
+  if (!rest) return;
+  CALL(self, where,
+       uel(rhs, amatrx, memory, memory + v->nsvars, &v->ndofel, &one, &v->nsvars, props, &counts[0], coords, &v->mcrd, &v->nnode,
+           u, du, rest, rest, &v->jtype, v->time, &v->dtime, &v->step, &v->increment, &v->element, params, &none, &no_type,
+           &no_load, predef, &v->npredf, v->lflags, &v->ndofel, &no_load, &one, &pnewdt, jprops, &counts[1], &v->period));
+  free(rest);
+  pthread_mutex_lock(&self->lock);
+  v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
+  if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;
+  pthread_mutex_unlock(&self->lock);
 }

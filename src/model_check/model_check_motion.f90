@@ -255,6 +255,11 @@ contains
       call find_null_space(gram(:, :, b), SUPPORT_TOLERANCE, bases%n(b), bases%motion(:, :, b), eigenvalues(:, b))
     end do
     call release_rounded_motions(model, bodies, step, n_rows, eigenvalues, bases)
+    if (.not. allocated(model%user_elements)) return
+    do i = 1, size(model%user_elements%elements)   ! UEL alone knows what its unknowns are and what they resist
+      b = bodies%of_element(model%user_elements%elements(i)%element)
+      if (b > 0) bases%n(b) = 0
+    end do
   end subroutine find_bases
 
 

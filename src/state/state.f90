@@ -12,6 +12,7 @@ module amontons_state
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
+  use amontons_user_elements, only: n_user_memory
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
   use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, is_membrane, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
@@ -63,7 +64,8 @@ module amontons_state
     integer :: step = 0                     !< number, from 1, for user routines
     integer :: increment = 0                !< likewise
     real(DP) :: time_increment = 0          !< [time]
-    real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables, then STATEV of slave nodes
+    real(DP), allocatable :: user_memory(:) !< of each amplitude by UAMP its value and its variables, then STATEV of slave nodes,
+                                            !! then SVARS and ENERGY of user elements
     real(DP) :: step_time = 0               !< [time]
     real(DP) :: total_time = 0              !< [time]
     real(DP), allocatable :: u(:, :)        !< (3, n_nodes) displacement [length]
@@ -148,7 +150,7 @@ contains
       do i = 1, size(new%slaves)
         n_memory = n_memory + model%interactions(model%pairs(new%slaves(i)%pair)%interaction)%n_statev
       end do
-      allocate (new%user_memory(n_memory), source=0.0_DP)
+      allocate (new%user_memory(n_memory + n_user_memory(model%user_elements)), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
       if (n_history > 0 .and. any(model%mesh%kind == KIND_C3D8I .or. model%mesh%kind == KIND_CSS8 .or. &
         model%mesh%kind == KIND_CSS6)) then

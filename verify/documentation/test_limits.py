@@ -57,7 +57,7 @@ TRIALS = [
     ("cohesive elements", "elements", "*ELEMENT, TYPE=COH3D8, ELSET=GLUE\n2, 1, 2, 3, 4, 5, 6, 7, 8\n", "COH3D8"),
     ("gaskets", "elements", "*GASKET SECTION, ELSET=CUBE\n", r"\*GASKET SECTION is not supported"),
     ("rigid elements RB2D2", "elements", "*ELEMENT, TYPE=RB2D2, ELSET=TOOL\n2, 5, 6\n*RIGID BODY, ELSET=TOOL, REF NODE=8\n", r"Rigid tools are R3D3"),
-    ("user elements", "elements", "*USER ELEMENT, TYPE=U1, NODES=4\n", r"\*USER ELEMENT is not supported"),
+    ("user elements", "elements", "*USER ELEMENT, TYPE=U1, NODES=4, LINEAR\n1, 2\n", r"LINEAR.*The routine UEL gives force"),
     ("self contact by a pressure", "pair", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1000.\n*CONTACT PAIR, INTERACTION=DRY\nLOW,\n", "hard contact only"),
     ("friction that depends on", "interaction", "*FRICTION\n0.3, 1., 0.5, 20.\n", "friction cannot depend"),
     ("adhesion", "interaction", "*COHESIVE BEHAVIOR\n", r"\*COHESIVE BEHAVIOR is not supported"),

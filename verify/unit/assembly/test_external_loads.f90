@@ -9,6 +9,7 @@ program test_external_loads
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_sparse, only: multiply_symmetric
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
+  use amontons_unsymmetric_tangent, only: assemble_skew, has_unsymmetric_law, subtract_skew_product
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
@@ -30,6 +31,7 @@ program test_external_loads
   call check_plane()
   call check_time()
   call check_stiffness()
+  call check_follower()
   call expect_message('', '*STEP card')
   call suite%finish()
 
@@ -193,6 +195,47 @@ contains
     both = sum(v * difference(u)) + sum(u * difference(v))
     call suite%near('stiffness of ' // load, -2 * dot_product(reshape(v, [24]), y), both, 1.0e-7_DP * abs(both))
   end subroutine check_load_stiffness
+
+
+  !> A force on a reference node: R(w) F0 keeps its size and turns with w; its stiffness, symmetric and skew parts together, is
+  !! that of the differences.
+  subroutine check_follower()
+    integer, parameter :: NODE = 9, ROTATION = 10
+    real(DP), parameter :: QUARTER(3) = [0.0_DP, 0.0_DP, 0.5_DP * PI]
+    type(error_type), allocatable :: error
+    type(slave_state_type) :: no_slaves(0)
+    real(DP), allocatable :: du(:, :), expected(:), got(:)
+    integer :: i
+    call expect_read('*NODE;9,1,1,4;*NSET, NSET=FACE;5,6,7,8;*RIGID BODY, NSET=FACE, REF NODE=9;', model, &
+      step='*STEP, NLGEOM;*STATIC;*CLOAD, FOLLOWER;9,1,3.;9,3,4.;*END STEP;')
+    call suite%that('reference and rotation node', model%mesh%n_nodes == ROTATION .and. model%rotation_of(NODE) == ROTATION)
+    if (allocated(assembly%graph_first)) call forget()
+    call create_assembly(assembly, model%mesh, error, [1, 3], [NODE, ROTATION])
+    call create_state(state, model%mesh, no_slaves)
+    call create_material_state(state, model)
+    state%new%step = 1
+    state%new%step_time = 1
+    state%new%total_time = 1
+    state%new%u(:, ROTATION) = QUARTER
+    assembly%stiffness%value = 0
+    call assemble_external_loads(assembly, model, model%steps(1), state%new, .true., .false.)
+    call suite%near('turned', maxval(abs(state%new%applied_force(:, NODE) - [0.0_DP, 3.0_DP, 4.0_DP])), 0.0_DP, TOL)
+    call assemble_external_loads(assembly, model, model%steps(1), state%new, .false., .false.)
+    call suite%near('not at first order', maxval(abs(state%new%applied_force(:, NODE) - [3.0_DP, 0.0_DP, 4.0_DP])), 0.0_DP, TOL)
+    state%new%u(:, ROTATION) = [0.3_DP, -0.7_DP, 1.1_DP]
+    call assemble_external_loads(assembly, model, model%steps(1), state%new, .true., .true.)
+    call suite%near('as large', norm2(state%new%applied_force(:, NODE)), 5.0_DP, TOL)
+    call suite%that('its symmetric part need not be positive', has_unsymmetric_law(assembly%skew))
+    call assemble_skew(assembly%skew, 3 * model%mesh%n_nodes, error)
+    du = reshape([(sin(real(i, DP)), i=1, 3 * model%mesh%n_nodes)], [3, model%mesh%n_nodes])
+    expected = reshape(difference(du), [size(du)])
+    allocate (got(size(du)))
+    call multiply_symmetric(assembly%stiffness, reshape(du, [size(du)]), got)
+    got = -got
+    call subtract_skew_product(assembly%skew, -reshape(du, [size(du)]), got)
+    call suite%near('its stiffness', maxval(abs(got - expected)), 0.0_DP, 1.0e-8_DP * maxval(abs(expected)))
+    call suite%that('which is not zero', maxval(abs(expected)) > 1.0_DP)
+  end subroutine check_follower
 
 
   !> The change of the applied forces with a displacement, by central differences.

@@ -2,12 +2,13 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_nonlinear_mpc
   use amontons_kinds, only: DP
-  use amontons_nonlinear_mpc, only: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, rotation_matrix
+  use amontons_nonlinear_mpc, only: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
     eliminate_constraints, find_multipliers, ROW_ACCEPTED
   use amontons_mpc_data, only: nonlinear_mpc_type, coordinate_system_type, axes_at, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, &
     MPC_DISTANCE, &
     MPC_MEAN_ROTATION
+  use amontons_tensor, only: rotation_matrix
   use check, only: suite_type
   implicit none
   integer, parameter :: N_NODES = 7

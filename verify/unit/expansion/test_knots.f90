@@ -7,7 +7,8 @@ program test_knots
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_constraints, only: constraint_row_type
   use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_MEAN_ROTATION
-  use amontons_nonlinear_mpc, only: evaluate_mpc_rows, rotation_matrix
+  use amontons_nonlinear_mpc, only: evaluate_mpc_rows
+  use amontons_tensor, only: rotation_matrix
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none

@@ -673,9 +673,10 @@ contains
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;TOP,4,1.;' // STEP_END, 'moments')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;nix,3,1.;' // STEP_END, 'node set ''nix''')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD;TOP,3,1.,2.;' // STEP_END, '4 values')
-    call expect_error(suite, MODEL_PART // '*STEP, NLGEOM;*STATIC;*CLOAD,FOLLOWER;TOP,3,1.;' // STEP_END, 'direction')
+    call expect_error(suite, MODEL_PART // '*STEP, NLGEOM;*STATIC;*CLOAD,FOLLOWER;TOP,3,1.;' // STEP_END, 'have rotations')
     call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD,FOLLOWER;TOP,3,1.;' // STEP_END // '*STEP, NLGEOM;*STATIC;' // &
-      STEP_END, 'direction')
+      STEP_END, 'have rotations')
+    call expect_error(suite, MODEL_PART // STEP_START // '*CLOAD,FOLLOWER;TOP,4,1.;' // STEP_END, 'FOLLOWER turns forces')
     call expect_error(suite, MODEL_PART // '*CLOAD;TOP,3,1.;' // STEP_PART, 'must be in a step')
   end subroutine test_cload
 

@@ -5,7 +5,7 @@ program test_element_kinds
   use amontons_shape_functions, only: node_coordinates
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind, facet_kind_type, element_kind_by_name, N_KINDS, &
-    N_SOLID_KINDS, KIND_C3D8, KIND_C3D8_FULL, KIND_CPE4, KIND_CAX4, KIND_CAX4_FULL, KIND_CPE4_FULL, FAMILY_SOLID, &
+    N_SOLID_KINDS, KIND_C3D8, KIND_C3D8_FULL, KIND_USER, KIND_CPE4, KIND_CAX4, KIND_CAX4_FULL, KIND_CPE4_FULL, FAMILY_SOLID, &
     MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, FACET_TRI3, FACET_LINE3
   use check, only: suite_type
   implicit none
@@ -25,8 +25,8 @@ contains
     do kind = 1, N_KINDS
       entry = element_kind(kind)
       call suite%that('a name', len_trim(entry%name) > 0)
-      call suite%that(entry%name // ': fits', entry%n_nodes >= 1 .and. entry%n_nodes <= MAX_ELEMENT_NODES &
-        .and. entry%n_points <= MAX_ELEMENT_POINTS)
+      call suite%that(entry%name // ': fits', entry%n_nodes >= merge(0, 1, kind == KIND_USER) .and. &
+        entry%n_nodes <= MAX_ELEMENT_NODES .and. entry%n_points <= MAX_ELEMENT_POINTS)
       call suite%that(entry%name // ': family', (entry%family == FAMILY_SOLID) .eqv. kind <= N_SOLID_KINDS)
       do f = 1, entry%n_faces
         associate (nodes => entry%face_nodes(:, f))

@@ -5,11 +5,10 @@ program test_section_forces
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS
-  use amontons_nonlinear_mpc, only: rotation_matrix
   use amontons_postprocess, only: integration_point_positions
   use amontons_section_forces, only: find_section_forces, find_node_rotations, N_SECTION_FORCES
   use amontons_state, only: fields_type
-  use amontons_tensor, only: pack_voigt, unpack_voigt
+  use amontons_tensor, only: pack_voigt, rotation_matrix, unpack_voigt
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
