@@ -184,7 +184,7 @@ contains
       contact%direction(:, s) = trial%direction
       slave%slip_increment = merge(0.0_DP, d - dot_product(free_normal, d) * free_normal, slave%status == STATUS_OPEN)
       call set_forces(-dot_product(free_normal, Rhat))
-      if (allocated(contact%held_normal_force)) call set_augmented_force(contact, s, free_normal, free_share, d, slave)
+      if (allocated(contact%held_normal_force)) call set_augmented_force(contact, s, free_share, slave)
       if (has_other_constraints(contact, s)) d = slave%slip_increment + slave%gap * free_normal
       call count_changes(contact, status_before, s, slave, norm2(d))
     end associate
@@ -237,17 +237,25 @@ contains
 
   !> Augmented Lagrangian: the force at the start of the round and the spring c, shortened to what the laws admit under a constant
   !! friction limit, whatever the status.
-  pure subroutine set_augmented_force(contact, s, free_normal, free_share, d, slave)
+  pure subroutine set_augmented_force(contact, s, free_share, slave)
     type(contact_type), intent(in) :: contact
     integer, intent(in) :: s                       !< index of the slave
-    real(DP), intent(in) :: free_normal(3)         !< unit vector of the free part of its normal
-    real(DP), intent(in) :: free_share             !< length of that part [-]
-    real(DP), intent(in) :: d(3)                   !< x_s - x_m(origin) in the free directions [length]
+    real(DP), intent(in) :: free_share             !< length of the free part of its normal [-]
     type(slave_state_type), intent(inout) :: slave
     slave%force = max(contact%held_normal_force(s) - slave%stiffness * slave%gap, 0.0_DP) / free_share * slave%normal
-    slave%shear = shorten(contact%held_friction(:, s) - slave%stiffness * (d - dot_product(free_normal, d) * free_normal), &
-      contact%held_limit(s))
+    slave%shear = held_friction(contact, slave, s)
   end subroutine set_augmented_force
+
+
+  !> The friction of a round, P_L (f - c g): with the limit L and the friction f of its start constant, it is the gradient of a
+  !! convex function of the slip g, so that conjugate gradients can turn it. Without slip it is f.
+  pure function held_friction(contact, slave, s) result(friction)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< its index
+    real(DP) :: friction(3)
+    friction = shorten(contact%held_friction(:, s) - slave%stiffness * slave%slip_increment, contact%held_limit(s))
+  end function held_friction
 
 
   !> A friction force, shortened to its limit.
@@ -268,9 +276,7 @@ contains
   end function is_friction_held
 
 
-  !> The friction of a slipping node: that of its normal force or, where it is held under a constant limit L with f of size L at the
-  !! start of the round, f - k g, k a part of c, shortened to L. The latter is the gradient of a convex function of the slip g,
-  !! so that conjugate gradients can turn it.
+  !> The friction of a slipping node: that of its normal force, or that of the round.
   pure function slip_friction(contact, slave, s, coulomb) result(friction)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
@@ -278,8 +284,7 @@ contains
     real(DP), intent(in) :: coulomb(3)             !< friction of the normal force [force]
     real(DP) :: friction(3)
     friction = coulomb
-    if (is_friction_held(contact, slave%status)) friction = shorten(contact%held_friction(:, s) - contact%held_spring * &
-      slave%stiffness * slave%slip_increment, contact%held_limit(s))
+    if (is_friction_held(contact, slave%status)) friction = held_friction(contact, slave, s)
   end function slip_friction
 
 

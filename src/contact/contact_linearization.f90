@@ -22,7 +22,8 @@ module amontons_contact_linearization
   use amontons_contact_evaluation, only: has_other_constraints
   implicit none
   private
-  public :: contact_tangent_type, linearize_contact, drop_unsymmetric_terms, add_contact_rows
+  public :: contact_tangent_type, linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring, &
+    held_friction_spring
 
   !> The linearized contact force of one closed slave node.
   type :: contact_tangent_type
@@ -41,7 +42,8 @@ module amontons_contact_linearization
     real(DP), allocatable :: xi_nodes(:, :, :)     !< (2 or n_weights, 3, :) d xi / d u_j [1/length]
     real(DP), allocatable :: gap_nodes(:, :)       !< (3, :) d g / d u_j [-]
     logical :: is_compliant_node = .false.                 !< a compliant law: the node keeps its unknowns and has no constraint row
-    real(DP) :: spring(3, 3) = 0  !< its stiffness without the rotation of normals: symmetric, positive [force/length]
+    real(DP) :: spring(3, 3) = 0  !< its stiffness without the rotation of normals, or that of friction that is held: symmetric,
+                                                   !! positive [force/length]
   end type contact_tangent_type
 
   !> Derivatives evaluated so far for the slave facets of a mortar pair.
@@ -75,11 +77,12 @@ contains
       if (is_compliant(contact%laws(fields%slaves(s)%pair))) then
         call linearize_compliant(contact, model, x, old%slaves(s), fields, rates, tangents(n))
       else if (allocated(contact%held_normal_force)) then
-        call linearize_augmented(contact, fields%slaves(s), tangents(n))
+        call linearize_augmented(contact, fields%slaves(s), s, tangents(n))
       else if (fields%slaves(s)%status == STATUS_STICK) then
         call linearize_stick(contact, fields%slaves(s), s, tangents(n))
       else
         call linearize_slip(contact, model, x, fields, rates, tangents(n))
+        if (allocated(contact%held_friction)) tangents(n)%spring = held_friction_spring(contact, fields%slaves(s), s)
       end if
     end do
   end subroutine linearize_contact
@@ -107,18 +110,41 @@ contains
 
 
   !> Exact contact in an augmented round: the spring of the trial traction, for the preconditioner alone; no row.
-  subroutine linearize_augmented(contact, slave, tangent)
+  subroutine linearize_augmented(contact, slave, s, tangent)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< its index
     type(contact_tangent_type), intent(inout) :: tangent
     type(contact_row_type) :: row
     call current_row(contact, slave, row)
     call copy_row(row, tangent)
     call set_fixed_weights(slave, tangent)
     tangent%is_compliant_node = .true.
-    tangent%spring = slave%stiffness * IDENTITY
-    if (slave%status == STATUS_SLIP) tangent%spring = slave%stiffness * outer_product(slave%normal, slave%normal)
+    tangent%spring = slave%stiffness * outer_product(slave%normal, slave%normal) + held_friction_spring(contact, slave, s)
   end subroutine linearize_augmented
+
+
+  !> The stiffness of the friction P_L (f - c g) that is held: c along the master below the limit L; beyond it c L/|q|, across
+  !! q = f - c g alone.
+  pure function held_friction_spring(contact, slave, s) result(spring)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave
+    integer, intent(in) :: s                       !< its index
+    real(DP) :: spring(3, 3), q(3), size_of_q
+    spring = slave%stiffness * (IDENTITY - outer_product(slave%normal, slave%normal))
+    q = contact%held_friction(:, s) - slave%stiffness * slave%slip_increment
+    q = q - dot_product(slave%normal, q) * slave%normal
+    size_of_q = norm2(q)
+    if (size_of_q > contact%held_limit(s)) spring = contact%held_limit(s) / size_of_q * (spring - &
+      slave%stiffness * outer_product(q / size_of_q, q / size_of_q))
+  end function held_friction_spring
+
+
+  !> Whether the row of a tangent has a spring.
+  elemental logical function has_spring(tangent)
+    type(contact_tangent_type), intent(in) :: tangent
+    has_spring = tangent%is_compliant_node .or. any(abs(tangent%spring) > 0.0_DP)
+  end function has_spring
 
 
   !> Nodes and weights of a constant row.

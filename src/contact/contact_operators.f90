@@ -9,7 +9,7 @@ module amontons_contact_operators
   use amontons_tensor, only: IDENTITY
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_product, sparse_sum, sparse_transpose
   use amontons_woodbury_interface, only: contact_springs_type
-  use amontons_contact_linearization, only: contact_tangent_type
+  use amontons_contact_linearization, only: contact_tangent_type, has_spring
   implicit none
   private
   public :: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
@@ -299,7 +299,7 @@ contains
   end subroutine build_matrix
 
 
-  !> The upper triangle of the springs of the compliant laws, for the preconditioner: symmetric and positive.
+  !> The upper triangle of the springs of compliant laws and of held friction, for the preconditioner: symmetric and positive.
   subroutine assemble_spring_matrix(tangents, n_unknowns, springs, error)
     type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: n_unknowns
@@ -310,7 +310,7 @@ contains
     logical, allocatable :: is_upper(:)
     call allocate_triplets(triplets, 9 * sum([(tangents(i)%n_weights**2, i=1, size(tangents))]))
     do i = 1, size(tangents)
-      if (.not. tangents(i)%is_compliant_node) cycle
+      if (.not. has_spring(tangents(i))) cycle
       associate (tangent => tangents(i))
         do j = 1, tangent%n_weights
           do k = 1, tangent%n_weights

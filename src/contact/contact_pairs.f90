@@ -98,7 +98,6 @@ module amontons_contact_pairs
     real(DP), allocatable :: direction(:, :)      !< (3, n_slaves) of friction on the slave at the last evaluation
     real(DP), allocatable :: held_limit(:)        !< (n_slaves) friction limits while contact is held, which decide the statuses
                                                   !! after that; not allocated: those of the normal forces [force]
-    real(DP) :: held_spring = 0                   !< spring of held friction over the stiffness c of the node [-]
     real(DP), allocatable :: held_friction(:, :)  !< (3, n_slaves) friction on the slipping nodes where contact began to be held;
                                                   !! not allocated: it is not held [force]
     real(DP), allocatable :: held_normal_force(:)   !< (n_slaves) normal forces where an augmented round began: exact contact is a

@@ -1,4 +1,4 @@
-!> Preconditioners of nonlinear conjugate gradients: diagonal, nodal blocks, two levels, factor; all of A = C'KC.
+!> Preconditioners of nonlinear conjugate gradients: diagonal, nodal blocks, two levels, multigrid, factor; all of A = C'KC.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! DIAGONAL and NODAL need the diagonal blocks K_n of the nodes alone, never a matrix. Of the sum
@@ -6,17 +6,18 @@
 !!     A = sum over n, m of C_n' K_nm C_m        C_n: the three rows of C of node n
 !!
 !! they keep n = m, and of C_n' K_n C_n the blocks that couple unknowns of one node (NODAL) or the diagonal (DIAGONAL): so a closed
-!! slave node adds its stiffness, weighted, to the nodes of its master. TWO LEVEL and FACTOR are those of `reduced_system`.
+!! slave node adds its stiffness, weighted, to the nodes of its master. TWO LEVEL, AMG and FACTOR are those of `reduced_system`.
+!! Springs of contact (compliant laws, friction that is held) are part of K.
 module amontons_conjugate_gradient_preconditioner
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type
-  use amontons_controls, only: PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
-  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE
+  use amontons_controls, only: PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_AMG
+  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG
   use amontons_sparse, only: is_same_pattern
   use amontons_reduced_system, only: apply_reduced_inverse, USE_REPEATED
   use amontons_constraints, only: constraints_type
-  use amontons_contact_linearization, only: contact_tangent_type
+  use amontons_contact_linearization, only: contact_tangent_type, has_spring
   use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK
   use amontons_newton_step, only: factorise_reduced_matrix
   implicit none
@@ -29,7 +30,7 @@ module amontons_conjugate_gradient_preconditioner
 
   !> The preconditioner of the present C and K.
   type :: gradient_preconditioner_type
-    logical :: is_matrix = .false.                 !< TWO LEVEL or FACTOR: kept in the reduced system
+    logical :: is_matrix = .false.                 !< TWO LEVEL, AMG or FACTOR: kept in the reduced system
     logical :: is_factorised = .false.             !< there is one of this attempt
     integer, allocatable :: unknown(:)             !< (n_free) among all unknowns, ascending
     real(DP), allocatable :: inverse(:, :)         !< (3, n_free) row of the inverse of its nodal block [length/force]
@@ -49,7 +50,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: blocks(:, :, :)
     outcome = OUTCOME_OK
-    self%is_matrix = any(step%controls%gradients%preconditioner == [PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR])
+    self%is_matrix = all(step%controls%gradients%preconditioner /= [PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL])
     if (.not. self%is_matrix) then
       call sum_nodal_blocks(system%constraints, system%contact_tangents, system%nodal_stiffness, self%unknown, blocks)
       call invert_blocks(self, blocks, step%controls%gradients%preconditioner == PRECONDITIONER_DIAGONAL)
@@ -60,8 +61,9 @@ contains
       if (self%is_factorised) then
         if (is_same_pattern(system%constraints%transformation, reduced%analysed_map)) return
       end if
-      reduced%requested_solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, &
-        step%controls%gradients%preconditioner == PRECONDITIONER_TWO_LEVEL)
+      reduced%requested_solver = SOLVER_AUTO
+      if (step%controls%gradients%preconditioner == PRECONDITIONER_TWO_LEVEL) reduced%requested_solver = SOLVER_ITERATIVE
+      if (step%controls%gradients%preconditioner == PRECONDITIONER_AMG) reduced%requested_solver = SOLVER_GAMG
       reduced%use = USE_REPEATED
       if (.not. system%is_constant .or. .not. self%is_factorised) reduced%is_current = .false.
     end associate
@@ -70,7 +72,7 @@ contains
   end subroutine update_gradient_preconditioner
 
 
-  !> The part of A that couples the unknowns of each node, from the diagonal blocks of K and of the springs of compliant laws.
+  !> The part of A that couples the unknowns of each node, from the diagonal blocks of K and of the springs of contact.
   subroutine sum_nodal_blocks(constraints, tangents, stiffness, unknown, blocks)
     type(constraints_type), intent(in) :: constraints
     type(contact_tangent_type), intent(in) :: tangents(:)
@@ -87,7 +89,7 @@ contains
       call add_transformed(node, stiffness(:, :, node))
     end do
     do i = 1, size(tangents)
-      if (.not. tangents(i)%is_compliant_node) cycle
+      if (.not. has_spring(tangents(i))) cycle
       do j = 1, tangents(i)%n_weights
         call add_transformed(tangents(i)%nodes(j), tangents(i)%weights(j)**2 * tangents(i)%spring)
       end do

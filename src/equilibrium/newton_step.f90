@@ -36,7 +36,7 @@ module amontons_newton_step
   use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads
   use amontons_user_element_forces, only: add_user_stiffness
   use amontons_tangent_solution, only: solve_constrained_system, follow_path, tangent_type, is_skin_cheaper
-  use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows
+  use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring
   use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
     n_interface_unknowns, mean_diagonal_stiffness, start_clock, stop_clock, OUTCOME_OK, &
@@ -659,7 +659,7 @@ contains
   end subroutine refactorise_bulk
 
 
-  !> A and its factor, with the springs of compliant contact in K, which improve the preconditioner.
+  !> A and its factor, with the springs of contact in K, which improve the preconditioner.
   subroutine factorise_reduced_matrix(system, model, outcome, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -670,7 +670,7 @@ contains
     outcome = OUTCOME_OK
     system%indefinite_factor%is_ready = .false.
     if (has_unsymmetric_law(system%assembly%skew)) system%reduced_system%is_shift_allowed = .false.
-    if (any(system%contact_tangents%is_compliant_node)) then
+    if (any(has_spring(system%contact_tangents))) then
       call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs, error)
       if (allocated(error)) return
       call factorise_reduced_system(system%reduced_system, sparse_sum(system%assembly%stiffness, 1.0_DP, springs), .true., &

@@ -566,8 +566,9 @@ contains
       'ones; no other solver uses it.', data='residual of a round over that at its start while statuses change, most ' // &
       'iterations of an increment, most rounds; a blank field keeps its value')
     call table%option('PRECONDITIONER', VALUE_WORD, 'NODAL (specific to Amontons, as the others): the stiffness of each node; ' // &
-      'DIAGONAL: its diagonal; neither assembles a matrix. TWO LEVEL: incomplete factor and rigid motions of parts; FACTOR: ' // &
-      'the factor of the tangent at the start of the increment.', allowed='NODAL|DIAGONAL|TWO LEVEL|FACTOR', default='NODAL')
+      'DIAGONAL: its diagonal; neither assembles a matrix. TWO LEVEL: incomplete factor and rigid motions of parts; AMG: ' // &
+      'algebraic multigrid of PETSc (amontons-mpi); FACTOR: the factor of the tangent at the start of the increment.', &
+      allowed='NODAL|DIAGONAL|TWO LEVEL|AMG|FACTOR', default='NODAL')
     call table%option('RESET', VALUE_NONE, 'Back to the defaults.')
     call table%option('ANALYSIS', VALUE_TEXT, 'The defaults serve contact.', status=ENTRY_IGNORED)
 

@@ -16,7 +16,7 @@ module amontons_deck_procedures
   use amontons_element_kinds, only: KIND_SPRINGA
   implicit none
   private
-  public :: read_static, read_riks, read_dynamic, read_damping, check_path_step
+  public :: read_static, read_riks, read_dynamic, read_damping, check_path_step, check_distributed_solvers
 
 contains
 
@@ -39,9 +39,19 @@ contains
     case default
       return
     end select
-    if (.not. has_distributed_solvers()) call report_error(reader, reader%cards%cards(c)%line, 'SOLVER=' // name // &
-      ' is a solver of PETSc, which amontons-mpi has (make MPI=1) and this program has not. Without SOLVER the program chooses.')
+    call check_distributed_solvers(reader, c, 'SOLVER=' // name // ' is a solver', 'Without SOLVER the program chooses.')
   end subroutine read_distributed_solver
+
+
+  !> An error of the deck that requests what PETSc does from a program without it.
+  subroutine check_distributed_solvers(reader, c, what, instead)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(*), intent(in) :: what             !< begins the sentence
+    character(*), intent(in) :: instead          !< what this program has, a sentence
+    if (.not. has_distributed_solvers()) call report_error(reader, reader%cards%cards(c)%line, what // &
+      ' of PETSc, which amontons-mpi has (make MPI=1) and this program has not. ' // instead)
+  end subroutine check_distributed_solvers
 
 
   !> STATIC: first increment, period, least and largest increment.

@@ -15,10 +15,10 @@ module amontons_deck_steps
   use amontons_deck_output, only: output_requests_type, begin_output, read_output_card, set_output_times
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, is_card, nodes_of_field, elements_of_field
-  use amontons_deck_procedures, only: read_static, read_riks, read_dynamic, read_damping, check_path_step
+  use amontons_deck_procedures, only: read_static, read_riks, read_dynamic, read_damping, check_path_step, check_distributed_solvers
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_controls, only: controls_type, calculix_controls, gradient_controls_type, PRECONDITIONER_NODAL, &
-    PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
+    PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR, PRECONDITIONER_AMG
   use amontons_steps, only: step_type, path_end_type, LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, &
     LINE_SEARCH_NODAL, LINE_SEARCH_AUTO, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED, SOLVER_AUTO, SOLVER_ITERATIVE, &
     SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
@@ -564,6 +564,10 @@ contains
       gradients%preconditioner = PRECONDITIONER_TWO_LEVEL
     case ('FACTOR')
       gradients%preconditioner = PRECONDITIONER_FACTOR
+    case ('AMG')
+      gradients%preconditioner = PRECONDITIONER_AMG
+      call check_distributed_solvers(reader, c, 'PRECONDITIONER=AMG is multigrid', &
+        'TWO LEVEL is the preconditioner nearest to it.')
     end select
     if (.not. next_row(reader%cards, row)) return
     is_ok = .true.

@@ -15,13 +15,14 @@ module amontons_controls
   public :: controls_type, newton_controls_type, globalization_controls_type, subproblem_controls_type, &
     line_search_controls_type, cycling_controls_type, increment_controls_type, krylov_controls_type, interface_controls_type, &
     skin_controls_type, linear_solver_controls_type, contact_controls_type, gradient_controls_type
-  public :: PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR
+  public :: PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR, PRECONDITIONER_AMG
   public :: calculix_controls
 
   integer, parameter :: PRECONDITIONER_NODAL = 0   !< of conjugate gradients: the 3 x 3 blocks of the nodes
   integer, parameter :: PRECONDITIONER_DIAGONAL = 1   !< the diagonal
   integer, parameter :: PRECONDITIONER_TWO_LEVEL = 2   !< incomplete factor and rigid motions of parts, of the assembled tangent
   integer, parameter :: PRECONDITIONER_FACTOR = 3   !< Cholesky factor of the assembled tangent
+  integer, parameter :: PRECONDITIONER_AMG = 4     !< algebraic multigrid of the assembled tangent (PETSc)
 
   !> Newton's method within an increment: predictor, scale of forces, limits of displacements, early end.
   type :: newton_controls_type
@@ -217,7 +218,6 @@ module amontons_controls
     integer :: max_portions = 64           !< portions in which a round moves the supports | set
     integer :: max_cuts = 12               !< halves of a portion, or quarters of a trial step, that invert elements | set
     real(DP) :: portion_reduction = 0.1_DP   !< residual after a portion over the largest force [-] | set
-    real(DP) :: held_spring = 0.25_DP      !< spring of held friction over the stiffness of the node [-] | contact_rounds
     real(DP) :: max_excess = 1.5_DP        !< largest accelerated friction over its limit [-] | set
     integer :: max_flips = 5               !< changes between stick and slip in an attempt; then the status is frozen |
                                            !! contact_rounds

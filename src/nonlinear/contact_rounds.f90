@@ -49,6 +49,8 @@ module amontons_contact_rounds
     logical :: is_interrupted = .false.            !< a body moved freely in the last round, or touched
     type(anderson_type) :: acceleration            !< of the friction held
     real(DP), allocatable :: held(:, :)            !< (3, n_slaves) friction held in the last round [force]
+    real(DP), allocatable :: limit(:)              !< (n_slaves) friction limits held in the last augmented round [force]
+    integer, allocatable :: status(:)              !< (n_slaves) at the start of that round
     integer, allocatable :: n_flips(:)             !< (n_slaves) changes between stick and slip
   end type contact_rounds_type
 
@@ -80,7 +82,7 @@ contains
     if (rounds%n_rounds == 1 .and. measures%residual(0) > FAR_FROM_EQUILIBRIUM) &
       call keep_friction(system%contact, state%old%slaves, state%new%slaves)
     call hold_friction(rounds, step%controls%gradients, system%contact, state%new%slaves)
-    if (is_augmented) call hold_forces(rounds%is_augmented, system%contact, state%new%slaves)
+    if (is_augmented) call hold_forces(rounds, system%contact, state%new%slaves)
     rounds%is_augmented = is_augmented
     call solve_portions(rounds, system, model, step, reduction, state, inner, outcome, error)
     rounds%n_iterations = rounds%n_iterations + inner%n_iterations
@@ -235,26 +237,33 @@ contains
       call forget_iterates(rounds%acceleration)
     end if
     rounds%held = contact%held_friction
-    contact%held_spring = controls%held_spring
     contact%held_limit = merge(norm2(contact%held_friction, dim=1), contact%slip_data%limit, slaves%status == STATUS_SLIP .and. &
       .not. is_compliant(contact%laws(slaves%pair)))
   end subroutine hold_friction
 
 
   !> Augments the contact forces of the last evaluation in this round. After an augmented round the forces of open nodes that it
-  !! pressed count as well.
-  pure subroutine hold_forces(was_augmented, contact, slaves)
-    logical, intent(in) :: was_augmented
+  !! pressed count as well, and a node that it changed between stick and slip has the mean of the last two limits: where friction
+  !! changes its own limit by more than itself, the node would change for ever.
+  pure subroutine hold_forces(rounds, contact, slaves)
+    type(contact_rounds_type), intent(inout) :: rounds   !< of the last round
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves) evaluated in full
+    logical :: has_changed
     integer :: s
     allocate (contact%held_normal_force(size(slaves)), source=0.0_DP)
     do s = 1, size(slaves)
       if (is_compliant(contact%laws(slaves(s)%pair))) cycle
-      if (slaves(s)%status /= STATUS_OPEN .or. was_augmented) contact%held_normal_force(s) = max(contact%slip_data(s)%N, 0.0_DP)
+      if (slaves(s)%status /= STATUS_OPEN .or. rounds%is_augmented) &
+        contact%held_normal_force(s) = max(contact%slip_data(s)%N, 0.0_DP)
       contact%held_friction(:, s) = slaves(s)%shear
       contact%held_limit(s) = merge(0.0_DP, contact%slip_data(s)%limit, slaves(s)%status == STATUS_OPEN)
+      has_changed = rounds%is_augmented .and. slaves(s)%status /= STATUS_OPEN
+      if (has_changed) has_changed = all(rounds%status(s) /= [STATUS_OPEN, slaves(s)%status])
+      if (has_changed) contact%held_limit(s) = 0.5_DP * (contact%held_limit(s) + rounds%limit(s))
     end do
+    rounds%limit = contact%held_limit
+    rounds%status = slaves%status
   end subroutine hold_forces
 
 

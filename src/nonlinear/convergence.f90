@@ -5,7 +5,7 @@ module amontons_convergence
   use amontons_controls, only: controls_type, newton_controls_type
   implicit none
   private
-  public :: convergence_measures_type, assess_convergence, assess_early, n_counted
+  public :: convergence_measures_type, assess_convergence, assess_early, assess_growth, n_counted
   public :: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
 
   integer, parameter :: VERDICT_CONTINUE = 0
@@ -96,6 +96,18 @@ contains
       measures%residual(0) < controls%sufficient_decrease * measures%residual(2)) return
     verdict = merge(VERDICT_DIVERGES, VERDICT_TOO_SLOW, measures%residual(0) > controls%diverged_residual)
   end subroutine assess_early
+
+
+  !> End of an attempt by conjugate gradients that can be cut back: the residual has grown in two rounds to the size of the largest
+  !! force. Such rounds have left the neighbourhood of the start; the equilibrium that they may find at last is another one.
+  pure subroutine assess_growth(controls, measures, verdict)
+    type(newton_controls_type), intent(in) :: controls
+    type(convergence_measures_type), intent(in) :: measures
+    integer, intent(inout) :: verdict              !< out: VERDICT_DIVERGES
+    if (measures%iteration < 3) return             ! the residual at the start is not that of a round
+    if (measures%residual(0) > controls%diverged_residual .and. measures%residual(0) > measures%residual(1) .and. &
+      measures%residual(1) > measures%residual(2)) verdict = VERDICT_DIVERGES
+  end subroutine assess_growth
 
 
   !> Iterations until the tolerance if the residual decreases at the rate of the last two iterations.

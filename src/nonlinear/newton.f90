@@ -14,8 +14,8 @@ module amontons_newton
   use amontons_tunnelling_check, only: largest_sliding, find_tunnelled_slave
   use amontons_active_set_history, only: active_set_history_type, record_active_set
   use amontons_active_set_cycling, only: break_cycle, release_frozen_nodes
-  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, n_counted, VERDICT_CONTINUE, &
-    VERDICT_DIVERGES, VERDICT_CONVERGED, VERDICT_TOO_SLOW
+  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, assess_growth, n_counted, &
+    VERDICT_CONTINUE, VERDICT_DIVERGES, VERDICT_CONVERGED, VERDICT_TOO_SLOW
   use amontons_line_search, only: line_search_report_type, perform_line_search
   use amontons_globalization, only: globalization_type, trial_step_type, choose_step, STEP_KIND_NEWTON, STEP_KIND_PROXIMAL, &
     STEP_KIND_SNAP_THROUGH
@@ -211,9 +211,13 @@ contains
       verdict = VERDICT_CONTINUE                      ! the residual grows during snap-through
     if (verdict == VERDICT_CONTINUE .and. newton%rounds%n_iterations >= controls%gradients%max_iterations) &
       verdict = VERDICT_TOO_SLOW
-    if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. step%solver /= SOLVER_GRADIENTS .and. &
-      is_contact_active .and. newton%globalization%step_kind == STEP_KIND_NEWTON) &
-      call assess_early(controls%newton, newton%measures, verdict)
+    if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. newton%globalization%step_kind == STEP_KIND_NEWTON) then
+      if (step%solver == SOLVER_GRADIENTS) then
+        call assess_growth(controls%newton, newton%measures, verdict)
+      else if (is_contact_active) then
+        call assess_early(controls%newton, newton%measures, verdict)
+      end if
+    end if
     if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! imposed stick beyond friction: iterate again
       verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, n_counted(newton%measures) < controls%i_c)
     if (step%line_search == LINE_SEARCH_AUTO .or. step%solver == SOLVER_GRADIENTS) &

@@ -22,6 +22,7 @@ import pytest
 from verify.benchmark.estimate_table import cube
 from verify.benchmark.wide_contact import Model, deck_of
 from verify.distributed.ranks_and_serial import DIALECT, TOLERANCE, Outcome, all_decks, difference, environment, execute, program, run, with_solver
+from verify.study.gradients_samples import sample, with_gradients
 
 pytestmark = [
     pytest.mark.skipif(not program("amontons-mpi").exists(), reason="there is no amontons-mpi: make MPI=1 builds it"),
@@ -110,6 +111,21 @@ def test_contact_with_friction(tmp_path: Path, solver: str) -> None:
     assert np.array_equal(serial.counts["n_status"], ranks.counts["n_status"])
     for name, values in serial.fields.items():
         assert np.abs(values - ranks.fields[name]).max() < 1e-5 * np.abs(values).max()
+
+
+@pytest.mark.parametrize("preconditioner", ["NODAL", "AMG", "FACTOR"])
+def test_conjugate_gradients(tmp_path: Path, preconditioner: str) -> None:
+    """Residuals by the elements of the ranks, friction, NLGEOM: the statuses and fields of Newton's method in the serial program, to 1e-5,
+    which is required of conjugate gradients. AMG is multigrid of PETSc on one rank and on two."""
+    deck = sample("three_cubes")
+    serial = run(tmp_path / "serial", deck, 0)
+    for n in (1, 2):
+        ranks = run(tmp_path / f"ranks{n}", with_gradients(deck, preconditioner), n)
+        assert (serial.code, ranks.code) == (0, 0), ranks.text
+        assert ("are distributed and solved by GAMG." in ranks.text) == (preconditioner == "AMG"), ranks.text
+        assert np.array_equal(serial.counts["n_status"], ranks.counts["n_status"])
+        for name, values in serial.fields.items():
+            assert np.abs(values - ranks.fields[name]).max() < 1e-5 * np.abs(values).max()
 
 
 @pytest.mark.parametrize("solver", ["", "GAMG", "HYPRE"])

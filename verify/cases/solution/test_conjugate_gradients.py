@@ -18,7 +18,7 @@ from verify.conftest import Run
 from verify.decks.make_decks import block_deck
 from verify.library.test_restart import kill_often
 from verify.readers.sta_cvg_files import read_sta
-from verify.study.contact_table import ball_by_faces, cylinder
+from verify.study.contact_table import ball_by_faces, cylinder, drag
 from verify.study.gradients_growth import run as measure
 from verify.study.gradients_growth import two_blocks
 from verify.study.gradients_samples import iterations, sample, with_gradients
@@ -132,6 +132,13 @@ def test_statuses_within_a_round(run: Run, tmp_path: Path, mu: float, most: int)
     assert sum(iterations(tmp_path / "gradients" / "job.cvg")) <= most
 
 
+def test_limit_by_friction(run: Run, tmp_path: Path) -> None:
+    """A block dragged with mu = 1 tilts on its front edge, whose friction changes its own limit by more than itself: with the new limit in
+    each round the node would stick and slip by turns, and six attempts fail in place of three."""
+    compare(run, tmp_path, drag(1.0, "AUTO", 5), with_gradients(drag(1.0, "ALL", 5), "NODAL"))
+    assert sum(a.is_failed for a in read_sta(tmp_path / "gradients" / "job.sta")) <= 4
+
+
 def test_cut_back(run: Run, tmp_path: Path) -> None:
     """Too few iterations fail the attempt; the increments are cut back until they suffice, or the job ends with exit code 5."""
     deck = with_gradients(sample("three_cubes"), "NODAL", "0.1, 25\n").replace("0.1, 1., , 0.1", "0.5, 1., , 0.5")
@@ -236,7 +243,8 @@ def test_same_bits(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("card", "words"),
     [
-        ("*SOLVER CONTROLS, PRECONDITIONER=AMG\n", "NODAL"),
+        ("*SOLVER CONTROLS, PRECONDITIONER=JACOBI\n", "NODAL"),
+        ("*SOLVER CONTROLS, PRECONDITIONER=AMG\n", "multigrid of PETSc, which amontons-mpi has (make MPI=1)"),
         ("*SOLVER CONTROLS\n1.5\n", "between 0 and 1"),
         ("*SOLVER CONTROLS\n0.1, 0\n", "1 or more"),
     ],

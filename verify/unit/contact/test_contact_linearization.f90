@@ -9,7 +9,7 @@ program test_contact_linearization
   use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, &
     BEHAVIOR_TABULAR, BEHAVIOR_TIED
   use amontons_steps, only: step_type, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
-  use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
+  use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
     configuration_type, save_configuration, &
@@ -17,7 +17,8 @@ program test_contact_linearization
   use amontons_newton_step, only: linearize_equilibrium, solve_newton_step
   use amontons_tangent_solution, only: apply_unconstrained_tangent, assemble_tangent_matrix
   use amontons_contact_evaluation, only: has_other_constraints
-  use amontons_contact_linearization, only: linearize_contact
+  use amontons_contact_pairs, only: contact_type
+  use amontons_contact_linearization, only: linearize_contact, held_friction_spring
   use amontons_contact_operators, only: assemble_contact_tangents, factorise_spring_tangents
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose
@@ -40,6 +41,7 @@ program test_contact_linearization
   call check_symmetric('symmetric direction, compliant', interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, &
     tension_limit=2.0_DP, cutoff_clearance=10.0_DP, stick_slope=120.0_DP))
   call check_lagged()
+  call check_held_friction()
   call suite%finish()
 
 contains
@@ -359,6 +361,53 @@ contains
     call suite%that('lagged: the next increment has its own', &
       norm2(system%assembly%stiffness%value - first) > 1.0e-6_DP * norm2(first))
   end subroutine check_lagged
+
+
+  !> The spring of the friction P_L (f - c g) that conjugate gradients hold, against differences of that formula: below the limit,
+  !! beyond it, and far beyond.
+  subroutine check_held_friction()
+    type(contact_type) :: contact
+    type(slave_state_type) :: slave
+    real(DP), parameter :: H = 1.0e-6_DP, LIMIT(3) = [9.0_DP, 2.0_DP, 0.01_DP]
+    real(DP) :: spring(3, 3), step(3), difference(3)
+    integer :: i, k
+    slave%normal = [0.36_DP, 0.48_DP, 0.8_DP]
+    slave%stiffness = 50.0_DP
+    slave%slip_increment = along(slave%normal, [0.02_DP, -0.03_DP, 0.01_DP])
+    allocate (contact%held_friction(3, 1), contact%held_limit(1))
+    contact%held_friction(:, 1) = along(slave%normal, [1.5_DP, 1.0_DP, -0.5_DP])
+    do i = 1, size(LIMIT)
+      contact%held_limit = LIMIT(i)
+      spring = held_friction_spring(contact, slave, 1)
+      do k = 1, 3
+        step = 0.0_DP
+        step(k) = H
+        step = along(slave%normal, step)
+        difference = (limited(contact%held_friction(:, 1) - slave%stiffness * (slave%slip_increment - step), LIMIT(i)) - &
+          limited(contact%held_friction(:, 1) - slave%stiffness * (slave%slip_increment + step), LIMIT(i))) / (2.0_DP * H)
+        call suite%near('held friction: its spring', norm2(difference - spring(:, k)) / slave%stiffness, 0.0_DP, 1.0e-8_DP)
+      end do
+      call suite%near('held friction: none along the normal', norm2(matmul(spring, slave%normal)), 0.0_DP, 1.0e-13_DP)
+      call suite%near('held friction: symmetric', maxval(abs(spring - transpose(spring))), 0.0_DP, 1.0e-13_DP)
+    end do
+  end subroutine check_held_friction
+
+
+  !> The part of a vector along the master.
+  pure function along(normal, v) result(w)
+    real(DP), intent(in) :: normal(3), v(3)
+    real(DP) :: w(3)
+    w = v - dot_product(normal, v) * normal
+  end function along
+
+
+  !> P_L q: a force shortened to its limit.
+  pure function limited(q, limit) result(p)
+    real(DP), intent(in) :: q(3), limit            !< [force]
+    real(DP) :: p(3)
+    p = q
+    if (norm2(q) > limit) p = limit * q / norm2(q)
+  end function limited
 
 
   !> The upper block has slid a little: some nodes stick, most slip.

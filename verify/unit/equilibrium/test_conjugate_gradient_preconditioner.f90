@@ -17,12 +17,12 @@ program test_conjugate_gradient_preconditioner
 contains
 
   !> Three nodes: the first fixed along y, the second between the first and the third (u_2x = 0.3 u_1x + 0.7 u_3x + 0.1 u_3z), a
-  !! spring between the nodes 1 and 3. The blocks are those of the dense product.
+  !! spring between the nodes 1 and 3, one of held friction between 3 and 2. The blocks are those of the dense product.
   subroutine check_blocks(suite)
     type(suite_type), intent(inout) :: suite
     type(constraints_type) :: constraints
     type(constraint_row_type) :: row
-    type(contact_tangent_type) :: tangents(1)
+    type(contact_tangent_type) :: tangents(2)
     real(DP) :: stiffness(3, 3, 3), K(9, 9), C(9, 9), A(9, 9)
     real(DP), allocatable :: blocks(:, :, :)
     integer, allocatable :: unknown(:)
@@ -43,6 +43,12 @@ contains
     tangents(1)%nodes = [1, 3]
     tangents(1)%weights = [1.0_DP, -0.5_DP]
     tangents(1)%spring = 2.0_DP * IDENTITY
+    tangents(2)%n_weights = 2                      ! it has a row as well: the node slips
+    tangents(2)%nodes = [3, 2]
+    tangents(2)%weights = [1.0_DP, -0.25_DP]
+    tangents(2)%spring = reshape([3.0_DP, 0.5_DP, 0.0_DP, 0.5_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP], [3, 3])
+    K(7:9, 7:9) = K(7:9, 7:9) + tangents(2)%spring
+    K(4:6, 4:6) = K(4:6, 4:6) + 0.0625_DP * tangents(2)%spring
     K(1:3, 1:3) = K(1:3, 1:3) + 2.0_DP * IDENTITY
     K(7:9, 7:9) = K(7:9, 7:9) + 0.5_DP * IDENTITY
     C = 0.0_DP

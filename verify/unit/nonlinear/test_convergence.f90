@@ -3,7 +3,7 @@
 program test_convergence
   use amontons_kinds, only: DP
   use amontons_controls, only: controls_type, newton_controls_type
-  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, VERDICT_CONTINUE, &
+  use amontons_convergence, only: convergence_measures_type, assess_convergence, assess_early, assess_growth, VERDICT_CONTINUE, &
     VERDICT_CONVERGED, VERDICT_DIVERGES, VERDICT_TOO_SLOW
   use check, only: suite_type
   implicit none
@@ -192,6 +192,10 @@ contains
     call suite%that('nearer', early(4, [0.4_DP, 0.6_DP, 0.6_DP]) == VERDICT_TOO_SLOW)
     call suite%that('falls well', early(4, [0.14_DP, 0.3_DP, 0.6_DP]) == VERDICT_CONTINUE)
     call suite%that('small', early(4, [0.09_DP, 0.09_DP, 0.09_DP]) == VERDICT_CONTINUE)
+    call suite%that('rounds: grown twice, far off', growth(3, [0.6_DP, 0.4_DP, 0.3_DP]) == VERDICT_DIVERGES)
+    call suite%that('rounds: the start is none', growth(2, [0.6_DP, 0.4_DP, 0.3_DP]) == VERDICT_CONTINUE)
+    call suite%that('rounds: grown once', growth(3, [0.6_DP, 0.4_DP, 0.5_DP]) == VERDICT_CONTINUE)
+    call suite%that('rounds: grown twice, near', growth(3, [0.4_DP, 0.3_DP, 0.2_DP]) == VERDICT_CONTINUE)
   end subroutine check_early_end
 
 
@@ -205,5 +209,17 @@ contains
     verdict = VERDICT_CONTINUE
     call assess_early(newton_controls_type(), measures, verdict)
   end function early
+
+
+  !> The verdict that was to continue, after the look at the growth over two rounds.
+  pure integer function growth(iteration, residual) result(verdict)
+    integer, intent(in) :: iteration
+    real(DP), intent(in) :: residual(0:2)          !< over the largest force [-]
+    type(convergence_measures_type) :: measures
+    measures%iteration = iteration
+    measures%residual = residual
+    verdict = VERDICT_CONTINUE
+    call assess_growth(newton_controls_type(), measures, verdict)
+  end function growth
 
 end program test_convergence
