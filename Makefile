@@ -258,7 +258,7 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 	@$(PY) -m verify.study.contact_table --program $(BIN)/amontons --runs $(B)/study.csv
 	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
 	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --preconditioners NODAL --modes ALL
-	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 6 --preconditioners FACTOR \
+	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 20 --preconditioners FACTOR \
 	  --modes ALL --only "block sheared" punch "block dragged" cylinder ball "ball by faces"
 	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 6 --sizes 5 \
 	  --modes NONE GLOBAL NODAL --only "block sheared" punch "block dragged" cylinder ball "ball by faces"
