@@ -33,8 +33,7 @@ module amontons_controls
     real(DP) :: min_force_scale_ratio = 1.0e-3_DP   !< least force scale over the largest force of the job [-] | convergence
     real(DP) :: force_rounding = 1.0e-13_DP   !< rounding level of a residual over the largest force of the attempt [-] |
                                            !! convergence
-    real(DP) :: max_forcing_term = 1.0e-2_DP   !< forcing term of the first direction [-] | 0021
-    real(DP) :: min_forcing_term = 1.0e-6_DP   !< least forcing term [-] | 0021
+    real(DP) :: min_forcing_term = 1.0e-6_DP   !< least forcing term; the largest is the tolerance of the subproblem [-] | 0021
     integer :: early_check_iteration = 4   !< first iteration that may end a hopeless attempt | 0022
     real(DP) :: min_lost_residual = 0.1_DP   !< least residual of a hopeless attempt over the largest force [-] | 0022
     real(DP) :: sufficient_decrease = 0.25_DP   !< ratio of residuals over two iterations that counts as convergence [-] | 0022
@@ -47,9 +46,6 @@ module amontons_controls
   type :: globalization_controls_type
     integer :: max_unsolved = 2            !< unsolved subproblems in succession before a snap-through step, where a cut-back is
                                            !! possible; else 0 | 0017
-    integer :: min_drift_iterations = 4    !< first iteration that may find a drifting body | set
-    real(DP) :: drift_shift_factor = 36.0_DP   !< on the shift of drifting bodies: the next trial divides it by snap_shift_ratio,
-                                           !! so that it is 6 times the last one [-] | proximal_step
     real(DP) :: initial_snap_shift = 1.0e-3_DP   !< first s of snap-through [-] | proximal_step
     real(DP) :: snap_shift_ratio = 6.0_DP   !< ratio of consecutive trial values of s [-] | proximal_step, 0017
     real(DP) :: min_proximal_shift = 1.0e-9_DP   !< least s, tried first [-] | set: far above rounding, far below any support
@@ -59,27 +55,21 @@ module amontons_controls
     real(DP) :: max_length_excess = 2.0_DP   !< factor by which a direction may exceed its limit before s grows [-] | set
     real(DP) :: max_step_edges = 0.5_DP    !< largest step in edges of the master while a slave node approaches it [-] |
                                            !! proximal_step
-    real(DP) :: max_flight_edges = 2.5_DP   !< the same while none does: within the search radius of 3 [-] | proximal_step
-    real(DP) :: min_approach_edges = 0.25_DP   !< a longer step moves a loose body, and no limit counts its iteration [-] |
-                                           !! proximal_step
     real(DP) :: min_approach_gap = 1.0e-3_DP   !< least distance to first contact, over an edge of the master [-] | set
     real(DP) :: shift_rungs_per_octave = 1024.0_DP   !< of the proximal shift: steps of 7e-4, above the rounding of a flight [-] |
                                            !! proximal_step
-    real(DP) :: min_step_extent = 1.0e-6_DP   !< least limit of a step over the size of the model [-] | set
   end type globalization_controls_type
 
   !> Contact subproblem: corrections of a direction, and substeps of the homotopy.
   type :: subproblem_controls_type
     integer :: max_iterations = 30         !< corrections of one direction | contact_subproblem
-    integer :: max_halvings = 4            !< halvings of a correction | contact_subproblem
-    real(DP) :: tolerance = 1.0e-2_DP      !< admissible merit at u + du over that at u [-] | contact_subproblem
+    real(DP) :: tolerance = 1.0e-2_DP      !< admissible merit at u + du over that at u; on the skin the largest forcing term [-] |
+                                           !! contact_subproblem, 0021
     real(DP) :: stagnation_ratio = 0.99_DP   !< merit over that of the previous cycle at which a cycle ends the iteration [-] |
                                            !! contact_subproblem
     real(DP) :: newton_tolerance_share = 1.0e-2_DP   !< admissible merit over Newton's residual tolerance [-] | contact_subproblem
-    real(DP) :: linear_bulk_tolerance = 1.0e-6_DP   !< the tolerance on the contact skin with a linear bulk [-] | 0021
     real(DP) :: rounding = 1.0e-10_DP      !< admissible merit over the largest of the iterations [-] | contact_subproblem
     integer :: max_iterations_per_substep = 12   !< corrections of one substep | 0017
-    integer :: fast_substep_iterations = 6   !< with at most so many corrections the next substep is twice as long | 0017
     integer :: max_iterations_all_substeps = 60   !< corrections of all substeps | 0017
     real(DP) :: initial_substep = 1.0_DP / 8.0_DP   !< first substep over the whole direction; a power of two [-] | 0017
     real(DP) :: min_substep = 1.0_DP / 64.0_DP   !< least substep over the whole direction; a power of two [-] | 0017

@@ -165,7 +165,7 @@ contains
         if (candidate%is_subproblem_solved) then
           accepted = candidate
           t = t + substep_length                            ! sums of powers of two: exact
-          if (candidate%n_subproblem_iterations <= limits%fast_substep_iterations) substep_length = 2.0_DP * substep_length
+          if (2 * candidate%n_subproblem_iterations <= limits%max_iterations_per_substep) substep_length = 2.0_DP * substep_length
           substep_length = min(1.0_DP - t, substep_length)
         else
           substep_length = 0.5_DP * substep_length
@@ -229,7 +229,7 @@ contains
     tolerance = merge(system%forcing_term, step%controls%subproblem%tolerance, system%is_skin)
     negligible_force = step%controls%subproblem%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin .and. system%is_constant) then   ! no further Newton iteration is needed
-      tolerance = step%controls%subproblem%linear_bulk_tolerance
+      tolerance = step%controls%newton%min_forcing_term
       negligible_force = skin_merit_tolerance(system, step)
     end if
     has_subproblem_converged = system%contact%n_changed == 0 .and. system%merit <= max(tolerance * start%merit, &
@@ -274,7 +274,7 @@ contains
     least_merit = huge(1.0_DP)
     best_length = 1.0_DP
     length = 1.0_DP
-    do halving = 0, step%controls%subproblem%max_halvings
+    do halving = 0, step%controls%line_search%max_halvings
       length = 0.5_DP**halving
       state%new%slaves = slaves
       call evaluate_linearized(system, model, start, du + length * correction, state, d_load + length * d_correction)

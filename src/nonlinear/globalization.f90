@@ -10,7 +10,6 @@ module amontons_globalization
   use amontons_controls, only: globalization_controls_type
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type
-  use amontons_convergence, only: convergence_measures_type
   use amontons_contact_subproblem, only: solve_contact_subproblem
   use amontons_proximal_step, only: is_motion_unrestrained, find_proximal_step, find_snap_through_step
   use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK, OUTCOME_LINEAR_SOLVER
@@ -63,23 +62,20 @@ contains
 
 
   !> Chooses the step. After more than `unsolved_limit` consecutive unsolved subproblems it takes a snap-through step. It skips the
-  !! Newton step if the line search rejected the last one, or if a body drifts along a nearly unrestrained motion.
-  subroutine choose_step(strategy, system, model, step, measures, state, trial_step, outcome, error)
+  !! Newton step if the line search rejected the last one.
+  subroutine choose_step(strategy, system, model, step, state, trial_step, outcome, error)
     type(globalization_type), intent(inout) :: strategy
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    type(convergence_measures_type), intent(in) :: measures
     type(state_type), intent(inout) :: state       !< evaluated at u, in and out
     type(trial_step_type), intent(out) :: trial_step
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
-    logical :: is_drifting, is_newton_skipped
+    logical :: is_newton_skipped
     outcome = OUTCOME_OK
     allocate (trial_step%du, mold=state%new%u)
-    is_drifting = is_body_drifting(strategy, step, measures, state)
-    if (is_drifting) strategy%snap_shift = strategy%snap_shift * step%controls%globalization%drift_shift_factor
-    is_newton_skipped = is_drifting .or. (strategy%is_rejected .and. strategy%unsolved_limit < UNSOLVED_LIMIT_INFINITE)
+    is_newton_skipped = strategy%is_rejected .and. strategy%unsolved_limit < UNSOLVED_LIMIT_INFINITE
     strategy%is_rejected = .false.
     if (is_newton_skipped) then
       strategy%n_unsolved = max(strategy%n_unsolved, strategy%unsolved_limit) + 1
@@ -137,21 +133,6 @@ contains
     strategy%step_kind = STEP_KIND_SNAP_THROUGH
     strategy%n_snap_through = strategy%n_snap_through + 1
   end subroutine take_snap_through_step
-
-
-  !> Whether a body drifts: the residual is below r_n, but the corrections do not decrease.
-  pure logical function is_body_drifting(strategy, step, measures, state)
-    type(globalization_type), intent(in) :: strategy
-    type(step_type), intent(in) :: step
-    type(convergence_measures_type), intent(in) :: measures
-    type(state_type), intent(in) :: state
-    integer :: oldest
-    oldest = merge(0, 2, strategy%n_snap_through > 0)
-    is_body_drifting = .not. step%is_riks .and. step%line_search == LINE_SEARCH_AUTO .and. size(state%new%slaves) > 0 &
-      .and. strategy%unsolved_limit < UNSOLVED_LIMIT_INFINITE &
-      .and. measures%iteration >= step%controls%globalization%min_drift_iterations .and. &
-      all(measures%residual(0:oldest) <= step%controls%r_n)
-  end function is_body_drifting
 
 
   !> Whether the contact subproblem of the Newton step remained unsolved.

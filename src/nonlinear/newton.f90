@@ -112,8 +112,8 @@ contains
     if (step%solver == SOLVER_GRADIENTS) then
       call apply_round(newton, system, model, step, state, error)
     else
-      system%forcing_term = forcing_term(step%controls%newton, newton%measures)
-      call choose_step(newton%globalization, system, model, step, newton%measures, state, trial_step, newton%outcome, error)
+      system%forcing_term = forcing_term(step%controls, newton%measures)
+      call choose_step(newton%globalization, system, model, step, state, trial_step, newton%outcome, error)
       if (allocated(error) .or. newton%outcome /= OUTCOME_OK) return
       call apply_trial_step(newton, system, model, step, trial_step, state)
     end if
@@ -127,11 +127,11 @@ contains
   !> Admissible merit of the contact subproblem over that at its start: the square of the last decrease of the residual, so that
   !! Newton's quadratic convergence is kept. Source: S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17 (1996) 16-32, choice 2.
   pure real(DP) function forcing_term(controls, measures)
-    type(newton_controls_type), intent(in) :: controls
+    type(controls_type), intent(in) :: controls
     type(convergence_measures_type), intent(in) :: measures
-    forcing_term = controls%max_forcing_term
+    forcing_term = controls%subproblem%tolerance
     if (measures%residual(0) < measures%residual(1)) forcing_term = &
-      min(controls%max_forcing_term, max(controls%min_forcing_term, (measures%residual(0) / measures%residual(1))**2))
+      min(controls%subproblem%tolerance, max(controls%newton%min_forcing_term, (measures%residual(0) / measures%residual(1))**2))
   end function forcing_term
 
 
@@ -300,7 +300,7 @@ contains
     n_closed = count(state%new%slaves%status /= STATUS_OPEN)
     is_approach = newton%globalization%step_kind == STEP_KIND_PROXIMAL .and. newton%approach <= mesh_extent(model%mesh)
     if (is_approach) is_approach = n_closed > newton%most_closed .or. &
-      length >= controls%min_approach_edges * minval(system%contact%edge)
+      length >= 0.5_DP * controls%max_step_edges * minval(system%contact%edge)
     newton%most_closed = max(newton%most_closed, n_closed)
     if (.not. is_approach) return
     newton%approach = newton%approach + length

@@ -17,7 +17,7 @@ module amontons_proximal_step
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
-  use amontons_contact_pairs, only: current_row
+  use amontons_contact_pairs, only: current_row, SEARCH_RADIUS_RATIO
   use amontons_contact_subproblem, only: solve_contact_subproblem
   use amontons_equilibrium, only: equilibrium_type, evaluate_equilibrium, max_components, nodal_norms, OUTCOME_OK, &
     OUTCOME_LINEAR_SOLVER
@@ -73,11 +73,11 @@ contains
           cycle
         end if
         if (outcome /= OUTCOME_OK) return
-        excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, limits, state, du)
+        excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, limits, state, du)
         if (excess <= limits%max_length_excess .or. attempt == limits%max_shift_trials) then
           call solve_contact_subproblem(system, model, step, state, du, predicted_slaves, error)
           if (allocated(error)) return
-          excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, model, limits, state, du)
+          excess = maxval(nodal_norms(system, du, 1)) / allowed_step_length(system, limits, state, du)
         end if
         is_solved = excess <= limits%max_length_excess .and. (system%is_subproblem_solved .or. &
           .not. system%has_interface_solver .or. step%line_search /= LINE_SEARCH_AUTO)
@@ -134,10 +134,9 @@ contains
 
   !> Limit of the step length [length]: the trust region in which the contact subproblem is a model of what the step meets. While a
   !! slave node approaches a master it is a part of an edge, so that the bodies of a chain close one after the other and no deep
-  !! penetration misleads the projections. In flight it lies within the search radius.
-  real(DP) function allowed_step_length(system, model, limits, state, du) result(allowed_length)
+  !! penetration misleads the projections. In flight it ends within the search radius less such a step.
+  real(DP) function allowed_step_length(system, limits, state, du) result(allowed_length)
     type(equilibrium_type), intent(in) :: system
-    type(model_type), intent(in) :: model
     type(globalization_controls_type), intent(in) :: limits
     type(state_type), intent(in) :: state
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) [length]
@@ -154,11 +153,10 @@ contains
           limits%min_approach_gap * system%contact%edge(slave%pair)) / approach)
       end associate
     end do
-    allowed_length = merge(limits%max_step_edges, limits%max_flight_edges, contact_fraction < huge(1.0_DP)) &
+    allowed_length = merge(limits%max_step_edges, SEARCH_RADIUS_RATIO - limits%max_step_edges, contact_fraction < huge(1.0_DP)) &
       * minval(system%contact%edge)
     if (contact_fraction < huge(1.0_DP) .and. .not. system%has_interface_solver) allowed_length = min(allowed_length, &
       contact_fraction * maxval(nodal_norms(system, du, 1)))   ! no contact subproblem: not beyond first contact
-    allowed_length = max(allowed_length, limits%min_step_extent * mesh_extent(model%mesh))
   end function allowed_step_length
 
 end module amontons_proximal_step

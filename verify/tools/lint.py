@@ -23,6 +23,8 @@ MAX_PROCEDURE_LINES = 90
 MAX_ARGUMENTS = 9
 MAX_NESTING = 4
 MAX_FILE_LINES = 900
+MAX_STEERING_CONTROLS = 50  #: constants of the nonlinear solver, beside the slots of the card CONTROLS and those of linear solvers
+STEERING = re.compile(r"type :: (?:newton|globalization|subproblem|line_search|contact|cycling|increment)_controls_type\n(.*?)end type", re.DOTALL)
 MODULES_THAT_STOP = {"main"}
 MODULES_THAT_PRINT = {"main", "logger"}
 MODULES_THAT_SET_UP = {"model_setup", "user_routine_setup"}
@@ -326,6 +328,12 @@ def check_unit_programs(modules: list[Module], root: Path) -> list[str]:
     return troubles
 
 
+def check_controls(text: str) -> list[str]:
+    """The controls that steer Newton's method, contact and increments are few: a rule more needs a rule less."""
+    n = sum(len(re.findall(r"^ +(?:integer|real\(DP\)) :: \w+ =", fields, re.MULTILINE)) for fields in STEERING.findall(text))
+    return [f"src/model/controls.f90: {n} constants steer the nonlinear solver, allowed are {MAX_STEERING_CONTROLS}"] if n > MAX_STEERING_CONTROLS else []
+
+
 def main() -> int:
     """See the top of this file."""
     listed = read_modules()
@@ -337,6 +345,7 @@ def main() -> int:
         path.write_text(text)
     troubles = check_layers(listed, layers) + check_documents(set(modules), ROOT) + check_search_paths(ROOT)
     troubles += check_unit_programs(listed, ROOT) + check_widths(ROOT) + check_words(ROOT)
+    troubles += check_controls((SOURCE / "model" / "controls.f90").read_text())
     sources = {module.path: module.lines for module in listed}
     troubles += check_constants(sources) + check_public_names(sources) + check_glossary(sources, ROOT)
     if path.read_text() != text:

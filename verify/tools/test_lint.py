@@ -184,6 +184,16 @@ def test_a_module_without_a_unit_program_is_found(tmp_path: Path, monkeypatch: p
         "verify/tools/lint.py: gone needs no reason to have no unit program"]
 
 
+def test_controls_are_counted() -> None:
+    """Those of the nonlinear solver count, not those of a linear one, nor the parts of a step's controls."""
+    field = "    real(DP) :: a{} = 1.0_DP   !< one [-]\n"
+    fields = "".join(field.format(i) for i in range(lint.MAX_STEERING_CONTROLS))
+    few = f"  type :: newton_controls_type\n{fields}  end type newton_controls_type\n  type :: krylov_controls_type\n{fields}  end type krylov_controls_type\n"
+    assert lint.check_controls(few) == []
+    assert lint.check_controls(f"{few}  type :: cycling_controls_type\n    integer :: n = 3   !< three\n  end type cycling_controls_type\n") == [
+        "src/model/controls.f90: 51 constants steer the nonlinear solver, allowed are 50"]
+
+
 def test_search_paths_stay_as_they_are(tmp_path: Path) -> None:
     """A file or page that changes the search path of Python is found; one that only names a path is not."""
     (tmp_path / "verify" / "study").mkdir(parents=True)

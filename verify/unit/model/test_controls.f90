@@ -32,21 +32,20 @@ contains
   !> Forcing terms of Eisenstat and Walker lie in (0, 1); hopeless comes before diverged; rounding is below all tolerances.
   subroutine check_newton()
     associate (c => own%newton)
-      call suite%that('forcing terms', 0 < c%min_forcing_term .and. c%min_forcing_term < c%max_forcing_term .and. &
-        c%max_forcing_term < 1)
+      call suite%that('forcing terms', 0 < c%min_forcing_term .and. c%min_forcing_term < own%subproblem%tolerance .and. &
+        own%subproblem%tolerance < 1)
       call suite%that('hopeless before diverged', c%min_lost_residual < c%diverged_residual .and. c%sufficient_decrease < 1)
-      call suite%that('two iterations back are known', c%early_check_iteration > 2 .and. own%globalization%min_drift_iterations > 2)
+      call suite%that('two iterations back are known', c%early_check_iteration > 2)
       call suite%that('rounding', c%force_rounding < own%r_l .and. c%force_rounding > epsilon(1.0_DP))
       call suite%that('proximal steps go less far', c%max_proximal_ratio < c%max_displacement_ratio)
     end associate
   end subroutine check_newton
 
 
-  !> The shift of a drifting body becomes snap_shift_ratio times the last one; trials reach the largest shift; a proximal step stays
+  !> Trials reach the largest shift; a proximal step stays
   !! within the search radius of contact, three edges.
   subroutine check_steps()
     associate (c => own%globalization)
-      call suite%near('drift', c%drift_shift_factor / c%snap_shift_ratio, c%snap_shift_ratio, 1.0e-14_DP)
       call suite%that('all shifts are reached', c%min_proximal_shift * c%singular_shift_factor**c%max_shift_trials >= &
         c%max_proximal_shift)
       call suite%that('within the search radius', c%max_step_edges < 3)
@@ -64,9 +63,8 @@ contains
       call suite%that('powers of two', fraction(c%initial_substep) == 0.5_DP .and. fraction(c%min_substep) == 0.5_DP)
       call suite%that('shorter than the first', c%min_substep < c%initial_substep .and. c%initial_substep < 1)
       call suite%that('the homotopy can end', real(c%max_iterations_all_substeps, DP) >= 1 / c%initial_substep)
-      call suite%that('corrections', c%fast_substep_iterations < c%max_iterations_per_substep .and. &
-        c%max_iterations_per_substep < c%max_iterations_all_substeps)
-      call suite%that('tolerances', c%rounding < c%linear_bulk_tolerance .and. c%linear_bulk_tolerance < c%tolerance)
+      call suite%that('corrections', c%max_iterations_per_substep < c%max_iterations_all_substeps)
+      call suite%that('tolerances', c%rounding < own%newton%min_forcing_term)
     end associate
   end subroutine check_substeps
 

@@ -7,10 +7,9 @@ program test_globalization
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_controls, only: globalization_controls_type
-  use amontons_steps, only: step_type, LINE_SEARCH_AUTO, LINE_SEARCH_NONE
+  use amontons_steps, only: step_type
   use amontons_loads, only: concentrated_type
   use amontons_state, only: state_type
-  use amontons_convergence, only: convergence_measures_type
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium, &
     OUTCOME_OK
   use amontons_newton_step, only: solve_newton_step
@@ -22,7 +21,6 @@ program test_globalization
   call check_newton_step(suite)
   call check_free_block(suite)
   call check_rejected_step(suite)
-  call check_drift(suite)
   call suite%finish()
 
 contains
@@ -41,7 +39,7 @@ contains
     call two_blocks(model, 0.2_DP, 0.5_DP, [0.0_DP, 0.0_DP, 0.0_DP])
     model%steps(1)%concentrated = [concentrated_type(start=0.1_DP, end=0.1_DP, node=19, dof=1)]
     call start_blocks(model, system, state)
-    call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
+    call choose_step(strategy, system, model, model%steps(1), state, trial, outcome, error)
     call suite%that('held: Newton', outcome == OUTCOME_OK .and. strategy%step_kind == STEP_KIND_NEWTON .and. &
       strategy%n_proximal == 0 .and. strategy%n_snap_through == 0)
     call suite%that('held: the slaves at its end', allocated(trial%predicted_slaves))
@@ -66,7 +64,7 @@ contains
     call two_blocks(model, 0.2_DP, 0.1_DP, [0.0_DP, 0.0_DP, 0.0_DP])
     call press_by_forces(model%steps(1))
     call start_blocks(model, system, state)
-    call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
+    call choose_step(strategy, system, model, model%steps(1), state, trial, outcome, error)
     call suite%that('free: a direction', outcome == OUTCOME_OK .and. .not. allocated(error))
     call suite%that('free: neither Newton nor snap through', strategy%step_kind /= STEP_KIND_NEWTON .and. &
       strategy%step_kind /= STEP_KIND_SNAP_THROUGH)
@@ -105,53 +103,22 @@ contains
     integer :: outcome
     call two_blocks(model, 0.2_DP, 0.0_DP, [0.02_DP, 0.0_DP, -0.02_DP])
     call start_blocks(model, system, state)
-    call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
+    call choose_step(strategy, system, model, model%steps(1), state, trial, outcome, error)
     strategy%is_rejected = .true.
-    call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
+    call choose_step(strategy, system, model, model%steps(1), state, trial, outcome, error)
     call suite%that('rejected: snap through', strategy%step_kind == STEP_KIND_SNAP_THROUGH .and. strategy%n_snap_through == 1)
     call suite%that('rejected: forgotten after it', .not. strategy%is_rejected)
     call suite%that('rejected: contact is solved along it', system%is_subproblem_solved)
     call suite%that('rejected: K has a part of its diagonal', system%proximal_shift > 0.0_DP)
     call suite%that('rejected: once is not repeatedly', .not. is_repeatedly_unsolved(strategy))
     strategy%is_rejected = .true.
-    call choose_step(strategy, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
+    call choose_step(strategy, system, model, model%steps(1), state, trial, outcome, error)
     call suite%that('rejected: twice is', is_repeatedly_unsolved(strategy) .and. strategy%n_snap_through == 2)
     call delay_snap_through(delayed, globalization_controls_type())
     delayed%is_rejected = .true.
-    call choose_step(delayed, system, model, model%steps(1), convergence_measures_type(), state, trial, outcome, error)
+    call choose_step(delayed, system, model, model%steps(1), state, trial, outcome, error)
     call suite%that('rejected: it counts beyond the delay', delayed%step_kind == STEP_KIND_SNAP_THROUGH)
   end subroutine check_rejected_step
-
-
-  !> Three residuals running within the tolerance after the third iteration, but no convergence: a body drifts.
-  subroutine check_drift(suite)
-    type(suite_type), intent(inout) :: suite
-    type(model_type) :: model
-    type(equilibrium_type), allocatable :: system
-    type(state_type) :: state
-    type(globalization_type) :: strategy
-    type(trial_step_type) :: trial
-    type(convergence_measures_type) :: measures
-    type(error_type), allocatable :: error
-    integer :: outcome, i
-    logical :: is_drifting
-    real(DP) :: shift
-    call two_blocks(model, 0.2_DP, 0.0_DP, [0.02_DP, 0.0_DP, -0.02_DP])
-    call start_blocks(model, system, state)
-    do i = 1, 4
-      strategy = globalization_type()
-      measures%iteration = merge(3, 4, i == 1)
-      measures%residual = 0.5_DP * model%steps(1)%controls%r_n
-      if (i == 2) measures%residual(2) = 1.0_DP
-      model%steps(1)%line_search = merge(LINE_SEARCH_NONE, LINE_SEARCH_AUTO, i == 3)
-      call choose_step(strategy, system, model, model%steps(1), measures, state, trial, outcome, error)
-      is_drifting = strategy%step_kind == STEP_KIND_SNAP_THROUGH
-      call suite%that('drift: only under all conditions', is_drifting .eqv. i == 4)
-    end do
-    shift = system%proximal_shift
-    call choose_step(strategy, system, model, model%steps(1), measures, state, trial, outcome, error)
-    call suite%near('drift: the next shift is six times the last', system%proximal_shift / shift, 6.0_DP, 1.0e-2_DP)
-  end subroutine check_drift
 
 
   include 'sample_blocks.inc'
