@@ -97,8 +97,8 @@ contains
     type(sparse_type), intent(in), target :: stiffness        !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: by_imbalance      !< D_R (n_unknowns x n_unknowns) [-]
     type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
-    type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave, the slave node first; no
-                                                   !! values
+    type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave and the sizes of their
+                                                   !! weights, the slave node first
     type(sparse_type), intent(in) :: shares        !< of master nodes in the jumps of compliant slaves (n_nodes x n_nodes) [-]
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: skin_of(:), tile_of(:)
@@ -209,24 +209,31 @@ contains
   end subroutine invert_own
 
 
-  !> The unknowns of the skin: the nodes of all rows. A master node belongs to the tile of the first row that contains it.
+  !> The unknowns of the skin: the nodes of all rows. A master node belongs to the tile of the row with its largest weight, of equal
+  !! ones the first.
   subroutine number_skin_nodes(self, rows, skin_of, tile_of)
     type(skin_type), intent(in) :: self
     type(sparse_type), intent(in) :: rows
     integer, allocatable, intent(out) :: skin_of(:)   !< (n_nodes) number in the skin; 0: not in it
     integer, allocatable, intent(out) :: tile_of(:)   !< (nodes of the skin)
+    real(DP) :: largest(size(self%tile_of_node))   ! weights [-]
     integer :: i, p, n, tile
     allocate (skin_of(size(self%tile_of_node)), tile_of(size(self%tile_of_node)))
     skin_of = 0
+    largest = -1.0_DP
     n = 0
     do i = 1, rows%n_rows
       tile = self%tile_of_node(rows%column(rows%first(i)))
       do p = rows%first(i), rows%first(i + 1) - 1
         associate (node => rows%column(p))
-          if (skin_of(node) > 0) cycle
-          n = n + 1
-          skin_of(node) = n
-          tile_of(n) = merge(self%tile_of_node(node), tile, self%tile_of_node(node) > 0)
+          if (skin_of(node) == 0) then
+            n = n + 1
+            skin_of(node) = n
+            tile_of(n) = self%tile_of_node(node)
+          end if
+          if (self%tile_of_node(node) > 0 .or. rows%value(p) <= largest(skin_of(node))) cycle
+          tile_of(skin_of(node)) = tile
+          largest(skin_of(node)) = rows%value(p)
         end associate
       end do
     end do

@@ -108,7 +108,7 @@ contains
   end subroutine mean_slopes
 
 
-  !> The contact skin: the nodes of the rows of closed and near slaves, the slave node first; no values.
+  !> The contact skin: the nodes of the rows of closed and near slaves with the sizes of their weights, the slave node first.
   subroutine skin_rows(contact, fields, is_near, links, n_nodes, rows)
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
@@ -124,18 +124,20 @@ contains
       n_entries = 0
       do s = 1, size(is_near)
         if (is_link(k, s)) then
-          call put([links(k)%node, links(k)%nodes(:links(k)%n_weights), links(k)%imbalance_nodes])
+          call put([links(k)%node, links(k)%nodes(:links(k)%n_weights)], [1.0_DP, abs(links(k)%weights)], &
+            links(k)%imbalance_nodes)
           k = k + 1
         else if (is_near(s)) then
           row%nodes = [fields%slaves(s)%node]
+          row%weights = [1.0_DP]
           if (fields%slaves(s)%facet > 0) call current_row(contact, fields%slaves(s), row)
-          call put([fields%slaves(s)%node, row%nodes])
+          call put([fields%slaves(s)%node, row%nodes], [1.0_DP, abs(row%weights)], [integer ::])
         end if
       end do
       if (pass == 1) then
         rows%n_rows = n
         rows%n_columns = n_nodes
-        allocate (rows%first(n + 1), rows%column(n_entries))
+        allocate (rows%first(n + 1), rows%column(n_entries), rows%value(n_entries))
       end if
     end do
     rows%first(n + 1) = n_entries + 1
@@ -150,14 +152,16 @@ contains
     end function is_link
 
     !> Appends a row; nodes may occur twice.
-    subroutine put(nodes)
-      integer, intent(in) :: nodes(:)
+    subroutine put(nodes, sizes, others)
+      integer, intent(in) :: nodes(:), others(:)   !< of the row; without weights
+      real(DP), intent(in) :: sizes(:)             !< |w_k| of the row [-]
       n = n + 1
       if (pass == 2) then
         rows%first(n) = n_entries + 1
-        rows%column(n_entries + 1:n_entries + size(nodes)) = nodes
+        rows%column(n_entries + 1:n_entries + size(nodes) + size(others)) = [nodes, others]
+        rows%value(n_entries + 1:n_entries + size(nodes) + size(others)) = [sizes, spread(0.0_DP, 1, size(others))]
       end if
-      n_entries = n_entries + size(nodes)
+      n_entries = n_entries + size(nodes) + size(others)
     end subroutine put
 
   end subroutine skin_rows

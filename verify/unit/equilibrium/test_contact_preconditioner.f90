@@ -25,6 +25,7 @@ program test_contact_preconditioner
   call check_tile(.false.)
   call check_tile(.true.)
   call check_forces()
+  call check_membership()
   call suite%finish()
 
 contains
@@ -71,6 +72,7 @@ contains
     rows%n_columns = N_NODES
     rows%first = [1, 3]
     rows%column = [SLAVE, MASTER]
+    rows%value = [1.0_DP, 1.0_DP]
     n_shares = 0
     if (present(has_jump)) n_shares = merge(1, 0, has_jump)
     call sparse_from_triplets(N_NODES, N_NODES, [(SLAVE, i=1, n_shares)], [(MASTER, i=1, n_shares)], [(1.0_DP, i=1, n_shares)], &
@@ -161,5 +163,36 @@ contains
     call subtract_contact(skin, du, d_imbalance, w)
     call suite%near('forces', maxval(abs(w - expected)), 0.0_DP, 1.0e-14_DP)
   end subroutine check_forces
+
+
+  !> A master node of two slaves belongs to the tile of the one whose row has the larger weight, whichever comes first: a force on it
+  !! moves that slave alone.
+  subroutine check_membership()
+    integer, parameter :: FIRST = 12, SECOND = 9   ! slaves; the master is a neighbour of the second
+    type(skin_type) :: skin
+    type(sparse_type) :: rows, shares
+    type(error_type), allocatable :: error
+    real(DP), dimension(base%n_free) :: r, x
+    integer :: i, status, turn
+    do turn = 1, 2
+      call partition_skin(skin, mesh%coordinates, [FIRST, SECOND], 1)
+      call factorise_reduced_system(skin%robin, K, .false., base, mesh, status, error)
+      rows%n_rows = 2
+      rows%n_columns = N_NODES
+      rows%first = [1, 3, 5]
+      rows%column = [FIRST, MASTER, SECOND, MASTER]
+      rows%value = [1.0_DP, merge(0.1_DP, 0.9_DP, turn == 1), 1.0_DP, merge(0.9_DP, 0.1_DP, turn == 1)]
+      call sparse_from_triplets(N_NODES, N_NODES, [integer ::], [integer ::], [real(DP) ::], shares, error)
+      call update_skin(skin, base, base, K, D_R, D_u, rows, shares, error)
+      call suite%that('two tiles', .not. allocated(error) .and. skin%n_tiles == 2)
+      r = 0.0_DP
+      r(base%free_of([(3 * MASTER - 3 + i, i=1, 3)])) = [1.0_DP, 2.0_DP, 3.0_DP]
+      x = 0.0_DP
+      call apply_tiles(skin, r, x)
+      call suite%that('the tile of the larger weight', &
+        any(abs(x(base%free_of([(3 * SECOND - 3 + i, i=1, 3)]))) > 0.01_DP) .eqv. turn == 1)
+      call suite%that('not the other slave', all(abs(x(base%free_of([(3 * FIRST - 3 + i, i=1, 3)]))) <= 0.0_DP))
+    end do
+  end subroutine check_membership
 
 end program test_contact_preconditioner

@@ -134,11 +134,14 @@ contains
     closed%node = 21
     closed%n_weights = 2
     closed(1)%nodes = [21, 10]
+    closed(1)%weights = [1.0_DP, -0.5_DP]
     closed(1)%imbalance_nodes = [22]
     call skin_rows(system%contact, state%new, is_near, closed, model%mesh%n_nodes, rows)
     call suite%that('three rows', rows%n_rows == 3)
     call suite%that('slaves first', all(rows%column(rows%first(:3)) == [20, 21, 22]))
     call suite%that('a tangent''s nodes', all(rows%column(rows%first(2):rows%first(3) - 1) == [21, 21, 10, 22]))
+    call suite%near('sizes of its weights', maxval(abs(rows%value(rows%first(2):rows%first(3) - 1) &
+      - [1.0_DP, 1.0_DP, 0.5_DP, 0.0_DP])), 0.0_DP, TOL)
     call current_row(system%contact, state%new%slaves(4), row)
     call suite%that('a near slave''s row', all(rows%column(rows%first(3) + 1:rows%first(4) - 1) == row%nodes))
   end subroutine check_rows
