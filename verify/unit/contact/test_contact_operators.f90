@@ -137,8 +137,10 @@ contains
     p = matrix%first(11)                           ! node 4, y
     call suite%near('springs: at a master', matrix%value(p), 0.09_DP * 3.0_DP, 1.0e-15_DP)
     call suite%that('springs: upper triangle', all([(minval(matrix%column(matrix%first(p):matrix%first(p + 1) - 1)) >= p, p=1, N)]))
-    call suite%that('springs: of compliant nodes alone', matrix%first(16) == matrix%first(19) .and. matrix%first(4) == &
-      matrix%first(7))
+    call suite%that('springs: of held friction', matrix%first(19) > matrix%first(16) .and. matrix%first(7) > matrix%first(4))
+    tangents(2)%spring = 0.0_DP
+    call assemble_spring_matrix(tangents, N, matrix, error)
+    call suite%that('springs: none of exact contact', matrix%first(16) == matrix%first(19) .and. matrix%first(4) == matrix%first(7))
   end subroutine check_springs
 
 

@@ -165,8 +165,8 @@ contains
   end subroutine check_forces
 
 
-  !> A master node of two slaves belongs to the tile of the one whose row has the larger weight, whichever comes first: a force on it
-  !! moves that slave alone.
+  !> A master node of two slaves belongs to the tile of the one whose row has the larger weight, whichever comes first: a force on
+  !! it moves that slave alone.
   subroutine check_membership()
     integer, parameter :: FIRST = 12, SECOND = 9   ! slaves; the master is a neighbour of the second
     type(skin_type) :: skin
