@@ -155,13 +155,15 @@ contains
     subroutine put(nodes, sizes, others)
       integer, intent(in) :: nodes(:), others(:)   !< of the row; without weights
       real(DP), intent(in) :: sizes(:)             !< |w_k| of the row [-]
+      integer :: last
+      last = n_entries + size(nodes) + size(others)
       n = n + 1
       if (pass == 2) then
         rows%first(n) = n_entries + 1
-        rows%column(n_entries + 1:n_entries + size(nodes) + size(others)) = [nodes, others]
-        rows%value(n_entries + 1:n_entries + size(nodes) + size(others)) = [sizes, spread(0.0_DP, 1, size(others))]
+        rows%column(n_entries + 1:last) = [nodes, others]
+        rows%value(n_entries + 1:last) = [sizes, spread(0.0_DP, 1, size(others))]
       end if
-      n_entries = n_entries + size(nodes) + size(others)
+      n_entries = last
     end subroutine put
 
   end subroutine skin_rows

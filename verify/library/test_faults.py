@@ -195,6 +195,17 @@ def test_no_memory(program: Path, root: Path, tmp_path: Path, megabytes: int) ->
     assert done.stdout.splitlines()[-1].startswith("*ERROR"), done.stdout[-600:]
 
 
+needs_preload = pytest.mark.skipif(not shutil.which("gcc") or not sys.platform.startswith("linux"),
+                                   reason="there is no C compiler, or no LD_PRELOAD")  # fmt: skip
+
+
+def preloading(folder: Path, source: str) -> dict[str, str]:
+    """The environment in which procedures in C take the place of those of the system."""
+    (folder / "preload.c").write_text(source)
+    subprocess.run(["gcc", "-O1", "-shared", "-fPIC", "preload.c", "-o", "preload.so"], cwd=folder, check=True)
+    return os.environ | {"LD_PRELOAD": f"{os.environ.get('LD_PRELOAD', '')} {folder / 'preload.so'}".strip()}
+
+
 FAILING_MALLOC = """
 #include <errno.h>
 #include <stdlib.h>
@@ -215,16 +226,14 @@ void *malloc(size_t bytes)
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux" or not shutil.which("cc"), reason="needs the C library of Linux and a compiler")
+@needs_preload
 def test_each_request_for_memory(program: Path, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """One request for memory that fails, also that of an array temporary, which gfortran does not check: exit code 6 to 8, or done."""
-    (tmp_path / "failing.c").write_text(FAILING_MALLOC)
-    library = tmp_path / "failing.so"
-    subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", library, tmp_path / "failing.c"], check=True)
+    environment = preloading(tmp_path, FAILING_MALLOC) | {"OMP_NUM_THREADS": "1"}
     codes = []
     for failing in range(50, 1000, 25):
         done = subprocess.run([str(program), "--outdir", str(tmp_path), str(block)], capture_output=True, text=True,
-                              env=os.environ | {"OMP_NUM_THREADS": "1", "LD_PRELOAD": str(library), "FAILING": str(failing)})  # fmt: skip
+                              env=environment | {"FAILING": str(failing)})  # fmt: skip
         assert done.returncode in (0, SOLVER, IO, 8), f"request {failing}: {done.returncode}\n{done.stdout}{done.stderr[:900]}"
         assert done.returncode == 0 or "*ERROR" in done.stdout, f"request {failing}\n{done.stdout}"
         codes.append(done.returncode)
@@ -381,16 +390,14 @@ time_t time(time_t *t)
 """
 
 
-@pytest.mark.skipif(not shutil.which("gcc") or not sys.platform.startswith("linux"), reason="there is no C compiler, or no LD_PRELOAD")
+@needs_preload
 def test_a_clock_that_jumps(program: Path, run: Run, block: Path, tmp_path: Path) -> None:  # noqa: F811
     """The time of day jumps forward and back by ten years from call to call: results are the same, and no time that something took is
     negative or long, because times are measured by a monotonic clock."""
     whole, place = tmp_path / "whole", tmp_path / "place"
     whole.mkdir()
     place.mkdir()
-    (tmp_path / "clock.c").write_text(CLOCK)
-    subprocess.run(["gcc", "-shared", "-fPIC", "clock.c", "-o", "clock.so"], cwd=tmp_path, check=True)
-    environment = os.environ | {"LD_PRELOAD": f"{os.environ.get('LD_PRELOAD', '')} {tmp_path / 'clock.so'}".strip(), "OMP_NUM_THREADS": "2"}
+    environment = preloading(tmp_path, CLOCK) | {"OMP_NUM_THREADS": "2"}
     jumps = subprocess.run([sys.executable, "-c", "import time; print(abs(time.time() - time.time()) > 1e8)"], env=environment,
                            capture_output=True, text=True, check=True)  # fmt: skip
     assert jumps.stdout == "True\n"
