@@ -483,7 +483,8 @@ contains
     call table%card('DSLOAD', SCOPE_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' &
       // &
       'area of the undeformed surface in a direction that stays.', data= &
-      'surface, P, pressure; surface, TRVEC, magnitude, direction x, y, z')
+      'surface, P, pressure; surface, TRVEC, magnitude, direction x, y, z; surface, TRSHR, magnitude, a direction, ' // &
+      'whose part along each face counts')
     call describe_distributed(table)
   end subroutine describe_loads
 
@@ -507,9 +508,9 @@ contains
     call table%option('AMPLITUDE', VALUE_NAME, 'Factor over time; without it the load grows linearly over the step, ' // &
       'in VISCO steps it acts at once.')
     call table%option('FOLLOWER', VALUE_WORD, 'Under NLGEOM a pressure follows the face (YES), a traction does not (NO, which ' // &
-      'TRVEC then needs).', allowed='YES|NO', default='YES')
+      'TRVEC and TRSHR then need).', allowed='YES|NO', default='YES')
     call table%option('CONSTANT RESULTANT', VALUE_WORD, 'Under NLGEOM a traction is per undeformed area, so that TRVEC ' // &
-      'needs YES.', allowed='YES|NO', default='NO')
+      'and TRSHR need YES.', allowed='YES|NO', default='NO')
     call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
     call describe_load_case(table)
     call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|REF NODE', &

@@ -20,8 +20,10 @@ module amontons_deck_loads
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     is_same_region, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
+  use amontons_tensor, only: cross_product
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, has_faces_in_space
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_AXISYMMETRIC, &
+    has_faces_in_space
   implicit none
   private
   public :: read_boundary, read_cload, read_dload, map_dof
@@ -303,18 +305,17 @@ contains
       label = name_key(field_text(reader%cards, row, 2))
       if (is_by_user(label) .and. amplitude > 0) call report_error(reader, row%line, &
         'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
-      if (.not. is_following .and. label /= 'TRVEC') call report_error(reader, row%line, &
-        'FOLLOWER=NO is for TRVEC; a pressure follows its face.')
+      if (.not. is_following .and. .not. is_one_of(label, 'TRVEC|TRSHR')) call report_error(reader, row%line, &
+        'FOLLOWER=NO is for TRVEC and TRSHR; a pressure follows its face.')
       if (is_shell_load(reader, c, row, label)) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
       else if (label == 'P' .or. label == 'PNU') then
         call read_surface_pressure(reader, model, row, amplitude, active_loads)
-      else if (is_card(reader, c, 'DSLOAD') .and. label == 'TRVEC') then
+      else if (is_card(reader, c, 'DSLOAD') .and. is_one_of(label, 'TRVEC|TRSHR')) then
         call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, active_loads)
       else if (is_card(reader, c, 'DSLOAD')) then
-        call report_error(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, or TRVEC, a ' &
-          // &
-          'force per area in a direction; it is ''' // label // '''.')
+        call report_error(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, TRVEC, a ' // &
+          'force per area in a direction, or TRSHR, its part along the surface; it is ''' // label // '''.')
       else if (face_number(strip_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
       else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ|BR')) then
@@ -418,7 +419,7 @@ contains
   end subroutine find_faces
 
 
-  !> Row: surface, TRVEC, magnitude, direction.
+  !> Row: surface, TRVEC or TRSHR, magnitude, direction.
   subroutine read_traction(reader, model, row, amplitude, is_following, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -440,7 +441,7 @@ contains
     call find_faces(reader, model, row, s)
     if (s == 0 .or. .not. is_ok) return
     if (.not. norm2(place%direction) > 0) then
-      call report_error(reader, row%line, 'The direction must not be zero: surface, TRVEC, magnitude, x, y, z.')
+      call report_error(reader, row%line, 'The direction must not be zero: surface, TRVEC or TRSHR, magnitude, x, y, z.')
       return
     end if
     place%kind = DISTRIBUTED_TRACTION
@@ -455,8 +456,57 @@ contains
       call report_error(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
       return
     end do
-    call add_region_load(reader, row, place, value, amplitude, active_loads)
+    if (name_key(field_text(reader%cards, row, 2)) == 'TRSHR') call project_on_faces(reader, model, row, place, is_ok)
+    if (is_ok) call add_region_load(reader, row, place, value, amplitude, active_loads)
   end subroutine read_traction
+
+
+  !> TRSHR: the unit vectors of a direction projected on the faces, each with its mean normal.
+  subroutine project_on_faces(reader, model, row, place, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    type(load_region_type), intent(inout) :: place    !< with elements, faces, direction
+    logical, intent(inout) :: is_ok
+    real(DP), parameter :: MIN_SHEAR_PART = 1.0e-6_DP      ! of a unit vector along a face [-]
+    real(DP) :: normal(3), along(3)
+    integer :: i
+    allocate (place%face_directions(3, size(place%faces)))
+    do i = 1, size(place%faces)
+      normal = face_normal(model, place%elements(i), place%faces(i))
+      along = place%direction - dot_product(place%direction, normal) * normal
+      if (norm2(along) < MIN_SHEAR_PART) then
+        call report_error(reader, row%line, 'The direction of TRSHR is normal to face S' // to_text(place%faces(i)) // &
+          ' of element ' // to_text(model%mesh%element_label(place%elements(i))) // ': a shear traction needs a part along it.')
+        is_ok = .false.
+        return
+      end if
+      place%face_directions(:, i) = along / norm2(along)
+    end do
+  end subroutine project_on_faces
+
+
+  !> The mean unit normal of a face by its corners; of an edge within the plane.
+  pure function face_normal(model, e, face) result(normal)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e, face                 !< element, number of its face
+    real(DP) :: normal(3)
+    type(element_kind_type) :: entry
+    type(facet_kind_type) :: facet
+    real(DP) :: x(3, 4)
+    integer :: n
+    entry = element_kind(model%mesh%kind(e))
+    facet = facet_kind(entry%face_kind(face))
+    n = facet%n_corners
+    x(:, :n) = model%mesh%coordinates(:, model%mesh%nodes(model%mesh%first(e) - 1 + entry%face_nodes(:n, face)))
+    if (n == 2) then
+      normal = [x(2, 2) - x(2, 1), x(1, 1) - x(1, 2), 0.0_DP]
+    else
+      normal = cross_product(x(:, 3) - x(:, 1), x(:, n) - x(:, 2))
+      if (n == 3) normal = cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+    end if
+    normal = normal / norm2(normal)
+  end function face_normal
 
 
   !> Row: element or element set, P1 to P6, pressure.

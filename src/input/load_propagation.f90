@@ -56,6 +56,7 @@ module amontons_load_propagation
     integer, allocatable :: faces(:)             !< of a traction
     logical :: is_follower = .false.            !< default for a traction: rotates with its face, per current area
     real(DP) :: direction(3) = 0                 !< unit vector
+    real(DP), allocatable :: face_directions(:, :)   !< (3, faces) unit vectors of a shear traction
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
   end type load_region_type
 
@@ -318,6 +319,7 @@ contains
   pure logical function is_same_region(a, b)
     type(load_region_type), intent(in) :: a, b
     is_same_region = a%kind == b%kind .and. a%region == b%region .and. (a%is_follower .eqv. b%is_follower) &
+      .and. (allocated(a%face_directions) .eqv. allocated(b%face_directions)) &
       .and. all(abs(a%direction - b%direction) < 1.0e-12_DP) .and. .not. any(abs(a%point - b%point) > 0)
   end function is_same_region
 
@@ -386,6 +388,7 @@ contains
           if (allocated(place%faces)) distributed(n)%face = place%faces(k)
           distributed(n)%is_follower = place%is_follower
           distributed(n)%direction = place%direction
+          if (allocated(place%face_directions)) distributed(n)%direction = place%face_directions(:, k)
           distributed(n)%point = place%point
         end do
       end associate

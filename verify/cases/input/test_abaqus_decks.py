@@ -236,11 +236,22 @@ def test_traction_on_an_edge(run_deck: Run, tmp_path: Path, kind: str) -> None:
         assert force[0] == pytest.approx(-3.0 * area, rel=2e-6)
 
 
+def test_shear_traction_on_a_slope(run_deck: Run, tmp_path: Path) -> None:
+    """A wedge on its base whose top slopes by 3 : 4, of area 5, under TRSHR of 7 along x: its force is 35 along the slope."""
+    corners = [(0, 0, 1), (4, 0, 1), (4, 1, 1), (0, 1, 1), (0, 0, 5), (4, 0, 2), (4, 1, 2), (0, 1, 5)]
+    deck = "*Node, nset=All\n" + "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(corners, start=1))
+    deck += "*Element, type=C3D8, elset=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*Surface, name=Top\nE, S2\n*Nset, nset=Base\n1, 2, 3, 4\n"
+    deck += "*Material, name=M\n*Elastic\n1000., 0.3\n*Solid Section, elset=E, material=M\n*Boundary\nBase, 1, 3\n*Step\n*Static\n"
+    done = run_deck(deck + "*Dsload\nTop, TRSHR, 7., 1., 0., 0.\n*Node Print, nset=Base, totals=ONLY\nRF,\n*End Step\n")
+    assert done.returncode == 0, done.stdout
+    assert totals(tmp_path, "total force", "BASE") == pytest.approx([-28.0, 0.0, 21.0], rel=2e-6, abs=1e-5)
+
+
 @pytest.mark.parametrize(("row", "said"), [
     ("_PickedSurf6, TRVEC, 100., 0., 0., 0.", "The direction must not be zero"),
-    ("_PickedSurf6, TRSHR, 100., 1., 0., 0.", "it is 'TRSHR'"),
+    ("_PickedSurf6, HP, 100., 1., 0.", "it is 'HP'"),
     ("Part-1-1.Set-1, TRVEC, 100., 1., 0., 0.", "is a set of elements, no surface"),
-    ("_PickedSurf6, P, 100.", "FOLLOWER=NO is for TRVEC"),
+    ("_PickedSurf6, P, 100.", "FOLLOWER=NO is for TRVEC and TRSHR"),
 ])  # fmt: skip
 def test_traction_refused(run_deck: Run, row: str, said: str) -> None:
     """What a traction cannot be."""

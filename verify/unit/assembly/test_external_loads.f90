@@ -118,6 +118,8 @@ contains
     call expect('traction', 30 * [0.6_DP, 0.0_DP, 0.8_DP], [36.0_DP, 48.0_DP, -27.0_DP])
     call apply('*DSLOAD, FOLLOWER=NO, CONSTANT RESULTANT=YES;TOP,TRVEC,5.,3,0,4;', G=G)
     call expect('as large under NLGEOM', 30 * [0.6_DP, 0.0_DP, 0.8_DP])
+    call apply('*DSLOAD;TOP,TRSHR,5.,3,0,4;')
+    call expect('along the surface', [30.0_DP, 0.0_DP, 0.0_DP], [0.0_DP, 120.0_DP, -45.0_DP])
   end subroutine check_traction
 
 

@@ -121,6 +121,12 @@ contains
       call suite%near('unit direction', maxval(abs(d(2)%direction - [0.0_DP, 0.6_DP, 0.8_DP])), 0.0_DP, 1.0e-15_DP)
       call suite%near('magnitude', d(2)%end, 5.0_DP, 0.0_DP)
     end associate
+    call read_step('*DSLOAD, FOLLOWER=NO, CONSTANT RESULTANT=YES;UP,TRSHR,5.,1,1,1;UP,TRVEC,2.,1,1,1;')
+    associate (d => model%steps(1)%distributed)
+      call suite%that('shear traction beside another one', size(d) == 4 .and. count(abs(d%end - 5) <= 0) == 2)
+      call suite%near('unit vector', norm2(d(2)%direction), 1.0_DP, 1.0e-15_DP)
+      call suite%near('along the face', maxval(abs(d(1)%direction - [sqrt(0.5_DP), sqrt(0.5_DP), 0.0_DP])), 0.0_DP, 1.0e-15_DP)
+    end associate
     call read_step('*DSLOAD;UP,TRVEC,5.,0,3,4;')
     call suite%that('turns with its face', all(model%steps(1)%distributed%is_follower))
     call read_step('*DSLOAD, FOLLOWER=NO;UP,TRVEC,5.,0,3,4;')
@@ -160,6 +166,7 @@ contains
     call expect('*DSLOAD;NIX,P,1.;', 'no surface ''NIX''')
     call expect('*DSLOAD;DOTS,P,1.;', 'made of nodes')
     call expect('*DSLOAD;UP,TRVEC,1.;', 'direction must not be zero')
+    call expect('*DSLOAD;UP,TRSHR,1.,0,0,2;', 'is normal to face')
     call expect('*DSLOAD, FOLLOWER=NO;UP,P,1.;', 'a pressure follows its face')
     call expect('*DLOAD, AMPLITUDE=R;1,P1NU,1.;', 'AMPLITUDE must not be given with P1NU')
     call expect('*DLOAD;A,P1NU,1.;', 'for the faces of solids')
