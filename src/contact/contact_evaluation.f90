@@ -432,6 +432,7 @@ contains
         call call_user_interaction(model, law, is_line_facet(contact%facets(slave%pair)%kind(1)), elastic_trial_slip(contact, &
           model, old, fields%u, &
           slave), old, contact%memory, s, fields, contact%user_responses(s))
+        contact%local_equilibrium(s)%slope = norm2(contact%user_responses(s)%d_force_d_gap) / max(slave%area, tiny(1.0_DP))
         if (slave%status == STATUS_OPEN .and. old%status == STATUS_OPEN) slave%origin_facet = 0
         contact%slip_data(s) = slip_state_type(status=slave%status, slip=slave%slip_increment, &
           slip_zero=SLIP_ZERO * contact%edge(slave%pair))

@@ -8,7 +8,8 @@
 !!     x = R Pi P Pi' R' r,      then on each tile F:  x_F = x_F + inv(J_FF) (r - J x)_F
 !!
 !! R restricts to the free unknowns. Pi = 1 - D A projects the slave nodes onto the rows A of contact in the directions D of these
-!! rows. P depends on no status and no friction, so that it serves many increments. The tiles are recomputed for each tangent.
+!! rows; slaves of compliant laws follow their masters in part. P depends on no status and no friction, so that it serves many
+!! increments. The tiles are recomputed for each tangent.
 module amontons_contact_preconditioner
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -56,7 +57,7 @@ module amontons_contact_preconditioner
     type(sparse_type), private :: by_imbalance     !< D_R (n_unknowns x n_unknowns) [-]
     type(sparse_type), private :: by_displacement  !< D_u (n_unknowns x n_unknowns) [force/length]
     type(tangent_parts_type), private :: parts
-    type(sparse_type), private :: jumps            !< N (free unknowns of the skin, squared): v_s = jump + N v [-]
+    type(sparse_type), private :: jumps            !< S N (free unknowns of the skin, squared): v_s = jump + S N v [-]
     type(tile_type), allocatable, private :: tiles(:)
     type(coarse_space_type), private :: coarse
   end type skin_type
@@ -90,7 +91,7 @@ contains
 
 
   !> Updates the preconditioner for a tangent: projection and tiles.
-  subroutine update_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, shares, error)
+  subroutine update_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, motion, error)
     type(skin_type), intent(inout), target :: self   !< with its tiles; P may be computed later
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in), target :: whole       !< with them
@@ -99,7 +100,7 @@ contains
     type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave and the sizes of their
                                                    !! weights, the slave node first
-    type(sparse_type), intent(in) :: shares        !< of master nodes in the jumps of compliant slaves (n_nodes x n_nodes) [-]
+    type(sparse_type), intent(in) :: motion        !< S N of the slaves of compliant laws (n_unknowns x n_unknowns) [-]
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: skin_of(:), tile_of(:)
     integer :: i
@@ -112,24 +113,26 @@ contains
     self%by_displacement = by_displacement
     self%bulk_of = base%free_of
     self%n_bulk = base%n_free
-    call relate_rows(self, base, whole, error)
+    call relate_rows(self, base, whole, motion, error)
     if (allocated(error)) return
     call update_coarse_space(self%coarse, coarse_rows_type(stiffness, self%rows, self%directions, self%by_imbalance, &
       self%by_displacement, whole%transformation, self%bulk_of, self%unknown_of))
     call number_skin_nodes(self, rows, skin_of, tile_of)
     call extract_skin_tangent(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
     if (allocated(error)) return
-    call relate_jumps(self, shares, skin_of, error)
+    call relate_jumps(self, motion, skin_of, error)
     if (allocated(error)) return
     call assign_tile_unknowns(self, tile_of)
     call factorise_tiles(self%parts, self%tiles, error)
   end subroutine update_skin
 
 
-  !> A and D: the rows of unknowns that contact makes dependent, and for each the direction of projection at its node.
-  subroutine relate_rows(self, base, whole, error)
+  !> A and D: the rows of unknowns that contact makes dependent, and for each the direction of projection at its node; then the rows
+  !! S (u_s - N u) of the unknowns that follow their masters under a compliant law, each with its own direction.
+  subroutine relate_rows(self, base, whole, motion, error)
     type(skin_type), intent(inout) :: self
     type(constraints_type), intent(in) :: base, whole
+    type(sparse_type), intent(in) :: motion        !< S N (n_unknowns x n_unknowns) [-]
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: row(:), column(:), d_row(:), d_column(:)
     real(DP), allocatable :: value(:), d_value(:)
@@ -140,7 +143,9 @@ contains
     do i = 1, whole%n_unknowns
       if (base%owner(i) == 0 .and. whole%owner(i) > 0) n = n + whole%transformation%first(i + 1) - whole%transformation%first(i)
     end do
-    allocate (row(n), column(n), value(n), d_row(3 * m), d_column(3 * m), d_value(3 * m))
+    n = n + 2 * size(motion%column)
+    m = 3 * m + count(motion%first(2:) > motion%first(:motion%n_rows))
+    allocate (row(n), column(n), value(n), d_row(m), d_column(m), d_value(m))
     n = 0
     n_d = 0
     n_rows = 0
@@ -164,6 +169,9 @@ contains
         n_d = n_d + 3
       end do
     end do
+    do i = 1, motion%n_rows
+      if (motion%first(i + 1) > motion%first(i) .and. whole%free_of(i) > 0) call put_following(i)
+    end do
     call sparse_from_triplets(n_rows, whole%n_unknowns, row(:n), column(:n), value(:n), self%rows, error)
     if (allocated(error)) return
     call sparse_from_triplets(n_rows, whole%n_unknowns, d_row(:n_d), d_column(:n_d), d_value(:n_d), self%directions, error)
@@ -175,21 +183,36 @@ contains
       integer, intent(in) :: unknown, number
       real(DP), intent(inout) :: at_node(3)
       integer :: p, other
-      call put(unknown, 1.0_DP)
+      call put(number, unknown, 1.0_DP)
       at_node(unknown - 3 * (node - 1)) = 1.0_DP
       do p = whole%transformation%first(unknown), whole%transformation%first(unknown + 1) - 1
         other = self%unknown_of(whole%transformation%column(p))
-        call put(other, -whole%transformation%value(p))
+        call put(number, other, -whole%transformation%value(p))
         if ((other + 2) / 3 == node) at_node(other - 3 * (node - 1)) = -whole%transformation%value(p)
       end do
-      row(n - (whole%transformation%first(unknown + 1) - whole%transformation%first(unknown)):n) = number
     end subroutine put_row
 
-    !> One entry of A.
-    subroutine put(unknown, amount)
+    !> The row S (u_s - N u) of an unknown that follows its masters: S is the sum of S N over them.
+    subroutine put_following(unknown)
       integer, intent(in) :: unknown
+      integer :: p
+      n_rows = n_rows + 1
+      do p = motion%first(unknown), motion%first(unknown + 1) - 1
+        call put(n_rows, motion%column(p), -motion%value(p))
+        call put(n_rows, 3 * ((unknown - 1) / 3) + modulo(motion%column(p) - 1, 3) + 1, motion%value(p))
+      end do
+      n_d = n_d + 1
+      d_row(n_d) = n_rows
+      d_column(n_d) = unknown
+      d_value(n_d) = 1.0_DP
+    end subroutine put_following
+
+    !> One entry of A.
+    subroutine put(number, unknown, amount)
+      integer, intent(in) :: number, unknown
       real(DP), intent(in) :: amount
       n = n + 1
+      row(n) = number
       column(n) = unknown
       value(n) = amount
     end subroutine put
@@ -277,29 +300,29 @@ contains
   end subroutine extract_skin_tangent
 
 
-  !> The jumps of compliant slaves take the place of their displacements on the skin: T (1 + N) in place of T.
-  subroutine relate_jumps(self, shares, skin_of, error)
+  !> Slaves of compliant laws follow their masters on the skin: T (1 + S N) in place of T.
+  subroutine relate_jumps(self, motion, skin_of, error)
     type(skin_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: shares        !< (n_nodes x n_nodes) [-]
+    type(sparse_type), intent(in) :: motion        !< S N (n_unknowns x n_unknowns) [-]
     integer, intent(in) :: skin_of(:)              !< (n_nodes)
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: masters                   !< N on the skin (free unknowns of the skin x unknowns of the skin) [-]
+    type(sparse_type) :: masters                   !< S N on the skin (free unknowns of the skin x unknowns of the skin) [-]
     integer, allocatable :: row(:), column(:)
     real(DP), allocatable :: value(:)
-    integer :: node, p, n, k, axis, n_free
+    integer :: p, n, k, n_free
     n_free = size(self%free_of)
-    n = 3 * size(shares%column)
+    n = size(motion%column)
     allocate (row(n), column(n), value(n))
     n = 0
     do k = 1, n_free
-      node = (self%unknown_of(self%free_of(k)) + 2) / 3
-      axis = self%unknown_of(self%free_of(k)) - 3 * (node - 1)
-      do p = shares%first(node), shares%first(node + 1) - 1
-        n = n + 1
-        row(n) = k
-        column(n) = 3 * (skin_of(shares%column(p)) - 1) + axis
-        value(n) = shares%value(p)
-      end do
+      associate (unknown => self%unknown_of(self%free_of(k)))
+        do p = motion%first(unknown), motion%first(unknown + 1) - 1
+          n = n + 1
+          row(n) = k
+          column(n) = 3 * (skin_of((motion%column(p) + 2) / 3) - 1) + modulo(motion%column(p) - 1, 3) + 1
+          value(n) = motion%value(p)
+        end do
+      end associate
     end do
     call sparse_from_triplets(n_free, self%parts%relation%n_rows, row(:n), column(:n), value(:n), masters, error)
     if (allocated(error)) return

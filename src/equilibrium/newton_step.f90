@@ -22,7 +22,7 @@ module amontons_newton_step
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin
   use amontons_free_rigid_motions, only: sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
-  use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
+  use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares, following_motion
   use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, &
     factorise_woodbury
   use amontons_contact_constraint_rows, only: contact_row_type
@@ -81,6 +81,7 @@ contains
     system%skin_tolerance = step%controls%skin%tolerance_single
     if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(step%controls%skin%tolerance_origin, &
       step%controls%skin%tolerance_changing, sets_origins(system, state))
+    call follow_criteria(system, step)
     call tighten_proximal_step(system, allowed_residual)
     system%is_first_direction = .false.
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
@@ -145,6 +146,7 @@ contains
     system%skin_tolerance = merge(step%controls%skin%tolerance_changing, step%controls%skin%tolerance_unchanged, &
       system%contact%n_changed > 0)
     if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, step%controls%skin%tolerance_halved)
+    if (system%contact%n_changed > 0) call follow_criteria(system, step)
     allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin) allowed_residual = 0.5_DP * skin_merit_tolerance(system, step)
     call tighten_proximal_step(system, allowed_residual)
@@ -154,6 +156,18 @@ contains
       error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_correction
+
+
+  !> Directions are solved tighter in proportion where the criteria are tighter than usual: slip counts from where they see nodes
+  !! touch.
+  pure subroutine follow_criteria(system, step)
+    type(equilibrium_type), intent(inout) :: system
+    type(step_type), intent(in) :: step
+    associate (controls => step%controls)
+      system%skin_tolerance = max(controls%krylov%tolerance, system%skin_tolerance * min(1.0_DP, controls%r_n / &
+        controls%skin%usual_r_n))
+    end associate
+  end subroutine follow_criteria
 
 
   !> The residual of a proximal step with the skin. What remains on a free body moves it by the residual over the shift: it must be
@@ -443,7 +457,7 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: imbalance_tangent, displacement_tangent, rows, shares
+    type(sparse_type) :: imbalance_tangent, displacement_tangent, rows, shares, motion
     system%is_interface_singular = has_free_motion(system, model, step, state%new)
     if (system%is_interface_singular) return
     call ensure_bulk_factor(system, model, step, state, .true., error)
@@ -455,8 +469,10 @@ contains
     call skin_rows(system%contact, state%new, system%skin%memory%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
     call master_shares(system%contact_tangents, model%mesh%n_nodes, shares, error)
     if (allocated(error)) return
+    call following_motion(system%contact_tangents, system%assembly%stiffness, shares, motion, error)
+    if (allocated(error)) return
     call update_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, imbalance_tangent, &
-      displacement_tangent, rows, shares, error)
+      displacement_tangent, rows, motion, error)
     if (allocated(error)) return
     system%is_skin = .true.
     system%has_interface_solver = .true.

@@ -1,5 +1,5 @@
 !> Robin springs between slave nodes and master, which restrain the bodies in the preconditioner of wide contact, and what the
-!! contact skin consists of: the nodes of its rows, and the shares of the master nodes in the jumps of compliant slaves.
+!! contact skin consists of: the nodes of its rows, and how slaves of compliant laws follow their masters.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". A slave node near its master has springs to its
@@ -10,6 +10,7 @@ module amontons_robin_springs
   use amontons_errors, only: error_type
   use amontons_controls, only: skin_controls_type
   use amontons_tensor, only: outer_product
+  use amontons_dense, only: solve_small
   use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_STICK
   use amontons_contact_constraint_rows, only: contact_row_type
@@ -19,7 +20,7 @@ module amontons_robin_springs
   use amontons_contact_operators, only: assemble_spring_matrix
   implicit none
   private
-  public :: find_near, robin_springs, skin_rows, master_shares
+  public :: find_near, robin_springs, skin_rows, master_shares, following_motion
 
 contains
 
@@ -226,5 +227,67 @@ contains
     end subroutine sort_nodes
 
   end subroutine master_shares
+
+
+  !> S N: how the slave nodes of compliant laws follow their masters, u_s = s + S N u, with S = inv(K_ss + k) k of the node's own
+  !! stiffness and that of the law. An infinite slope gives the constraint of exact contact.
+  subroutine following_motion(links, stiffness, shares, motion, error)
+    type(contact_tangent_type), intent(in) :: links(:)        !< of the closed slaves
+    type(sparse_type), intent(in) :: stiffness     !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
+    type(sparse_type), intent(in) :: shares        !< N (n_nodes x n_nodes) [-]
+    type(sparse_type), intent(out) :: motion       !< S N (n_unknowns x n_unknowns) [-]
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: law(:, :, :), value(:)
+    integer, allocatable :: row(:), column(:)
+    real(DP) :: share(3, 3)
+    integer :: i, j, m, n, node, p, status
+    allocate (law(3, 3, shares%n_rows), source=0.0_DP)
+    do i = 1, size(links)
+      if (.not. links(i)%is_compliant_node) cycle
+      do j = 1, links(i)%n_weights
+        associate (slave => links(i)%nodes(j))
+          law(:, :, slave) = law(:, :, slave) + links(i)%weights(j)**2 * links(i)%spring
+        end associate
+      end do
+    end do
+    n = 9 * size(shares%column)
+    allocate (row(n), column(n), value(n))
+    n = 0
+    do node = 1, shares%n_rows
+      if (shares%first(node + 1) == shares%first(node)) cycle
+      call solve_small(own_stiffness(node) + law(:, :, node), law(:, :, node), share, status)
+      if (status /= 0) share = 0.0_DP
+      do p = shares%first(node), shares%first(node + 1) - 1
+        do j = 1, 3
+          do m = 1, 3
+            n = n + 1
+            row(n) = 3 * (node - 1) + m
+            column(n) = 3 * (shares%column(p) - 1) + j
+            value(n) = shares%value(p) * share(m, j)
+          end do
+        end do
+      end do
+    end do
+    call sparse_from_triplets(stiffness%n_rows, stiffness%n_rows, row(:n), column(:n), value(:n), motion, error)
+
+  contains
+
+    !> K_ss of a node.
+    pure function own_stiffness(at) result(own)
+      integer, intent(in) :: at
+      real(DP) :: own(3, 3)
+      integer :: a, b, q
+      own = 0.0_DP
+      do a = 1, 3
+        do q = stiffness%first(3 * (at - 1) + a), stiffness%first(3 * (at - 1) + a + 1) - 1
+          b = stiffness%column(q) - 3 * (at - 1)
+          if (b < 1 .or. b > 3) cycle
+          own(a, b) = stiffness%value(q)
+          own(b, a) = own(a, b)
+        end do
+      end do
+    end function own_stiffness
+
+  end subroutine following_motion
 
 end module amontons_robin_springs

@@ -127,6 +127,7 @@ module amontons_controls
     real(DP) :: tolerance_unchanged = 1.0e-4_DP   !< the same when no status changes [-] | contact_preconditioner
     real(DP) :: tolerance_origin = 1.0e-5_DP   !< the same where the direction sets origins of slip [-] | 0021
     real(DP) :: tolerance_single = 1.0e-7_DP   !< the same where no correction follows (not AUTO) [-] | set: below r_n
+    real(DP) :: usual_r_n = 1.0e-6_DP      !< below it these tolerances are smaller in proportion [-] | 0021
     real(DP) :: tolerance_length = 0.1_DP   !< the same where only the length of a correction is used [-] | set
     real(DP) :: max_residual = 0.1_DP      !< a direction with a larger relative residual is rejected [-] | set
     real(DP) :: newton_tolerance_share = 1.0e-4_DP   !< merit over Newton's residual tolerance at which corrections stop [-] |

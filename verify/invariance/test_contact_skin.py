@@ -138,11 +138,7 @@ DECKS: dict[str, Callable[[], str]] = {
     "plasticity": CASES["Prandtl's punch"],
     "pairs out and in": partial(theirs, JOINTS["out-and-in-n"]),
 }
-#: Fields may differ by more than 1e-6 of the largest where nodes close with friction: they count their slip from a direction solved to 1e-5 (decision
-#: 0021). All nodes of the cylinder close in one increment, and 3e-4 of the shear is 1e-5 of the displacement.
-TOLERANCES = {"portions, cylinder dragged at once": 3e-4}
-SHAKY = {"FRIC, exact contact": "GMRES stagnates on the tangent of FRIC under exact contact; the dense interface gives way to UMFPACK there",
-         "STABILIZE": "displacements differ by 3e-6 and friction by 2e-5 of the largest; a slip counted from a direction solved to 1e-5 is suspected"}
+SHAKY = {"FRIC, exact contact": "the stiffness of Coulomb friction without elastic slip, mu p / |slip|, has no bound; the active set oscillates on the dense interface too"}
 
 
 def with_interface(deck: str, interface: str, tight: float = 0.0) -> str:
@@ -188,7 +184,7 @@ def test_both_interfaces_of(run: Run, tmp_path: Path, name: str) -> None:
     dense, skin = (solve(run, tmp_path / f"tight {interface}", with_interface(deck, interface, 1e-10)) for interface in ("DENSE", "SKIN"))
     assert skin.history["n_krylov"].sum() > 2 * skin.n_iterations, "the second job did not use the skin"
     loose = FLIGHT if "stack of" in name else 1e-6
-    same_fields(skin, dense, TOLERANCES.get(name, loose))
+    same_fields(skin, dense, loose)
     dense, skin = (solve(run, tmp_path / interface, with_interface(deck, interface)) for interface in ("DENSE", "SKIN"))
     assert skin.n_iterations <= 1.5 * dense.n_iterations + 2
 

@@ -25,6 +25,7 @@ program test_contact_preconditioner
   call check_tile(.false.)
   call check_tile(.true.)
   call check_forces()
+  call check_following()
   call check_membership()
   call suite%finish()
 
@@ -57,12 +58,14 @@ contains
 
 
   !> The preconditioner with the bulk K and a tile of the nodes 10 and 11.
-  subroutine make_skin(constraints, skin, has_jump)
+  subroutine make_skin(constraints, skin, has_jump, share)
     type(constraints_type), intent(in) :: constraints
     type(skin_type), intent(out) :: skin
     logical, intent(in), optional :: has_jump      !< the slave's displacement is that of the master and a jump
-    type(sparse_type) :: rows, shares
-    integer :: n_shares, i
+    real(DP), intent(in), optional :: share        !< in which the slave follows the master, 1 without it [-]
+    type(sparse_type) :: rows, motion
+    integer :: n_following, i
+    real(DP) :: amount
     type(error_type), allocatable :: error
     integer :: status
     call partition_skin(skin, mesh%coordinates, [SLAVE], 64)
@@ -73,11 +76,13 @@ contains
     rows%first = [1, 3]
     rows%column = [SLAVE, MASTER]
     rows%value = [1.0_DP, 1.0_DP]
-    n_shares = 0
-    if (present(has_jump)) n_shares = merge(1, 0, has_jump)
-    call sparse_from_triplets(N_NODES, N_NODES, [(SLAVE, i=1, n_shares)], [(MASTER, i=1, n_shares)], [(1.0_DP, i=1, n_shares)], &
-      shares, error)
-    call update_skin(skin, base, constraints, K, D_R, D_u, rows, shares, error)
+    n_following = 0
+    if (present(has_jump)) n_following = merge(3, 0, has_jump)
+    amount = 1.0_DP
+    if (present(share)) amount = share
+    call sparse_from_triplets(N, N, [(3 * SLAVE - 3 + i, i=1, n_following)], [(3 * MASTER - 3 + i, i=1, n_following)], &
+      [(amount, i=1, n_following)], motion, error)
+    call update_skin(skin, base, constraints, K, D_R, D_u, rows, motion, error)
     call suite%that('skin: renewed', .not. allocated(error) .and. skin%n_tiles == 1)
   end subroutine make_skin
 
@@ -165,12 +170,39 @@ contains
   end subroutine check_forces
 
 
+  !> A slave that follows its master in the share s: x = R Pi P Pi' R' r with Pi = 1 - s (e_s e_s' - e_s e_m').
+  subroutine check_following()
+    real(DP), parameter :: SHARE = 0.75_DP
+    type(skin_type) :: skin
+    real(DP), dimension(base%n_free) :: r, x, y, alone
+    real(DP) :: C(N, base%n_free), projection(N, N)
+    integer :: i
+    call make_skin(base, skin, .true., SHARE)
+    r = numbers(base%n_free, 3)
+    call apply_bulk(skin, r, x)
+    C = dense_of(base%transformation)
+    projection = 0.0_DP
+    do i = 1, N
+      projection(i, i) = 1.0_DP
+    end do
+    do i = 1, 3
+      projection(3 * SLAVE - 3 + i, 3 * SLAVE - 3 + i) = 1.0_DP - SHARE
+      projection(3 * SLAVE - 3 + i, 3 * MASTER - 3 + i) = SHARE
+    end do
+    call make_skin(base, skin)
+    alone = matmul(transpose(C), matmul(transpose(projection), matmul(C, r)))
+    call apply_bulk(skin, alone, y)
+    call suite%near('follows', maxval(abs(x - matmul(transpose(C), matmul(projection, matmul(C, y))))), 0.0_DP, 1.0e-12_DP)
+    call suite%that('alone it does not', maxval(abs(x - y)) > 0.01_DP)
+  end subroutine check_following
+
+
   !> A master node of two slaves belongs to the tile of the one whose row has the larger weight, whichever comes first: a force on
   !! it moves that slave alone.
   subroutine check_membership()
     integer, parameter :: FIRST = 12, SECOND = 9   ! slaves; the master is a neighbour of the second
     type(skin_type) :: skin
-    type(sparse_type) :: rows, shares
+    type(sparse_type) :: rows, motion
     type(error_type), allocatable :: error
     real(DP), dimension(base%n_free) :: r, x
     integer :: i, status, turn
@@ -182,8 +214,8 @@ contains
       rows%first = [1, 3, 5]
       rows%column = [FIRST, MASTER, SECOND, MASTER]
       rows%value = [1.0_DP, merge(0.1_DP, 0.9_DP, turn == 1), 1.0_DP, merge(0.9_DP, 0.1_DP, turn == 1)]
-      call sparse_from_triplets(N_NODES, N_NODES, [integer ::], [integer ::], [real(DP) ::], shares, error)
-      call update_skin(skin, base, base, K, D_R, D_u, rows, shares, error)
+      call sparse_from_triplets(N, N, [integer ::], [integer ::], [real(DP) ::], motion, error)
+      call update_skin(skin, base, base, K, D_R, D_u, rows, motion, error)
       call suite%that('two tiles', .not. allocated(error) .and. skin%n_tiles == 2)
       r = 0.0_DP
       r(base%free_of([(3 * MASTER - 3 + i, i=1, 3)])) = [1.0_DP, 2.0_DP, 3.0_DP]

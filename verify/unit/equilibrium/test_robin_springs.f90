@@ -10,8 +10,8 @@ program test_robin_springs
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_controls, only: skin_controls_type
-  use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares
-  use amontons_sparse, only: sparse_type
+  use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares, following_motion
+  use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_state, only: state_type, STATUS_STICK
   use amontons_steps, only: step_type
   use amontons_element_kinds, only: KIND_C3D8
@@ -28,6 +28,7 @@ program test_robin_springs
   call check_compliant()
   call check_rows()
   call check_shares()
+  call check_following()
   call suite%finish()
 
 contains
@@ -175,5 +176,32 @@ contains
     call master_shares(closed(5:), 10, shares, error)
     call suite%that('exact contact has no jumps', size(shares%column) == 0 .and. all([(shares%first(i) == 1, i=1, 11)]))
   end subroutine check_shares
+
+
+  !> A slave with the stiffness c under a law with the slope k along the third axis follows its masters there by k/(k + c) of their
+  !! shares, and nowhere else; exact contact has no such motion.
+  subroutine check_following()
+    real(DP), parameter :: C = 2.0_DP, SLOPE = 6.0_DP
+    type(contact_tangent_type) :: closed(1)
+    type(sparse_type) :: stiffness, shares, motion
+    type(error_type), allocatable :: error
+    integer :: i
+    closed%is_compliant_node = .true.
+    closed%n_weights = 3
+    closed(1)%nodes = [1, 3, 4]
+    closed(1)%weights = [1.0_DP, -0.25_DP, -0.75_DP]
+    closed(1)%spring(3, 3) = SLOPE
+    call sparse_from_triplets(12, 12, [(i, i=1, 12)], [(i, i=1, 12)], [(C, i=1, 12)], stiffness, error)
+    call master_shares(closed, 4, shares, error)
+    call following_motion(closed, stiffness, shares, motion, error)
+    call suite%that('following: no error', .not. allocated(error) .and. motion%n_rows == 12)
+    call suite%that('the slave alone follows', all(motion%first(4:) == size(motion%column) + 1))
+    call suite%near('along the normal', sum(motion%value), SLOPE / (SLOPE + C), TOL)
+    call suite%near('the first master', sum(pack(motion%value, motion%column == 9)), 0.25_DP * SLOPE / (SLOPE + C), TOL)
+    closed%is_compliant_node = .false.
+    call master_shares(closed, 4, shares, error)
+    call following_motion(closed, stiffness, shares, motion, error)
+    call suite%that('exact contact has none', size(motion%column) == 0)
+  end subroutine check_following
 
 end program test_robin_springs

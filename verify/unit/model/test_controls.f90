@@ -76,6 +76,7 @@ contains
         skin%tolerance_changing > skin%tolerance_halved .and. skin%tolerance_halved > skin%tolerance_unchanged .and. &
         skin%tolerance_unchanged > skin%tolerance_origin .and. skin%tolerance_origin > skin%tolerance_single)
       call suite%that('skin: one direction alone satisfies Newton', skin%tolerance_single < own%r_n)
+      call suite%that('skin: usual criteria are the defaults', abs(skin%usual_r_n - own%r_n) <= 0.0_DP)
       call suite%that('skin: a free motion is weakly restrained', skin%free_motion_ratio < skin%max_motion_energy)
       call suite%that('krylov: below the least forcing term', krylov%newton_tolerance_share * own%r_n < &
         own%newton%min_forcing_term .and. krylov%iterative_tolerance < krylov%tolerance)
