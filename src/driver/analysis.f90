@@ -303,15 +303,23 @@ contains
   end subroutine solve_increment
 
 
-  !> Logs the message of the linear solver about its method, if any.
+  !> Logs what the linear solver and the contact skin say about their method, if anything.
   subroutine log_solver_choice(analysis, logger)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
-    associate (reduced => analysis%system%reduced_system)
-      if (.not. allocated(reduced%message)) return
-      call logger%say(reduced%message)
-      deallocate (reduced%message)
-    end associate
+    call log_once(analysis%system%reduced_system%message)
+    call log_once(analysis%system%skin%message)
+
+  contains
+
+    !> Logs a message and forgets it.
+    subroutine log_once(message)
+      character(:), allocatable, intent(inout) :: message
+      if (.not. allocated(message)) return
+      call logger%say(message)
+      deallocate (message)
+    end subroutine log_once
+
   end subroutine log_solver_choice
 
 

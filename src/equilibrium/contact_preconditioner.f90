@@ -44,6 +44,7 @@ module amontons_contact_preconditioner
   type :: skin_type
     type(skin_memory_type) :: memory
     logical :: is_ready = .false.                  !< P is available
+    character(:), allocatable :: message           !< to be logged: another solver serves this step; unallocated: nothing to say
     type(reduced_system_type) :: robin                    !< K_rho and its solver P
     integer, allocatable :: tile_of_node(:)        !< (n_nodes) tile of each slave node, at the computation of P; 0: no slave node
     integer :: n_tiles = 0

@@ -224,6 +224,7 @@ contains
           (is_lost .or. .not. is_skin_cheaper(system, n_iterations))
       end if
       is_replaced = memory%is_abandoned .or. (system%skin%robin%is_iterative .and. memory%is_factor_needed)
+      if (is_replaced) system%skin%message = replacement_message(is_lost, memory%is_abandoned)
       if (is_lost .and. .not. is_replaced) return
       memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned .or. is_lost)
       if (.not. memory%is_outdated) call discard_bulk_factor(system)
@@ -232,6 +233,21 @@ contains
       if (is_replaced) memory%slow_limit = system%controls%skin%max_slow_solves
     end associate
   end subroutine check_skin_convergence
+
+
+  !> What serves the rest of the step in place of the contact skin or of its bulk solver.
+  pure function replacement_message(is_lost, is_dense) result(message)
+    logical, intent(in) :: is_lost                 !< no direction was found
+    logical, intent(in) :: is_dense                !< the dense interface serves, else a factor of the bulk
+    character(:), allocatable :: message
+    message = 'The contact skin converges slowly; in this step '
+    if (is_lost) message = 'No direction was found with the contact skin; in this step '
+    if (is_dense) then
+      message = message // 'the dense interface replaces it.'
+    else
+      message = message // 'a factor of the bulk replaces the iteration.'
+    end if
+  end function replacement_message
 
 
   !> v ~ inv(J) b with the present factor. Cost: one solution; with the skin the Krylov iterations for one digit.

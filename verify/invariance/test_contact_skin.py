@@ -244,3 +244,11 @@ def test_body_that_tips_over_without_end(run: Run, tmp_path: Path) -> None:
         done = run(["--progress=plain", interface], cwd=tmp_path)
         assert done.returncode == 5
         assert "This attempt failed: FREE BODY: " in done.stdout
+
+
+def test_dense_interface_is_announced(run: Run, tmp_path: Path) -> None:
+    """Where the skin finds no direction, one line a step says what replaces it; the dense interface from the start says nothing."""
+    for interface, lines in (("SKIN", 2), ("DENSE", 0)):
+        (tmp_path / f"{interface}.inp").write_text(with_interface(DECKS["FRIC, exact contact"](), interface))
+        done = run(["--progress=plain", interface, f"user={user.ROUTINES}"], cwd=tmp_path)
+        assert done.stdout.count("No direction was found with the contact skin; in this step the dense interface replaces it.") == lines
