@@ -145,16 +145,24 @@ contains
     call number_unknowns(self, tangent, place, unknown, moved)
     call number_free(self, tangent, unknown, free_place)
     n_moved = maxval([0, moved])
-    allocate (u(BLOCK_DIRECTIONS, size(unknown)), f(BLOCK_DIRECTIONS, size(unknown)), shift(BLOCK_DIRECTIONS, n_moved))
+    allocate (e(self%n, self%n))
+    !$omp parallel do private(u, f, shift) schedule(static, 1)
     do first = 1, self%n, BLOCK_DIRECTIONS
+      allocate (u(BLOCK_DIRECTIONS, size(unknown)), f(BLOCK_DIRECTIONS, size(unknown)), shift(BLOCK_DIRECTIONS, n_moved))
       call gather(self, unknown, place, first, u, f)
       call project_onto_rows(tangent, place, moved, u, shift)
       call add_stiffness_product(tangent, place, unknown, moved, shift, f)
       call subtract_contact_forces(tangent, place, unknown, u, f)
       call restrict(self, tangent, place, unknown, free_place, first, u, f)
+      deallocate (u, f, shift)
     end do
-    allocate (e(self%n, self%n))
-    call sgemm('N', 'T', self%n, self%n, size(self%free), 1.0_SP, self%test, self%n, self%image, self%n, 0.0_SP, e, self%n)
+    !$omp end parallel do
+    !$omp parallel do schedule(static, 1)
+    do first = 1, self%n, BLOCK_DIRECTIONS         ! rows of E
+      call sgemm('N', 'T', min(BLOCK_DIRECTIONS, self%n - first + 1), self%n, size(self%free), 1.0_SP, self%test(first, 1), &
+        self%n, self%image, self%n, 0.0_SP, e(first, 1), self%n)
+    end do
+    !$omp end parallel do
     if (allocated(self%lu)) deallocate (self%lu, self%pivots)
     allocate (self%pivots(self%n))
     self%lu = real(e, DP)
