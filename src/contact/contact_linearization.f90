@@ -12,11 +12,13 @@ module amontons_contact_linearization
   use amontons_model, only: model_type
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, ROW_CONFLICT
-  use amontons_surface_projection, only: evaluate_gap_derivatives, gap_derivatives_type, evaluate_vertex_derivative
+  use amontons_surface_projection, only: evaluate_gap_derivatives, gap_derivatives_type
   use amontons_friction_slip_scenarios, only: friction_limit, is_friction_capped
   use amontons_surfaces, only: is_compliant, BEHAVIOR_USER
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   use amontons_segment_derivatives, only: facet_derivatives_type
+  use amontons_mortar, only: vertices_of
+  use amontons_row_normals, only: differentiate_row_normal
   use amontons_mortar_linearization, only: row_derivatives_type, differentiate_mortar_row
   use amontons_contact_pairs, only: contact_type, current_row, origin_row, contact_slip_vector, origin_offset_derivative
   use amontons_contact_evaluation, only: has_other_constraints
@@ -194,7 +196,7 @@ contains
       if (slave%slave_facet == 0 &
         .and. .not. contact%mortar(slave%pair)%places(slave%row)%is_shared) call linearize_mortar_weights(contact, x, slave, &
         rates(slave%pair), tangent)
-      call linearize_vertex_normal(contact, x, slave, force_normal, tangent)
+      call linearize_row_normal(contact, x, slave, force_normal, rates(slave%pair), tangent)
     else
       call evaluate_gap_derivatives(contact%facets(slave%pair), x, slave%facet, slave%xi, slave%gap - slave%offset, derivative)
       call set_moving_weights(derivative, force_normal, tangent)
@@ -237,29 +239,32 @@ contains
   end subroutine linearize_mortar_weights
 
 
-  !> Finite sliding of a mortar pair: the normal rotates with the facets around the slave's vertex.
-  subroutine linearize_vertex_normal(contact, x, slave, force_normal, tangent)
+  !> Finite sliding of a mortar pair: the normal rotates with the facets of the slave, and at a crease with those of the master.
+  subroutine linearize_row_normal(contact, x, slave, force_normal, rates, tangent)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: force_normal(3, 3)     !< d lambda / d n [force]
+    type(pair_derivatives_type), intent(inout) :: rates
     type(contact_tangent_type), intent(inout) :: tangent
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: d_n(:, :, :)
     real(DP) :: d(3)
     integer :: at, j
     associate (mortar => contact%mortar(slave%pair))
-      call evaluate_vertex_derivative(mortar%slave, x, mortar%places(slave%row)%vertex, nodes, d_n)
+      if (.not. allocated(rates%facets)) allocate (rates%facets(mortar%slave%n))
+      call differentiate_row_normal(mortar%slave, vertices_of(mortar, slave%row), mortar%places(slave%row)%vertex, &
+        mortar%cuts%covers, contact%facets(slave%pair), x, rates%facets, nodes, d_n)
       d = evaluate_relative_position(mortar%rows(slave%row), x)
     end associate
     call append_nodes(pack(nodes, [(all(tangent%nodes /= nodes(j)), j=1, size(nodes))]), tangent)
-    do j = 1, size(nodes)                          ! the normal is opposite to that of the vertex
+    do j = 1, size(nodes)                          ! the normal is opposite to that of the slave
       at = findloc(tangent%nodes, nodes(j), dim=1)
       tangent%force_nodes(:, :, at) = tangent%force_nodes(:, :, at) - matmul(force_normal, d_n(:, :, j))
       if (at > tangent%n_weights .or. tangent%is_compliant_node) tangent%gap_nodes(:, at) = tangent%gap_nodes(:, at) - matmul(d, &
         d_n(:, :, j))
     end do
-  end subroutine linearize_vertex_normal
+  end subroutine linearize_row_normal
 
 
   !> Appends nodes on which lambda depends, with zero derivatives.

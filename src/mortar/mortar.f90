@@ -15,18 +15,18 @@ module amontons_mortar
   use amontons_facets, only: facets_type, build_facets, facet_nodes, is_line_facet
   use amontons_tributary_areas, only: out_of_plane_depth
   use amontons_facet_search, only: facet_search_type, find_near_facets
-  use amontons_surface_projection, only: evaluate_vertex_normal
   use amontons_polygon_clipping, only: signed_polygon_area, find_polygon_excess
   use amontons_dual_shape_functions, only: is_transformed, nodal_integral_fractions, BASIS_ALPHA
   use amontons_mortar_segmentation, only: projection_plane_type, mortar_segment_type, segmentation_type, build_segmentation, &
     build_projection_planes, project_on_plane, &
     project_facet_corners, find_depth, &
     integrate_segments, is_facing_plane, is_unseen_facet
+  use amontons_row_normals, only: normal_cone_type, find_row_normal
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   implicit none
   private
   public :: mortar_type, mortar_node_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
-    mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, n_imbalance_nodes, &
+    mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, n_imbalance_nodes, vertices_of, &
     find_search_margin, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, evaluate_transfer_slope
 
   real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node with a smaller covered fraction of its area has no row
@@ -50,7 +50,7 @@ module amontons_mortar
     real(DP) :: whole = 0                          !< area of the node if all of it were covered [length^2]
     real(DP) :: xi(2) = 0                          !< centre of the node's part on that facet, natural coordinates [-]
     real(DP) :: area = 0                           !< D_j [length^2]
-    real(DP) :: normal(3) = 0                      !< unit normal out of the master: opposite to the slave vertex normal
+    real(DP) :: normal(3) = 0                      !< unit normal out of the master: opposite to that of the slave's cone
     real(DP) :: force_arm(3) = 0  !< from the node to the point of action of its force, if neighbouring nodes take part [length]
   end type mortar_node_type
 
@@ -176,6 +176,15 @@ contains
     end do
     call list_groups(node_of, size(mortar%nodes), mortar%first, mortar%vertices)
   end subroutine collect_vertices
+
+
+  !> The vertices of the slave node of a row.
+  pure function vertices_of(mortar, k) result(vertices)
+    type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: k                       !< row
+    integer, allocatable :: vertices(:)
+    vertices = mortar%vertices(mortar%first(k):mortar%first(k + 1) - 1)
+  end function vertices_of
 
 
   !> The slave nodes whose imbalances form that of a row: with the transformed basis a corner has parts of the adjacent mid-sides.
@@ -573,6 +582,7 @@ contains
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     real(DP), intent(in) :: x(:, :)
+    type(normal_cone_type) :: cone
     integer, allocatable :: at(:)                  ! (n_nodes) position in the current row, 0 outside
     real(DP) :: m(3)
     integer :: j, v
@@ -586,13 +596,13 @@ contains
         if (size(vertices) == 0 .or. mortar%is_left_out(j)) cycle
         v = choose_facing_vertex(mortar, vertices)
         if (abs(cuts%area(v)) <= MIN_COUNTED_FRACTION * cuts%whole(v)) cycle
-        m = evaluate_vertex_normal(mortar%slave, x, v)
+        call find_row_normal(mortar%slave, vertices, v, cuts%covers, master, x, m, cone)
         if (norm2(m) <= 0.0_DP .or. (.not. mortar%is_compliant .and. mortar%transferred_fraction(j) >= 1.0_DP)) cycle
         mortar_node%vertex = v
         mortar_node%area = cuts%area(v)
         mortar_node%whole = cuts%whole(v)
         mortar_node%is_barely_covered = .not. mortar%is_compliant .and. mortar_node%area <= MIN_COVERED_FRACTION * mortar_node%whole
-        mortar_node%normal = -m / norm2(m)
+        mortar_node%normal = -m
         call fill_master_part(mortar, master, x, at, mortar_node, mortar%rows(j))
       end associate
     end do

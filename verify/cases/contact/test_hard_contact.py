@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -42,12 +43,19 @@ def effort(file: Path) -> tuple[int, int]:
 @pytest.mark.parametrize("form", list(FORMS))
 @pytest.mark.parametrize("name", list(SIDES))
 def test_whole_exteriors(run: Run, tmp_path: Path, name: str, form: str) -> None:
-    """A pair of two whole exteriors finds the sides that touch: a slave beyond one side of a sheet is not behind the other."""
+    """A pair of two whole exteriors finds the sides that touch: a slave beyond one side of a sheet is not behind the other.
+
+    By faces the edges of the block have the normal cone of both their sides: the sides belong to the slave in both decks.
+    """
     deck = problems()["g"][name](Draw(), FORMS[form]).deck
     slave, master = SIDES[name]
     bodies = slave.split("_")[0], master.split("_")[0]
     assert f"{bodies[0]}_ALL, {bodies[1]}_ALL" in deck
     whole = solve(run, tmp_path / "whole", deck)
+    if (name, form) == ("block on block", "faces"):
+        faces = "".join(re.search(rf"\*SURFACE, NAME=BODY_{side}\n([^*]+)", deck)[1] for side in ("W0", "S0", "S1", "T0", "T1"))  # type: ignore[index]
+        deck = deck.replace("*MATERIAL, NAME=BODY\n", f"*SURFACE, NAME=BODY_LOWER\n{faces}*MATERIAL, NAME=BODY\n")
+        slave = "BODY_LOWER"
     sides = solve(run, tmp_path / "sides", deck.replace(f"{bodies[0]}_ALL, {bodies[1]}_ALL", f"{slave}, {master}"))
     expected = read_field(sides, "U")[-1]
     assert np.abs(read_field(whole, "U")[-1] - expected).max() <= EQUAL * np.abs(expected).max()
@@ -117,4 +125,18 @@ def test_rows_penetrate_in_the_mean(run: Run, tmp_path: Path) -> None:
     """A roller in a saddle by faces: the nodes beside the contact lie behind the chords of the saddle, as their rows admit, which face it. They did not
     pass through it (three attempts failed with PENETRATION JUMP)."""
     file = solve(run, tmp_path / "job", problems()["c"]["saddle"](Draw(), FORMS["faces"]).deck)
+    assert effort(file)[1] == 0
+
+
+@pytest.mark.parametrize("form", list(FORMS))
+def test_corner_without_friction(run: Run, tmp_path: Path, form: str) -> None:
+    """A leaning lip touches a plate with its corner, then with its side: without friction the plate gets no force along itself, and no attempt fails."""
+    deck = problems()["f"]["flattened lip"](Draw(), FORMS[form]).deck
+    assert "*FRICTION\n0.3\n" in deck
+    file = solve(run, tmp_path / "job", deck.replace("*FRICTION\n0.3\n", "*FRICTION\n0.\n"))
+    plate = [int(label) - 1 for label in re.findall(r"^(\d+),", re.search(r"\*NODE, NSET=PLATE\n([^*]+)", deck)[1], re.MULTILINE)]  # type: ignore[index]
+    force = read_field(file, "RF")[:, plate].sum(axis=1)
+    pressed = force[:, 1] < -1e-3 * np.abs(force[:, 1]).max()
+    assert pressed.sum() > 10
+    assert np.abs(force[pressed, 0]).max() <= 1e-5 * np.abs(force[pressed, 1]).max()  # Newton's tolerance of forces is 1e-6
     assert effort(file)[1] == 0

@@ -18,6 +18,8 @@ program test_contact_linearization
   use amontons_tangent_solution, only: apply_unconstrained_tangent, assemble_tangent_matrix
   use amontons_contact_evaluation, only: has_other_constraints
   use amontons_contact_pairs, only: contact_type
+  use amontons_mortar, only: vertices_of
+  use amontons_row_normals, only: normal_cone_type, find_row_normal
   use amontons_contact_linearization, only: linearize_contact, held_friction_spring
   use amontons_contact_operators, only: assemble_contact_tangents, factorise_spring_tangents
   use amontons_woodbury_interface, only: contact_springs_type
@@ -104,8 +106,10 @@ contains
     call check_tangent('mortar, finite sliding, exponential', 0.15_DP, 0.3_DP, .true., .false., law, shared=3)
     call check_tangent('mortar, nearly off its master', 0.0_DP, 0.3_DP, .true., .false., shared=4)
     call check_tangent('mortar, finite sliding, lines', 0.15_DP, 0.3_DP, .true., .false., plane=KIND_CPE4_FULL, shared=3)
+    call check_tangent('mortar, finite sliding, with a crease', 0.15_DP, 0.3_DP, .true., .false., plane=KIND_CPE4_FULL, shared=6)
     law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=300.0_DP, tension_limit=2.0_DP, cutoff_clearance=10.0_DP, &
       stick_slope=120.0_DP)
+    call check_tangent('mortar, linear law, with a crease', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CPE4_FULL, shared=6)
     call check_tangent('mortar, finite sliding, quadratic lines', 0.15_DP, 0.3_DP, .true., .false., law, KIND_CAX8, shared=3)
   end subroutine check_mortar
 
@@ -120,7 +124,8 @@ contains
     integer, intent(in), optional :: plane         !< KIND_... of two plates in the plane in place of two blocks
     integer, intent(in), optional :: shared  !< 1: with the exchanged pair first; 2: with a second master; 3: none, but
                                              !! surface-to-surface; 4: the same, with a fourteenth of the outer facets covered; 5:
-                                             !! none, and a CLEARANCE of zero whatever the mesh
+                                             !! none, and a CLEARANCE of zero whatever the mesh; 6: surface-to-surface, with the
+                                             !! side of the upper plate
     logical, intent(in), optional :: is_symmetric  !< planes of symmetry take the x of every other vertex normal
     real(DP), parameter :: H = 1.0e-6_DP
     type(model_type) :: model
@@ -139,7 +144,8 @@ contains
       call two_blocks(model, sag, friction, is_nlgeom, is_small)
     end if
     if (present(shared)) then
-      if (shared == 3 .or. shared == 4) model%pairs(1)%is_mortar = .true.
+      if (shared == 3 .or. shared == 4 .or. shared == 6) model%pairs(1)%is_mortar = .true.
+      if (shared == 6) call add_side(model)
       if (shared == 5) model%pairs(1)%has_clearance = .true.
       if (shared < 3) call share_nodes(model, shared)
     end if
@@ -175,6 +181,7 @@ contains
     call suite%that(name // ': evaluated', trouble == 0)
     if (present(shared)) then
       if (shared == 1) call suite%that(name // ': there are levels', system%contact%shared_slaves%n_levels > 1)
+      if (shared == 6) call suite%that(name // ': within the cone of the crease', is_within_cone(system, model, u))
       if (shared == 2) call suite%that(name // ': a node touches twice', any([(has_other_constraints(system%contact, s), &
         s=1, size(state%new%slaves))]))
     end if
@@ -201,6 +208,26 @@ contains
       call suite%near(name // ': tangent', norm2((minus - plus) / (2.0_DP * H) - exact) / norm2(exact), 0.0_DP, 1.0e-7_DP)
     end do
   end subroutine check_tangent
+
+
+  !> Whether the normal of a row is within the normal cone of a crease.
+  logical function is_within_cone(system, model, u)
+    type(equilibrium_type), intent(in) :: system
+    type(model_type), intent(in) :: model
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    type(normal_cone_type) :: cone
+    real(DP) :: normal(3)
+    integer :: j
+    is_within_cone = .false.
+    associate (mortar => system%contact%mortar(1))
+      do j = 1, size(mortar%nodes)
+        if (mortar%places(j)%facet == 0) cycle
+        call find_row_normal(mortar%slave, vertices_of(mortar, j), mortar%places(j)%vertex, mortar%cuts%covers, &
+          system%contact%facets(1), model%mesh%coordinates + u, normal, cone)
+        is_within_cone = is_within_cone .or. cone%n_active == 2
+      end do
+    end associate
+  end function is_within_cone
 
 
   !> A symmetry plane that is no global one: the normals lose an oblique direction.
@@ -535,6 +562,17 @@ contains
       model%pairs(2)%master = 4
     end if
   end subroutine share_nodes
+
+
+  !> The left side of the upper plate belongs to the slave surface, too: its lower corner is a crease.
+  subroutine add_side(model)
+    type(model_type), intent(inout) :: model
+    associate (slave => model%surfaces(1), mesh => model%mesh)
+      slave%element = [slave%element, 4]
+      slave%face = [slave%face, 4]
+      slave%nodes = [slave%nodes, mesh%nodes(mesh%first(4) + 3)]
+    end associate
+  end subroutine add_side
 
 
   !> A tilted wall of one element at the left of the upper plate, with a small overlap.
