@@ -94,6 +94,6 @@ def wall(n_rows: int, n_columns: int, gap: float = 0.01, push: float = 0.05, mu:
 
 def by_inertia(deck: str, times: str, of_step: str = "") -> str:
     """The deck of a static step with inertia in its place, density 1e-3 where there is none."""
-    heavy = re.sub(r"(\*ELASTIC\n.*\n)(?!\*DENSITY)", r"\1*DENSITY\n1e-3\n", deck)
+    heavy = re.sub(r"(\*(?:ELASTIC|HYPERELASTIC.*)\n.*\n)(?!\*DENSITY)", r"\1*DENSITY\n1e-3\n", deck)
     heavy = re.sub(r"\*STATIC.*\n.*\n", f"*DYNAMIC, APPLICATION=QUASI-STATIC\n{times}\n", heavy)
     return re.sub(r"\*STEP.*", f"*STEP, NLGEOM, INC=2000{of_step}", heavy)

@@ -1,8 +1,10 @@
 """Loose bodies: stacks and walls with gaps, those of the tests and a second set at random, in both formulations. Prints a table.
 
     python -m verify.study.loose_bodies_table [number of random decks] [--inertia]
+    python -m verify.study.loose_bodies_table --growth
 
-With --inertia the steps are *DYNAMIC, APPLICATION=QUASI-STATIC, with all loads at once.
+With --inertia the steps are *DYNAMIC, APPLICATION=QUASI-STATIC, with all loads at once. With --growth stacks of 2 to 40 blocks run alone: iterations by
+number of blocks, and the exponent of their growth by least squares (1: linear).
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -18,6 +20,7 @@ import tempfile
 from pathlib import Path
 
 import h5py
+import numpy as np
 
 from verify.decks.loose_bodies import Pile, by_inertia, stack, wall
 
@@ -72,8 +75,23 @@ def _random(n_cases: int) -> list[tuple[str, Pile]]:
     return cases
 
 
+def _growth() -> None:
+    """Iterations of stacks by number of blocks."""
+    numbers = (2, 4, 8, 12, 16, 20, 25, 30, 35, 40)
+    print("| gap | contact by | " + " | ".join(map(str, numbers)) + " | exponent |\n" + "|---" * (len(numbers) + 3) + "|")
+    for gap in (0.001, 0.01, 0.1, 0.3):
+        for form, options in (("nodes", ""), ("faces", BY_FACES)):
+            results = [[word.strip() for word in _result(stack(n, gap, options=options)).split("|")] for n in numbers]
+            ended = [(n, int(result[1])) for n, result in zip(numbers, results, strict=True) if result[0] == "finished"]
+            exponent = np.polyfit(*np.log(np.array(ended, dtype=float)).T, 1)[0]
+            print(f"| {gap:g} | {form} | " + " | ".join(r[1] if r[0] == "finished" else r[0] for r in results) + f" | {exponent:.2f} |", flush=True)
+
+
 def main() -> None:
-    """Prints both tables."""
+    """Prints both tables, or that of the growth."""
+    if "--growth" in sys.argv:
+        _growth()
+        return
     numbers = [word for word in sys.argv[1:] if word.isdigit()]
     n_cases = int(numbers[0]) if numbers else 30
     for title, cases in (("The set of the tests and its neighbours", _fixed()), ("The second set", _random(n_cases))):

@@ -39,6 +39,13 @@ def crushed() -> str:
     return solid_deck([(mesh, (1000.0, 0.0))], "", step)
 
 
+def crushed_by_contact() -> str:
+    """The same on a table: pressed on it first."""
+    mesh, table = block([0.0, 1.0], [0.0, 1.0], [0.0, 1.0], "A"), block(between(-1, 2, 2), between(-1, 2, 2), [-1.0, 0.0], "TABLE")
+    steps = "".join(f"*STEP, NLGEOM\n*STATIC, DIRECT\n1., 1.\n{fix('TABLE_TOP, 1, 3', 'TABLE_BOTTOM, 1, 3', 'A_TOP, 1, 2', f'A_TOP, 3, 3, {-depth}')}*END STEP\n" for depth in (0.05, 1.5))
+    return solid_deck([(mesh, (1000.0, 0.0)), (table, (1e6, 0.0))], pair("A_BOTTOM", "TABLE_TOP", 0.1), steps)
+
+
 def dragged_off() -> str:
     """A block pressed on a table by forces and dragged off it in one increment: then nothing supports the forces."""
     table = block(between(0, 2, 4), between(0, 1, 1), [-1.0, 0.0], "TABLE")
@@ -252,6 +259,30 @@ def test_reason(run: Run, tmp_path: Path, deck: str, reasons: tuple[str, ...], a
     if any(reason.startswith(("CYCLE", "STICK", "LEFT")) for reason in reasons):
         worst = re.findall(r"node \d+: imbalance .*, pair \S+ / \S+, gap \S+: ((?:open|stick|slip)\S*(?: \S+)*)", done.stdout)
         assert 1 <= len(worst) <= 10, done.stdout
+
+
+def test_limit_point_shows_its_mode(run: Run, tmp_path: Path) -> None:
+    """The upper end of the shallow bar snaps down: the mode is that of this node along z."""
+    (tmp_path / "job.inp").write_text(truss())
+    done = run(["job"], cwd=tmp_path)
+    modes = re.findall(r"Mode \(direction of the last step over its largest displacement\):\n +node (\d+): +(\S+) +(\S+) +(\S+)\n(.*)", done.stdout)
+    assert modes, done.stdout
+    node, *direction, following = modes[-1]
+    assert (node, [abs(float(value)) for value in direction]) == ("2", [0.0, 0.0, 1.0])
+    assert "node" not in following  # the other end does not move
+
+
+@pytest.mark.parametrize("is_pressed", [True, False])
+def test_inverted_element_shows_its_contact(run: Run, tmp_path: Path, is_pressed: bool) -> None:
+    """An element crushed against a table: the four slave nodes that press it, and what helps there; without contact no word of it."""
+    (tmp_path / "job.inp").write_text(crushed_by_contact() if is_pressed else crushed())
+    done = run(["job"], cwd=tmp_path)
+    assert "MATERIAL: element 1 is inverted" in done.stdout, done.stdout
+    pressing = re.findall(r"  slave node (\d+) of pair (A_BOTTOM / TABLE_TOP): force +(\S+)\n", done.stdout)
+    assert ("Contact presses the element:" in done.stdout) == is_pressed
+    assert ("There a finer mesh, C3D8I, a hybrid or reduced element, or *STATIC, STABILIZE may help." in done.stdout) == is_pressed
+    assert {node for node, *_ in pressing} == ({"1", "2", "3", "4"} if is_pressed else set())
+    assert all(float(force) > 0 for *_, force in pressing)
 
 
 BALANCE = ("external_work", "strain_energy", "contact_energy", "friction_work", "proximal_work")
