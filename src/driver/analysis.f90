@@ -390,7 +390,7 @@ contains
       is_path_end = step%is_riks
       if (is_path_end) is_path_end = is_path_done(analysis%model, step, record%increment, analysis%state)
       record%n_proximal = analysis%newton%globalization%n_proximal
-      record%n_snap_through = analysis%newton%globalization%n_snap_through
+      record%n_snap_through = analysis%newton%globalization%n_snap_through + analysis%newton%rounds%n_unstable
       record%report_lines = describe_edge_events(analysis%model, analysis%state)
       call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
       call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)

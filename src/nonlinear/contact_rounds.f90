@@ -44,6 +44,7 @@ module amontons_contact_rounds
     integer :: n_rounds = 0
     integer :: n_iterations = 0                    !< conjugate gradients
     integer :: n_frozen = 0                        !< nodes whose status was frozen
+    integer :: n_unstable = 0                      !< rounds without a minimum under the friction that was held
     logical :: is_unchanged = .false.                !< no status changed at the end of the last round
     logical :: is_augmented = .false.              !< the last round was augmented
     logical :: is_interrupted = .false.            !< a body moved freely in the last round, or touched
@@ -86,6 +87,7 @@ contains
     rounds%is_augmented = is_augmented
     call solve_portions(rounds, system, model, step, reduction, state, inner, outcome, error)
     rounds%n_iterations = rounds%n_iterations + inner%n_iterations
+    if (inner%is_unstable .and. any(system%contact%held_limit > 0.0_DP)) rounds%n_unstable = rounds%n_unstable + 1
     deallocate (system%contact%held_friction)
     if (is_augmented) deallocate (system%contact%held_normal_force)
     if (outcome == OUTCOME_OK .and. .not. allocated(error) .and. inner%is_interrupted) &

@@ -41,6 +41,7 @@ module amontons_nonlinear_conjugate_gradients
     integer :: n_capped = 0                        !< lengths that were cut at zero slip, in all iterations
     real(DP) :: step_length = 1                    !< mean length over the iterations; of the slave nodes where they have their own
     logical :: is_interrupted = .false.            !< a body moves freely, or penetrates deeply: contact has to be evaluated anew
+    logical :: is_unstable = .false.               !< the residual grows along a direction: there is no minimum nearby
   end type gradient_report_type
 
   !> The iteration: vectors over the free unknowns, and the point that they belong to.
@@ -194,8 +195,7 @@ contains
     call try_length(system, model, step, iteration, u, du, state, report%outcome)
     if (report%outcome /= OUTCOME_OK) return
     call reduce_residual(system, tried)
-    call find_bulk_length(system, model, step%controls%gradients, iteration, tried, state%new%slaves, du, alpha, &
-      report%is_interrupted)
+    call find_bulk_length(system, model, step%controls%gradients, iteration, tried, state%new%slaves, du, alpha, report)
     length = alpha * iteration%scale
     if (is_first .or. allocated(iteration%is_bulk)) call classify(system, step, slip_data, verdicts)
     if (is_first) report%n_scenario = [count(verdicts%scenario == 1), count(verdicts%scenario == 2), &
@@ -288,7 +288,7 @@ contains
 
   !> The one-step length over the trial step. The step ends where an open node would penetrate too deeply; that of a body that
   !! nothing resists (the residual along d does not change) where it touches. Then contact has to be evaluated anew.
-  subroutine find_bulk_length(system, model, controls, iteration, tried, slaves, du, alpha, is_interrupted)
+  subroutine find_bulk_length(system, model, controls, iteration, tried, slaves, du, alpha, report)
     type(equilibrium_type), intent(in) :: system
     type(model_type), intent(in) :: model
     type(gradient_controls_type), intent(in) :: controls
@@ -297,7 +297,7 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)   !< (n_slaves) there
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction [length]
     real(DP), intent(out) :: alpha                 !< [-]
-    logical, intent(inout) :: is_interrupted
+    type(gradient_report_type), intent(inout) :: report
     real(DP) :: numerator, denominator, least, longest
     logical :: is_found
     least = -TOL_CURVATURE * iteration%metric * iteration%scale
@@ -311,6 +311,7 @@ contains
       numerator = dot_product(iteration%d, iteration%r)
       denominator = dot_product(iteration%d, tried - iteration%r)
       is_found = denominator < least
+      report%is_unstable = denominator > -least
     end if
     longest = mesh_extent(model%mesh) / max(maxval(norm2(du, dim=1)), tiny(1.0_DP))
     if (.not. (is_found .and. allocated(system%contact%held_normal_force))) call limit_penetration(system, slaves, &
@@ -318,7 +319,7 @@ contains
     longest = longest / iteration%scale
     alpha = longest
     if (is_found) alpha = min(-numerator / denominator, controls%max_length)
-    is_interrupted = .not. is_found .or. alpha > longest
+    report%is_interrupted = .not. is_found .or. alpha > longest
     alpha = min(alpha, longest)
   end subroutine find_bulk_length
 
