@@ -114,7 +114,7 @@ $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach module,$(MODULES),$(eval $(call module_rule,$(module))))
 
-.PHONY: picture report bench study all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place uninstall deb pack-deb wheel pack-wheel hooks clean help depends
+.PHONY: picture report bench study study-newton study-gradients all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place uninstall deb pack-deb wheel pack-wheel hooks clean help depends
 
 all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1; MPI=1: bin/amontons-mpi, too)
 	@$(MAKE) build
@@ -249,7 +249,9 @@ bench: programs $(VENV)/installed ## Time against CalculiX (ccx, if installed) a
 	@$(PY) -m verify.benchmark.bench --program $(BIN)/amontons --kernels $(B)/kernels --write
 	@$(PY) -m verify.benchmark.wide_contact --program $(BIN)/amontons $(WIDE)
 
-study: programs $(VENV)/installed ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
+study: study-newton study-gradients ## Iterations of all line searches by friction, shape and size of the increments: ironing, blocks, cylinder, ball
+
+study-newton: programs $(VENV)/installed ## The first half of it: Newton's method
 	@$(PY) -m verify.study.ironing_table --program $(BIN)/amontons
 	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons
 	@$(PY) -m verify.study.line_search_table --program $(BIN)/amontons --direction SYMMETRIC --seconds 60
@@ -257,6 +259,8 @@ study: programs $(VENV)/installed ## Iterations of all line searches by friction
 	@$(PY) -m verify.study.random_contact --program $(BIN)/amontons --seeds 1 200
 	@$(PY) -m verify.study.contact_table --program $(BIN)/amontons --runs $(B)/study.csv
 	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
+
+study-gradients: programs $(VENV)/installed ## The second half of it: conjugate gradients
 	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --preconditioners NODAL --modes ALL
 	@$(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --seconds 20 --preconditioners FACTOR \
 	  --modes ALL --only "block sheared" punch "block dragged" cylinder ball "ball by faces"

@@ -173,10 +173,10 @@ def test_cut_back(run: Run, tmp_path: Path) -> None:
     assert (done.returncode == 0) == (not attempts[-1].is_failed)
 
 
-@pytest.mark.parametrize(("preconditioner", "mean", "most"), [("NODAL", 68, 108), ("FACTOR", 9, 17)])
+@pytest.mark.parametrize(("preconditioner", "mean", "most"), [("NODAL", 68, 108), ("FACTOR", 9, 20)])
 def test_shear_block(run: Run, tmp_path: Path, preconditioner: str, mean: int, most: int) -> None:
-    """The shear block with five cells on an edge: iterations of an increment. With a factor at most 30 are required of
-    this solver."""
+    """The shear block with five cells on an edge: iterations of an increment, within a tenth of what rounding changes (16 to 18
+    with a factor). With a factor at most 30 are required of this solver."""
     deck = block_deck(5, lower=7)
     compare(run, tmp_path, deck, with_gradients(deck, preconditioner))
     assert not any(a.is_failed for a in read_sta(tmp_path / "gradients" / "job.sta"))
