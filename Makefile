@@ -135,6 +135,8 @@ $(B)/petsc_shim.o: petsc_shim.c distributed_shim.h
 	@echo "compiling $<" && mkdir -p $(@D)
 	$(Q)$(CC) $(CFLAGS) -Wno-pedantic $(INCLUDES) $(PETSC_I) -c $< -o $@
 
+$(B)/user_shim.o $(B)/user_calls_shim.o: user_shim.h
+
 $(LIB)/libamontons.a: $(OBJECTS)
 	@echo "linking   $@" && mkdir -p $(@D) && rm -f $@
 	$(Q)ar rcs $@ $^

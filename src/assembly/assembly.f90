@@ -23,7 +23,7 @@ module amontons_assembly
   use amontons_hex8_simd, only: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, &
     evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
-  use amontons_user_state, only: load_umat_points, store_umat_points
+  use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields
   implicit none
   private
   public :: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces, assemble_tangent, &
@@ -579,11 +579,11 @@ contains
       if (material%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
       call set_element_configuration(model%mesh, e, fields, X, u)
       call evaluate_element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
-      if (status /= ELEMENT_OK) then
+      if (status /= ELEMENT_OK .or. has_invalid_fields(model, fields, e)) then
         failed = min(failed, e)
         return
       end if
-      call store_points(model%mesh, e, merge(0, material%n_history, material%is_user), points, fields)
+      call store_points(model%mesh, e, merge(0, min(MAX_HISTORY, material%n_history), material%is_user), points, fields)
       if (material%n_history > 0 .and. size(fields%modes, 2) > 0) fields%modes(:, e) = points%modes
       if (material%is_user) call store_umat_points(model, e, points, fields)
       do a = 1, n
@@ -664,6 +664,7 @@ contains
       points%initial_field(:n) = 0.0_DP
       if (allocated(model%initial_temperature)) points%initial_field(:n) = model%initial_temperature(k + nodes(:n))
     end if
+    call load_user_fields(model, state, e, points)
     points%time = state%new%total_time
     points%time_increment = state%new%creep_time - state%old%creep_time
     points%has_frame = allocated(state%new%frame)

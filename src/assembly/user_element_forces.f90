@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! RHS is minus the internal force, AMATRX the derivative of the force by the unknowns. Its symmetric part goes into K, the rest
-!! (UNSYMM) into assembly%skew. Each call starts from the committed SVARS and ENERGY; the call for forces keeps the new ones.
+!! (UNSYMM) into assembly%skew. Each call starts from the committed SVARS and ENERGY; the call for forces keeps the new ones. LFLAGS
+!! as in Abaqus: D. Systemes, Abaqus User Subroutines Guide, UEL.
 module amontons_user_element_forces
   use amontons_kinds, only: DP
   use amontons_assembly, only: assembly_type, add_node_block, add_skew_block
@@ -14,7 +15,7 @@ module amontons_user_element_forces
   use amontons_user_routines, only: uel_type, call_uel
   implicit none
   private
-  public :: add_user_forces, add_user_stiffness, user_strain_energy, user_inelastic_work
+  public :: add_user_forces, add_user_stiffness, begin_user_elements, user_strain_energy, user_inelastic_work
 
 contains
 
@@ -114,43 +115,85 @@ contains
     real(DP), allocatable, intent(out) :: stiffness(:, :)   !< AMATRX [force/length]
     real(DP), allocatable, intent(out) :: memory(:)   !< SVARS, ENERGY
     integer, intent(inout) :: failed               !< unchanged, or the element
-    real(DP), allocatable :: inputs(:)
+    integer, parameter :: NORMAL_INCREMENT = 1     ! LFLAGS(3): force and stiffness, which every UEL gives
     type(uel_type) :: values
+    call call_element(model, step, state, element, NORMAL_INCREMENT, force, stiffness, memory, values)
+    force = -force
+    if (values%is_accepted == 1 .and. all(abs(force) <= huge(1.0_DP)) .and. all(abs(stiffness) <= huge(1.0_DP))) return
+    failed = element%element
+  end subroutine evaluate_user_element
+
+
+  !> The first call for each element, with DTIME = 0: Abaqus requests a mass matrix at the start of every analysis, and routines
+  !! initialize in it what they share. No result is kept.
+  subroutine begin_user_elements(model, state)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state          !< at the start
+    integer, parameter :: MASS_MATRIX = 4          ! LFLAGS(3)
+    real(DP), allocatable :: force(:), stiffness(:, :), memory(:)
+    type(uel_type) :: values
+    integer :: i
+    do i = 1, size(model%user_elements%elements)
+      call call_element(model, model%steps(1), state, model%user_elements%elements(i), MASS_MATRIX, force, stiffness, memory, &
+        values)
+      if (values%is_accepted == 0) return
+    end do
+  end subroutine begin_user_elements
+
+
+  !> One call of UEL.
+  subroutine call_element(model, step, state, element, request, rhs, stiffness, memory, values)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state
+    type(user_element_type), intent(in) :: element
+    integer, intent(in) :: request                 !< LFLAGS(3)
+    real(DP), allocatable, intent(out) :: rhs(:)   !< (NDOFEL) RHS [force]
+    real(DP), allocatable, intent(out) :: stiffness(:, :)   !< AMATRX [force/length]
+    real(DP), allocatable, intent(out) :: memory(:)   !< SVARS, ENERGY
+    type(uel_type), intent(out) :: values          !< with the verdict of the routine
+    integer, parameter :: STATIC_PROCEDURE = 1, DIRECT_PROCEDURE = 2, VISCO_PROCEDURE = 21   ! LFLAGS(1)
+    real(DP), allocatable :: inputs(:)
     integer :: n, first
-    integer, parameter :: STATIC_PROCEDURE = 1, VISCO_PROCEDURE = 22   ! LFLAGS(1)
     associate (kind => model%user_elements%kinds(element%kind))
       n = size(element%place)
       first = memory_start(model, state%old, element)
       memory = state%old%user_memory(first:first + kind%n_svars + N_UEL_ENERGIES - 1)
       inputs = collect_inputs(model, state, element, kind)
-      allocate (force(n), stiffness(n, n), source=0.0_DP)
+      allocate (rhs(n), stiffness(n, n), source=0.0_DP)
       values%time = [state%new%step_time, state%new%total_time]
       values%dtime = state%new%total_time - state%old%total_time
       values%period = step%period
-      values%lflags(1) = merge(VISCO_PROCEDURE, STATIC_PROCEDURE, step%has_creep)
+      values%lflags(1) = merge(DIRECT_PROCEDURE, STATIC_PROCEDURE, step%is_direct)
+      if (step%has_creep) values%lflags(1) = VISCO_PROCEDURE
       values%lflags(2) = merge(1, 0, step%is_nlgeom)
-      values%lflags(3) = 1                         ! force and stiffness, which every UEL gives
+      values%lflags(3) = request
       values%ndofel = n
       values%nsvars = kind%n_svars
       values%mcrd = kind%n_coordinates
       values%nnode = kind%n_nodes
-      values%npredf = size(state%new%temperature) / model%mesh%n_nodes
+      values%npredf = size(state%new%temperature) / model%mesh%n_nodes - first_predefined(model, state)
       values%jtype = kind%number
       values%element = model%mesh%element_label(element%element)
-      values%step = state%new%step
+      values%step = max(1, state%new%step)
       values%increment = state%new%increment
       if (element%properties > 0) then
         associate (properties => model%user_elements%properties(element%properties))
-          call call_uel(model%routines, properties%reals, properties%integers, inputs, force, stiffness, memory, values)
+          call call_uel(model%routines, properties%reals, properties%integers, inputs, rhs, stiffness, memory, values)
         end associate
       else
-        call call_uel(model%routines, [real(DP) ::], [integer ::], inputs, force, stiffness, memory, values)
+        call call_uel(model%routines, [real(DP) ::], [integer ::], inputs, rhs, stiffness, memory, values)
       end if
-      force = -force
     end associate
-    if (values%is_accepted == 1 .and. all(abs(force) <= huge(1.0_DP)) .and. all(abs(stiffness) <= huge(1.0_DP))) return
-    failed = element%element
-  end subroutine evaluate_user_element
+  end subroutine call_element
+
+
+  !> What PREDEF begins with: 0 the temperature; 1 the first field variable, if the deck has such ones and no temperature.
+  pure integer function first_predefined(model, state) result(first)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    first = merge(0, 1, model%user_elements%has_temperature .or. size(state%new%temperature) == model%mesh%n_nodes)
+  end function first_predefined
 
 
   !> COORDS, U, DU and PREDEF of an element, one after the other.
@@ -162,9 +205,10 @@ contains
     real(DP), allocatable :: inputs(:)
     integer, allocatable :: unknowns(:)
     real(DP) :: u(size(element%place)), du(size(element%place))
-    integer :: a, f, k, n, component, node, n_fields
+    integer :: a, f, k, n, component, node, n_fields, first
     associate (mesh => model%mesh)
-      n_fields = size(state%new%temperature) / mesh%n_nodes
+      first = first_predefined(model, state)
+      n_fields = size(state%new%temperature) / mesh%n_nodes - first
       unknowns = user_unknowns(element)
       do k = 1, size(unknowns)
         node = (unknowns(k) + 2) / 3
@@ -182,7 +226,7 @@ contains
       inputs(n + 1:n + 2 * size(u)) = [u, du]
       n = n + 2 * size(u)
       do a = 1, kind%n_nodes
-        do f = 0, n_fields - 1
+        do f = first, first + n_fields - 1
           k = f * mesh%n_nodes + mesh%nodes(mesh%first(element%element) + a - 1)
           inputs(n + 1:n + 2) = [state%new%temperature(k), state%new%temperature(k) - state%old%temperature(k)]
           n = n + 2

@@ -24,7 +24,7 @@ module amontons_analysis
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
-  use amontons_user_element_forces, only: user_strain_energy, user_inelastic_work
+  use amontons_user_element_forces, only: begin_user_elements, user_strain_energy, user_inelastic_work
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
   use amontons_model_change, only: activate_elements
   use amontons_model_setup, only: set_up_model
@@ -104,6 +104,11 @@ contains
     call create_equilibrium(analysis%system, analysis%model, analysis%state, error, &
       needs_trial_points(analysis%model, .not. is_batch(analysis)))
     if (.not. allocated(error)) call initialize_state_variables(analysis%model, analysis%state, error)
+    if (allocated(error)) return
+    if (allocated(analysis%model%user_elements)) then
+      call begin_user_elements(analysis%model, analysis%state)
+      call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
+    end if
     if (allocated(error)) return
     if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call check_initial_model(analysis, logger, error)
     if (allocated(error) .or. analysis%options%is_check) return

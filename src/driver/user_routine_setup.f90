@@ -9,7 +9,7 @@ module amontons_user_routine_setup
     pass_job_name, &
     uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
     ROUTINE_UINTER, &
-    ROUTINE_SDVINI, ROUTINE_UEL
+    ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
   use amontons_loads, only: amplitude_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
@@ -159,7 +159,12 @@ contains
     integer :: i
     path = ''
     if (allocated(options%user)) path = options%user
+    if (any(model%materials%is_user_field) .and. model%has_sdvini) call check_routine(model%routines, path, ROUTINE_SDVINI, &
+      '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
+    if (allocated(error)) return
     if (allocated(model%user_elements)) call check_routine(model%routines, path, ROUTINE_UEL, '*USER ELEMENT', error)
+    if (allocated(error)) return
+    if (any(model%materials%is_user_field)) call check_routine(model%routines, path, ROUTINE_USDFLD, '*USER DEFINED FIELD', error)
     if (allocated(error)) return
     if (any(model%amplitudes%is_user)) call check_routine(model%routines, path, ROUTINE_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
     do i = 1, size(model%steps)

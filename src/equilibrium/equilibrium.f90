@@ -17,6 +17,7 @@ module amontons_equilibrium
   use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
     take_points, DAMPING_NOW, STATUS_OPEN, STATUS_STICK
+  use amontons_user_state, only: update_user_fields
   use amontons_model_change, only: find_unconnected_unknowns
   use amontons_sparse, only: multiply_symmetric
   use amontons_factorization, only: lu_type
@@ -347,6 +348,7 @@ contains
     type(state_type), intent(inout) :: state
     system%is_first_direction = .true.
     call set_temperatures(model, step, state)
+    call update_user_fields(model, state)
     call set_damping_factor(step, is_step_start, state)
     call update_points(system%contact, model, state)
     if (.not. system%is_constant) system%is_assembled = .false.

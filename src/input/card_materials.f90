@@ -127,7 +127,7 @@ contains
   end subroutine describe_cone
 
 
-  !> USER MATERIAL and DEPVAR.
+  !> USER MATERIAL, USER DEFINED FIELD and DEPVAR.
   subroutine describe_user(table)
     type(card_table_type), intent(inout) :: table
     call table%card('USER MATERIAL', SCOPE_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
@@ -144,7 +144,9 @@ contains
     call table%option('UNSYMM', VALUE_NONE, 'DDSDDE is taken as it is, with this word and without; of C3D8I its ' // &
       'symmetric part.', status=ENTRY_IGNORED)
     call table%option('HYBRID FORMULATION|EFFMOD', VALUE_TEXT, 'Only stress from strain.', status=ENTRY_REJECTED)
-    call table%card('DEPVAR', SCOPE_MODEL, 'Number of variables that UMAT keeps at each point (STATEV), zero at the ' // &
+    call table%card('USER DEFINED FIELD', SCOPE_MODEL, 'The field variables at the points of the material by a routine USDFLD ' // &
+      'of the user, with the arguments of Abaqus: amontons job user=file. Tables with DEPENDENCIES take them.', parent='MATERIAL')
+    call table%card('DEPVAR', SCOPE_MODEL, 'Number of variables that UMAT or USDFLD keeps at each point (STATEV), zero at the ' // &
       'start unless INITIAL CONDITIONS, TYPE=SOLUTION says otherwise.', parent='MATERIAL', &
       data='number; further lines that name the variables are passed over')
     call table%option('DELETE', VALUE_TEXT, 'Elements are the same in all steps.', status=ENTRY_REJECTED)

@@ -797,8 +797,8 @@ contains
       'MATERIAL), whose DDSDDE need not be symmetric.')
     call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
       'routine UMAT (*USER MATERIAL), which receives the length of the increment.')
-    call table%cards_with(ENTRY_REJECTED, 'USER SECTION|USER DEFINED FIELD', &
-      'Of the user subroutines there are UMAT, UEL, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
+    call table%cards_with(ENTRY_REJECTED, 'USER SECTION', &
+      'Of the user subroutines there are UMAT, UEL, USDFLD, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
     call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', &

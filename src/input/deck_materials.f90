@@ -98,6 +98,8 @@ contains
       call read_hyperfoam(reader, c, material)
     case ('USERMATERIAL')
       call read_user_material(reader, c, material)
+    case ('USERDEFINEDFIELD')
+      material%is_user_field = .true.
     case ('DEPVAR')
       call read_depvar(reader, c, material)
     end select
@@ -153,13 +155,15 @@ contains
     logical :: has_yield, is_rubber
     who = 'The material ''' // material%name // ''' '
     if (.not. (material%has_elastic .or. material%is_user)) call report_error(reader, line, who // 'has no *ELASTIC card.')
-    if (material%n_statev > 0 .and. .not. material%is_user) call report_error(reader, line, who // 'has *DEPVAR but no ' // &
-      '*USER MATERIAL.')
+    if (material%n_statev > 0 .and. .not. (material%is_user .or. material%is_user_field)) call report_error(reader, line, who // &
+      'has *DEPVAR but no *USER MATERIAL or *USER DEFINED FIELD.')
+    if (material%is_user .and. material%is_user_field) call report_error(reader, line, who // 'has *USER DEFINED FIELD beside ' // &
+      '*USER MATERIAL. UMAT has what USDFLD would give it: compute the field variables there.')
     if (material%is_user .and. (material%has_elastic .or. allocated(material%isotropic_hardening) .or. &
       allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE)) call report_error(reader, line, who // &
       'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
-    if (material%is_user .and. len(material%name) > USER_NAME_LENGTH) call report_error(reader, line, who // 'has a name of ' // &
-      'more than ' // to_text(USER_NAME_LENGTH) // ' letters, which UMAT cannot be given.')
+    if ((material%is_user .or. material%is_user_field) .and. len(material%name) > USER_NAME_LENGTH) call report_error(reader, &
+      line, who // 'has a name of more than ' // to_text(USER_NAME_LENGTH) // ' letters, which user routines cannot be given.')
     call find_table_variable(reader, line, material)
     call check_cone(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
@@ -252,8 +256,8 @@ contains
     status = -1
     if (next_row(reader%cards, row)) call parse_integer(field_text(reader%cards, row, 1), n, status)
     if (status /= NUMBER_OK .or. n < 1 .or. n > MAX_STATEV) then
-      call report_error(reader, reader%cards%cards(c)%line, '*DEPVAR needs the number of the variables of UMAT: 1 to ' // &
-        to_text(MAX_STATEV) // '.')
+      call report_error(reader, reader%cards%cards(c)%line, '*DEPVAR needs the number of the variables of UMAT or USDFLD: ' // &
+        '1 to ' // to_text(MAX_STATEV) // '.')
     else
       material%n_statev = n
     end if
@@ -284,8 +288,10 @@ contains
           .not. allocated(material%expansion%value) .and. .not. material%has_deformation_plasticity
         if (allocated(material%elastic%value)) material%is_linear_isotropic = material%is_linear_isotropic .and. &
           size(material%elastic%value, 2) == 1
-        if (material%is_user) material%n_history = USER_STATE - 1 + material%n_statev
-        if (material%is_user) material%is_linear_isotropic = .false.
+        if (material%is_user .or. material%is_user_field) then
+          material%n_history = USER_STATE - 1 + material%n_statev
+          material%is_linear_isotropic = .false.
+        end if
         material%is_unsymmetric = material%is_user
         if (allocated(material%cone%value)) material%is_unsymmetric = any(material%cone%value(1, :) > material%cone%value(2, :))
       end associate

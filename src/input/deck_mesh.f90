@@ -726,6 +726,9 @@ contains
     character(:), allocatable :: advice
     reader%has_unsupported_kinds = .true.
     if (type == '') return
+    if (user_kind_number(type) > 0 .and. allocated(reader%bad_user_kinds)) then
+      if (any(reader%bad_user_kinds == user_kind_number(type) .or. reader%bad_user_kinds == 0)) return
+    end if
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
       '6, 8, 8R; S3, S4, S4R, S6, S8, S8R; M3D3 to M3D8R; B21 to B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; ' // &
       'SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'

@@ -49,6 +49,7 @@ module amontons_deck_reader
     integer, allocatable :: omitted_of_draft(:)     !< (elements of the deck) number among the dropped, 0
     type(integer_list_type), allocatable :: omitted_of_set(:)   !< (element sets) their dropped members
     logical :: has_decimal_commas = .false.          !< nodes whose commas look like decimal commas were reported
+    integer, allocatable :: bad_user_kinds(:)    !< numbers of the types whose USER ELEMENT card has errors; 0: one without a number
     logical :: has_unsupported_kinds = .false.       !< unsupported element kinds were reported; consequences are not
   end type reader_type
 

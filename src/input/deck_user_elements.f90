@@ -25,9 +25,18 @@ contains
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     type(user_kind_type) :: kind
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
     integer :: c
-    logical :: is_ok
+    logical :: is_ok, has_temperature
+    has_temperature = .false.
+    reader%bad_user_kinds = [integer ::]
     do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'TEMPERATURE')) has_temperature = .true.
+      if (is_card(reader, c, 'INITIALCONDITIONS')) then
+        call open_card(reader, c, parameters, row)
+        if (parameter_word(parameters, 'TYPE', '') == 'TEMPERATURE') has_temperature = .true.
+      end if
       if (.not. is_card(reader, c, 'USERELEMENT')) cycle
       if (.not. allocated(model%user_elements)) then
         allocate (model%user_elements)
@@ -35,7 +44,9 @@ contains
       end if
       call read_user_kind(reader, model, c, kind, is_ok)
       if (is_ok) call add_user_kind(reader, kind, model%user_elements)
+      if (.not. is_ok) reader%bad_user_kinds = [reader%bad_user_kinds, kind%number]
     end do
+    if (allocated(model%user_elements)) model%user_elements%has_temperature = has_temperature
   end subroutine read_user_kinds
 
 
@@ -239,7 +250,9 @@ contains
         cycle
       end if
       associate (members => model%mesh%element_sets(set)%members)
-        if (any(draft%user_kind(members) == 0)) then
+        if (any(draft%user_kind(members) == 0) .and. size(reader%bad_user_kinds) > 0) then
+          cycle                                  ! the card of their type has errors
+        else if (any(draft%user_kind(members) == 0)) then
           e = findloc(draft%user_kind(members) == 0, .true., dim=1)
           call report_error(reader, reader%cards%cards(c)%line, 'The element ' // to_text(draft%label(members(e))) // &
             ' is no user element (*USER ELEMENT).')

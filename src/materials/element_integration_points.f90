@@ -35,6 +35,7 @@ module amontons_element_integration_points
     real(DP) :: initial_temperature(MAX_ELEMENT_NODES)     !< of the nodes [temperature]
     real(DP) :: field(MAX_ELEMENT_NODES)           !< of the nodes: field variable that the tables are over
     real(DP) :: initial_field(MAX_ELEMENT_NODES)   !< the same at the start
+    real(DP) :: point_field(MAX_ELEMENT_POINTS)    !< this field variable by USDFLD, if the material has it
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< [time]
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
@@ -68,6 +69,7 @@ contains
     point%initial_temperature = dot_product(weight, points%initial_temperature(:size(weight)))
     if (material%table_variable > 0) then
       point%field = dot_product(weight, points%field(:size(weight)))
+      if (material%is_user_field .and. size(weight) > 0) point%field = points%point_field(p)
       point%initial_field = dot_product(weight, points%initial_field(:size(weight)))
     end if
     point%history_old = points%history_old(:, p)

@@ -14,7 +14,7 @@ module amontons_materials
   public :: CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
-  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE
+  public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, USER_FIELD, USER_VERDICT
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
   integer, parameter :: MAX_LAW_NAME_LENGTH = 64               !< longest name of a law
@@ -45,13 +45,16 @@ module amontons_materials
   integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference configuration [-]
   integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference configuration [stress]
   integer, parameter :: MAX_HISTORY = 14
+  ! Further variables of materials with USDFLD only.
+  integer, parameter :: USER_FIELD = 15         !< the field variable that the tables are over
+  integer, parameter :: USER_VERDICT = 16       !< 1: the result of USDFLD is valid
   ! Further variables of user materials only; components 11 22 33 12 13 23, in the local axes of the orientation if given.
   integer, parameter :: USER_STRESS = 15        !< 15 to 20: Cauchy stress [stress]
   integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
   integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
   integer, parameter :: USER_ENERGY = 36        !< 36 to 38: SSE, SPD, SCD [stress]
   integer, parameter :: USER_ROTATION = 39          !< 39 to 47: rotation of the local axes since the start, less 1 [-]
-  integer, parameter :: USER_STATE = 48         !< from here on: STATEV
+  integer, parameter :: USER_STATE = 48         !< from here on: STATEV, of USDFLD, too
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 
@@ -127,10 +130,11 @@ module amontons_materials
     integer :: creep_law = CREEP_NONE
     type(property_table_type) :: creep                   !< A, n, m
     logical :: is_user = .false.                !< UMAT gives the stress
+    logical :: is_user_field = .false.          !< USDFLD gives the field variables at its points
     logical :: is_called_in_3d = .false.             !< UMAT is called with three-dimensional arguments for all elements
     character(:), allocatable :: library        !< file of its routine; unallocated: that of the job
     real(DP), allocatable :: props(:)           !< its PROPS
-    integer :: n_statev = 0                     !< number of its STATEV
+    integer :: n_statev = 0                     !< number of the STATEV of UMAT or USDFLD
     real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE in the undeformed state, computed before the start [stress]
     type(user_library_type) :: routines             !< the opened library; opened before the start
   end type material_type

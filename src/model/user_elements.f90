@@ -48,6 +48,7 @@ module amontons_user_elements
     type(user_properties_type), allocatable :: properties(:)
     type(user_element_type), allocatable :: elements(:)
     integer :: n_memory = 0                        !< values that they keep
+    logical :: has_temperature = .false.           !< the deck gives temperatures: they come first in PREDEF
   end type user_elements_type
 
 contains

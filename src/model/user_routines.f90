@@ -1,4 +1,4 @@
-!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL) and their calls.
+!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD) and their calls.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The calls are declared pure: pure element procedures call them, and the results depend on the arguments only.
@@ -12,16 +12,16 @@ module amontons_user_routines
   private
   public :: user_library_type, umat_type, uamp_type, open_routines, close_routines, has_routine, collect_user_messages, &
     pass_job_name
-  public :: fric_type, uinter_type, call_fric, call_uinter, uel_type, call_uel
+  public :: fric_type, uinter_type, call_fric, call_uinter, uel_type, call_uel, usdfld_type, call_usdfld
   public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp
   public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_UEL, &
-    ROUTINE_NAMES, USER_NAME_LENGTH
+    ROUTINE_USDFLD, ROUTINE_NAMES, USER_NAME_LENGTH
 
   integer, parameter :: ROUTINE_UMAT = 0, ROUTINE_FRIC = 1, ROUTINE_UINTER = 2, ROUTINE_DLOAD = 3, ROUTINE_DISP = 4, &
     ROUTINE_UAMP = 5, &
-    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7
-  character(6), parameter :: ROUTINE_NAMES(0:7) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
-    'SDVINI', 'UEL']
+    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8
+  character(6), parameter :: ROUTINE_NAMES(0:8) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
+    'SDVINI', 'UEL', 'USDFLD']
   integer, parameter :: USER_NAME_LENGTH = 80             !< longest name passed to a routine
   integer, parameter :: MESSAGE_LENGTH = 8192           !< of messages of a compiler or a routine
 
@@ -99,13 +99,36 @@ module amontons_user_routines
   type, bind(C) :: uel_type
     real(c_double) :: time(2) = 0                  !< step, total, at the end of the increment [time]
     real(c_double) :: dtime = 0, period = 0        !< [time]
-    integer(c_int) :: lflags(5) = 0
+    integer(c_int) :: lflags(10) = 0
     integer(c_int) :: ndofel = 0, nsvars = 0, mcrd = 0, nnode = 0, npredf = 0, jtype = 0, element = 0
     integer(c_int) :: step = 0, increment = 0
     integer(c_int) :: is_accepted = 0              !< out; 1: valid result; 2: PNEWDT < 1; 0: XIT
   end type uel_type
 
+  !> Arguments of USDFLD except names, FIELD and STATEV, at the start of the increment, and what GETVRM gives.
+  type, bind(C) :: usdfld_type
+    real(c_double) :: stress(6) = 0                !< 11 22 33 12 13 23 [stress]
+    real(c_double) :: strain(6) = 0                !< the same order, engineering shears [-]
+    real(c_double) :: plastic(7) = 0               !< plastic strain, PEEQ [-]
+    real(c_double) :: time(2) = 0                  !< step, total [time]
+    real(c_double) :: dtime = 0                    !< [time]
+    real(c_double) :: temp = 0                     !< [temperature]
+    real(c_double) :: celent = 0                   !< [length]
+    real(c_double) :: coords(3) = 0                !< of the point [length]
+    real(c_double) :: direct(3, 3) = 0             !< local axes in columns
+    integer(c_int) :: noel = 0, npt = 0, ndi = 3, nshr = 3, nfield = 0, nstatv = 0, step = 0, increment = 0
+    integer(c_int) :: is_accepted = 0              !< out; 1: valid result; 2: PNEWDT < 1; 0: XIT
+  end type usdfld_type
+
   interface
+    subroutine usdfld_c(handle, names, field, statev, values) bind(C, name='amontons_user_usdfld')
+      import :: c_char, c_double, c_ptr, usdfld_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: names(*)
+      real(c_double), intent(inout) :: field(*), statev(*)
+      type(usdfld_type), intent(inout) :: values
+    end subroutine usdfld_c
+
     subroutine uel_c(handle, props, jprops, counts, inputs, rhs, amatrx, memory, values) bind(C, name='amontons_user_uel')
       import :: c_double, c_int, c_ptr, uel_type
       type(c_ptr), value :: handle
@@ -241,7 +264,7 @@ contains
     case (LIBRARY_NOT_LOADED)
       call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // text_before_null(message) // '.')
     case (LIBRARY_NO_ROUTINE)
-      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL (as ' // &
+      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD (as ' // &
         'umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
     case default
       call set_error(error, EXIT_SOLVER, who // 'cannot be opened: there is no memory.')
@@ -380,6 +403,19 @@ contains
     type(uel_type), intent(inout) :: values
     call uel_c(routines%handle, props, jprops, [size(props), size(jprops)], inputs, rhs, amatrx, memory, values)
   end subroutine call_uel
+
+
+  !> Calls USDFLD.
+  subroutine call_usdfld(routines, names, field, statev, values)
+    type(user_library_type), intent(in) :: routines
+    character(USER_NAME_LENGTH), intent(in) :: names(2)   !< CMNAME, ORNAME
+    real(DP), intent(inout) :: field(:)            !< FIELD
+    real(DP), intent(inout) :: statev(:)           !< STATEV
+    type(usdfld_type), intent(inout) :: values
+    values%nfield = size(field)
+    values%nstatv = size(statev)
+    call usdfld_c(routines%handle, names(1) // names(2), field, statev, values)
+  end subroutine call_usdfld
 
 
   !> Calls FRIC.

@@ -33,7 +33,7 @@ module amontons_postprocess
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
   use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR, BEHAVIOR_USER
   use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
-  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC
+  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, USER_FIELD
   implicit none
   private
   public :: average_at_nodes, estimate_error, integration_point_volumes, integration_point_positions
@@ -333,6 +333,7 @@ contains
             temperature(1) = dot_product(weight(:n, i), model%initial_temperature(nodes(:n)))
             field(1) = dot_product(weight(:n, i), model%initial_temperature(k + nodes(:n)))
           end if
+          if (model%materials(m)%is_user_field) field(2) = fields%history(USER_FIELD, p)
           frame = IDENTITY
           if (allocated(fields%frame)) frame = fields%frame(:, :, p)
           strain(:, p) = strain(:, p) - evaluate_thermal_strain(model%materials(m), temperature, field, frame, is_nlgeom)

@@ -364,7 +364,7 @@ contains
     columns = INTEGRATION_COLUMNS
     n = 0
     if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
-    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'State variables of UMAT (STATEV).')]
+    if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'State variables of UMAT or USDFLD (STATEV).')]
   end function columns_of_points
 
 

@@ -19,7 +19,7 @@ module amontons_state
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
   public :: state_type, fields_type, slave_state_type, create_state, create_material_state, commit_state, restore_state, load_time
-  public :: take_points, commit_fields
+  public :: take_points, commit_fields, rotate_stress_to_frame
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, DAMPING_NOW, DAMPING_NEXT
 
   integer, parameter :: N_CALCULIX_PLASTIC = 13                      !< values of the plasticity state in CalculiX

@@ -1,22 +1,25 @@
-!> Data passed to user routines at element level (UMAT, SDVINI, DLOAD, DISP) and stored from them.
+!> Data passed to user routines at element level (UMAT, USDFLD, SDVINI, DLOAD, DISP) and stored from them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_user_state
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_NOT_CONVERGED
-  use amontons_element, only: evaluate_element_volume
-  use amontons_materials, only: USER_STRESS, USER_STATE
+  use amontons_element, only: evaluate_element_volume, set_temperature_weights
+  use amontons_materials, only: USER_STRESS, USER_STATE, USER_FIELD, USER_VERDICT, HISTORY_PEEQ, HISTORY_INELASTIC
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, material_in_step
   use amontons_element_integration_points, only: integration_points_type
   use amontons_loads, only: distributed_type, prescribed_type
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
-  use amontons_state, only: state_type, fields_type, commit_fields
+  use amontons_state, only: state_type, fields_type, commit_fields, rotate_stress_to_frame
   use amontons_element_kinds, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
     FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
-  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, USER_NAME_LENGTH
+  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, call_usdfld, usdfld_type, user_library_type, &
+    USER_NAME_LENGTH
+  use amontons_tensor, only: IDENTITY
   implicit none
   private
   public :: max_stress_components, initialize_state_variables, load_umat_points, store_umat_points, evaluate_dload, evaluate_disp
+  public :: update_user_fields, load_user_fields, has_invalid_fields
 
 contains
 
@@ -106,6 +109,7 @@ contains
     type(state_type), intent(inout) :: state
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    type(user_library_type) :: routines
     integer :: e, p, first, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
     logical :: is_accepted
     if (.not. (model%has_sdvini .or. allocated(model%initial_statev))) return
@@ -113,16 +117,18 @@ contains
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
       associate (material => model%materials(model%mesh%material(e)), statev => state%new%history)
-        if (.not. material%is_user .or. material%n_statev == 0) cycle
+        if (material%n_statev == 0) cycle
         call element_nodes(model%mesh, e, n_nodes, nodes)
         call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
         first = model%mesh%point_first(e)
+        routines = model%routines
+        if (material%is_user) routines = material%routines
         do p = first, model%mesh%point_first(e + 1) - 1
           if (allocated(model%initial_statev)) statev(USER_STATE:USER_STATE + material%n_statev - 1, p) = &
             model%initial_statev(:material%n_statev, p)
           if (.not. model%has_sdvini) cycle
           call shape_functions(model%mesh%kind(e), xi(:, p - first + 1), N, dN)
-          call call_sdvini(material%routines, statev(USER_STATE:USER_STATE + material%n_statev - 1, p), &
+          call call_sdvini(routines, statev(USER_STATE:USER_STATE + material%n_statev - 1, p), &
             matmul(model%mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes)), model%mesh%element_label(e), p - first + 1, &
             is_accepted)
         end do
@@ -132,6 +138,114 @@ contains
     call commit_fields(state)
     if (.not. is_accepted) call set_error(error, EXIT_NOT_CONVERGED, 'The user routine SDVINI has ended the job (XIT).')
   end subroutine initialize_state_variables
+
+
+  !> Before an attempt: USDFLD gives field variables and STATEV of the points of its materials from the state at the start.
+  subroutine update_user_fields(model, state)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(inout) :: state       !< old fields; new times, numbers, temperatures; out: new history
+    integer :: e, m
+    if (.not. any(model%materials%is_user_field)) return
+    do e = 1, model%mesh%n_elements
+      m = material_in_step(model, state%new%step, e)
+      if (m == 0) cycle
+      if (model%materials(m)%is_user_field) call call_at_points(model, m, e, state)
+    end do
+  end subroutine update_user_fields
+
+
+  !> The same for one element.
+  subroutine call_at_points(model, m, e, state)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: m, e                    !< material, element
+    type(state_type), intent(inout) :: state
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
+      weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    real(DP), allocatable :: field(:), statev(:)
+    character(USER_NAME_LENGTH) :: names(2)
+    type(usdfld_type) :: values
+    integer :: n_rule, n_nodes, nodes(MAX_ELEMENT_NODES), i, k, p, status, components(2)
+    components = count_stress_components(model%mesh%kind(e))
+    call element_nodes(model%mesh, e, n_nodes, nodes)
+    call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
+    call set_temperature_weights(model%mesh%kind(e), weight, wall_ratios(model%mesh, e))
+    names = [character(USER_NAME_LENGTH) :: model%materials(m)%name, '']
+    associate (mesh => model%mesh, old => state%old, new => state%new)
+      call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section_value(e), values%celent, &
+        status, wall_ratios(mesh, e))
+      values%celent = max(values%celent, 0.0_DP)**(1 / 3.0_DP)
+      values%time = [new%step_time - new%time_increment, old%total_time]
+      values%dtime = new%time_increment
+      values%noel = mesh%element_label(e)
+      values%ndi = components(1)
+      values%nshr = components(2)
+      values%step = new%step
+      values%increment = new%increment
+      do i = 1, mesh%point_first(e + 1) - mesh%point_first(e)
+        p = mesh%point_first(e) + i - 1
+        call shape_functions(mesh%kind(e), xi(:, i), N, dN)
+        call load_point(old, p, values)
+        values%npt = i
+        values%coords = matmul(mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes))
+        values%temp = dot_product(weight(:n_nodes, i), old%temperature(nodes(:n_nodes)))
+        field = [(dot_product(weight(:n_nodes, i), new%temperature(k * mesh%n_nodes + nodes(:n_nodes))), &
+          k=1, size(new%temperature) / mesh%n_nodes - 1)]
+        if (size(field) == 0) field = [0.0_DP]
+        statev = old%history(USER_STATE:USER_STATE - 1 + model%materials(m)%n_statev, p)
+        call call_usdfld(model%routines, names, field, statev, values)
+        new%history(USER_FIELD, p) = field(max(1, model%materials(m)%table_variable))
+        new%history(USER_VERDICT, p) = merge(1.0_DP, 0.0_DP, values%is_accepted == 1 .and. &
+          all(abs([field, statev]) <= huge(1.0_DP)))
+        new%history(USER_STATE:USER_STATE - 1 + model%materials(m)%n_statev, p) = statev
+      end do
+    end associate
+  end subroutine call_at_points
+
+
+  !> What GETVRM gives at a point, in the local axes, and these.
+  pure subroutine load_point(fields, p, values)
+    type(fields_type), intent(in) :: fields        !< at the start of the increment
+    integer, intent(in) :: p                       !< point
+    type(usdfld_type), intent(inout) :: values
+    values%direct = IDENTITY
+    if (allocated(fields%frame)) values%direct = fields%frame(:, :, p)
+    values%stress = rotate_stress_to_frame(fields%stress(:, p), values%direct)
+    values%strain = rotate_stress_to_frame(fields%strain(:, p), values%direct)
+    values%plastic(:6) = rotate_stress_to_frame(fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, p), values%direct)
+    values%strain(4:) = 2 * values%strain(4:)      ! engineering shears
+    values%plastic(4:6) = 2 * values%plastic(4:6)
+    values%plastic(7) = fields%history(HISTORY_PEEQ, p)
+  end subroutine load_point
+
+
+  !> The field variable that USDFLD gave at the points of an element, if its material has such ones.
+  pure subroutine load_user_fields(model, state, e, points)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: e
+    type(integration_points_type), intent(inout) :: points     !< out: point_field
+    integer :: p, m
+    m = material_in_step(model, state%new%step, e)
+    if (m == 0) return
+    if (.not. model%materials(m)%is_user_field) return
+    p = model%mesh%point_first(e)
+    m = model%mesh%point_first(e + 1) - p
+    points%point_field(:m) = state%new%history(USER_FIELD, p:p + m - 1)
+  end subroutine load_user_fields
+
+
+  !> Whether USDFLD requests a shorter increment for a point of an element, or gave a value that is not finite.
+  pure logical function has_invalid_fields(model, fields, e)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: e
+    integer :: m
+    has_invalid_fields = .false.
+    m = material_in_step(model, fields%step, e)
+    if (m == 0) return
+    if (model%materials(m)%is_user_field) has_invalid_fields = any(fields%history(USER_VERDICT, &
+      model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1) < 1)
+  end function has_invalid_fields
 
 
   !> Stores the history that UMAT returned for the points of an element.

@@ -292,8 +292,9 @@ WORDY = {"containers", "restart_file", "facets", "posix", "reduced_system", "tex
 #: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the signal handlers of the process while user
 #: routines are open and before the main program's, the turn, and what the compiler makes: lengths of strings (slen), types of
 #: variables without values (def_init), its own beginnings and ends.
-STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|inside|stop_signal|"
-                    r"n_status_requested|is_watching_end|way_out|place_of_call|caught|handlers_before|handlers_lock|n_open_libraries|"
+STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|stop_signal|"
+                    r"n_status_requested|is_watching_end|amontons_user_(inside|way_out|place)|(point|fields|statev)_of_call|caught|"
+                    r"handlers_before|handlers_lock|n_open_libraries|"
                     r"is_exit_watched|signal_stack|has_signal_stack|access_before|abort_before")  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from verify.independent.results import read_field, read_history
 from verify.library.common import ROOT
 
 UEL = ROOT / "verify" / "library" / "routines" / "uel.f90"
-DECK_ERROR, USAGE = 3, 2
+DECK_ERROR, USAGE, NOT_CONVERGED = 3, 2, 5
 TRUSS = "*USER ELEMENT, TYPE=U1, NODES=2, COORDINATES=3, PROPERTIES=3, VARIABLES=2\n1, 2, 3\n"
 ARCH = """*NODE, NSET=ALL
 1, 0., 0., 0.
@@ -151,6 +151,75 @@ def test_shorter_increments(run: Run, tmp_path: Path) -> None:
     times = history["step_time"][history["is_converged"] > 0]
     assert np.diff(times, prepend=0).max() <= 0.03 + 1e-12
     assert (history["is_converged"] == 0).any()
+
+
+HEAD = """subroutine uel(rhs, amatrx, svars, energy, ndofel, nrhs, nsvars, props, nprops, coords, mcrd, nnode, u, du, v, a, jtype, time, &
+  dtime, kstep, kinc, jelem, params, ndload, jdltyp, adlmag, predef, npredf, lflags, mlvarx, ddlmag, mdload, pnewdt, jprops, &
+  njprop, period)
+  include 'aba_param.inc'
+  dimension rhs(mlvarx, *), amatrx(ndofel, ndofel), props(*), svars(*), u(ndofel), du(mlvarx, *), time(2), lflags(*)
+"""
+SLIDER = HEAD + """  force = 1000 * (u(2) - u(1) - svars(1))
+  stiffness = 1000
+  if (abs(force) > 10) then
+    force = sign(10d0, force)
+    svars(1) = u(2) - u(1) - force / 1000
+    stiffness = 0.001d0
+  end if
+  if (time(2) > {end} .and. kinc > 0) call xit
+  rhs(1, 1) = force
+  rhs(2, 1) = -force
+  amatrx(1, 1) = stiffness
+  amatrx(2, 2) = stiffness
+  amatrx(1, 2) = -stiffness
+  amatrx(2, 1) = -stiffness
+end subroutine uel
+"""
+CYCLE = """*NODE, NSET=ALL
+1, 0.
+2, 1.
+*USER ELEMENT, TYPE=U1, NODES=2, COORDINATES=1, VARIABLES=1
+1
+*ELEMENT, TYPE=U1
+1, 1, 2
+*AMPLITUDE, NAME=CYCLE
+0., 0., 0.25, 1., 0.75, -1., 1., 0.
+*BOUNDARY
+1, 1
+*STEP
+*STATIC, DIRECT
+0.05, 1.
+*BOUNDARY, AMPLITUDE=CYCLE
+2, 1, 1, 0.03
+*END STEP
+"""
+
+
+def test_memory_of_a_resumed_job(run: Run, tmp_path: Path) -> None:
+    """A spring of 1000 that slides at 10, pulled to 0.03, pushed to -0.03 and back: +10, -10, and +10 again. A job that XIT ends in the
+    middle resumes bitwise with a routine that does not.
+    """
+    for name, end in (("whole", 9.0), ("ends", 0.62)):
+        (tmp_path / f"{name}.f90").write_text(SLIDER.format(end=f"{end}d0"))
+    (tmp_path / "whole.inp").write_text(CYCLE)
+    (tmp_path / "parts.inp").write_text(CYCLE)
+    assert run(["whole", "user=whole.f90"], cwd=tmp_path).returncode == 0
+    assert run(["parts", "user=ends.f90"], cwd=tmp_path).returncode == NOT_CONVERGED
+    done = run(["--resume", "parts", "user=whole.f90"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    whole, parts = (np.array([rf[1, 0] for rf in read_field(tmp_path / f"{name}.vtkhdf", "RF")]) for name in ("whole", "parts"))
+    assert np.array_equal(whole, parts)
+    assert whole[[5, 15, 20]] == pytest.approx([10.0, -10.0, 10.0], rel=1e-9)
+    assert whole[1] == pytest.approx(6.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("card", ["TYPE=U1, NODES=21", "TYPE=V1, NODES=2"])
+def test_one_error_for_one_cause(card: str, run: Run, tmp_path: Path) -> None:
+    """The elements of a type whose card is refused have no error of their own."""
+    (tmp_path / "job.inp").write_text(arch(THEIRS.replace("TYPE=U1, NODES=2", card, 1), nlgeom=False, load=-2.0))
+    done = run(["job", f"user={UEL}"], cwd=tmp_path)
+    assert done.returncode == DECK_ERROR, done.stdout + done.stderr
+    assert (done.stdout + done.stderr).count("job.inp:") == 1, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(

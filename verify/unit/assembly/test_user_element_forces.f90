@@ -9,7 +9,8 @@ program test_user_element_forces
   use amontons_sparse, only: multiply_symmetric
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
   use amontons_unsymmetric_tangent, only: assemble_skew, subtract_skew_product
-  use amontons_user_element_forces, only: add_user_forces, add_user_stiffness, user_strain_energy, user_inelastic_work
+  use amontons_user_element_forces, only: add_user_forces, add_user_stiffness, begin_user_elements, &
+    user_strain_energy, user_inelastic_work
   use amontons_user_routines, only: open_routines, close_routines
   use check, only: suite_type
   use samples, only: deck_lines
@@ -23,7 +24,9 @@ program test_user_element_forces
   type(state_type) :: state
   type(assembly_type) :: assembly
   call prepare()
+  call check_first_call()
   call check_forces()
+  call check_fields()
   call check_stiffness()
   call check_failure()
   call expect_message('*UEL PROPERTY, ELSET=X;1.;', 'no element set', step=STEP_PART)
@@ -45,6 +48,12 @@ contains
       '  include "aba_param.inc"', &
       '  dimension rhs(mlvarx, *), amatrx(ndofel, ndofel), svars(*), energy(8), props(*), coords(mcrd, nnode), u(ndofel), &', &
       '    du(mlvarx, *), v(ndofel), a(ndofel), time(2), predef(2, npredf, nnode), lflags(*), jprops(*)', &
+      '  integer, save :: n_begun = 0', &
+      '  if (lflags(3) == 4 .and. kinc == 0 .and. kstep == 1 .and. dtime == 0 .and. time(2) == 0) n_begun = n_begun + 1', &
+      '  if (maxval(lflags(4:7)) /= 0 .or. pnewdt < 1d9) call xit', &
+      '  energy(1) = n_begun', &
+      '  energy(5) = lflags(1)', &
+      '  energy(6) = npredf + 10 * predef(1, 1, 2)', &
       '  do i = 1, ndofel', &
       '    amatrx(:, i) = props(1) * i * [(k, k = 1, ndofel)]', &
       '    amatrx(i, i) = 10', &
@@ -67,6 +76,13 @@ contains
     call create_assembly(assembly, model%mesh, error)
     call create_state(state, model%mesh, no_slaves)
     call create_material_state(state, model)
+  end subroutine prepare
+
+
+  !> One call at the start for each element, which changes nothing.
+  subroutine check_first_call()
+    call begin_user_elements(model, state)
+    call suite%near('nothing is kept', maxval(abs(state%new%user_memory)), 0.0_DP, 0.0_DP)
     state%new%step = 1
     state%new%increment = 4
     state%new%step_time = 0.5_DP
@@ -74,7 +90,7 @@ contains
     state%new%temperature = [7.0_DP, 5.0_DP, 6.0_DP]
     state%new%u(:2, :) = reshape([0.1_DP, -0.2_DP, 0.3_DP, 0.4_DP, 0.7_DP, -0.6_DP], [2, 3])
     state%old%u(1, 1) = 0.04_DP
-  end subroutine prepare
+  end subroutine check_first_call
 
 
   !> The matrix of one element.
@@ -111,6 +127,8 @@ contains
       call suite%near('SVARS from the committed ones', maxval(abs(memory([1, 11]) - 1)), 0.0_DP, 0.0_DP)
       call suite%near('element, type, increment, LFLAGS', memory(12), 12 + 500 + 4000 + 0.5_DP + 0.25_DP + 0.125_DP, 0.0_DP)
       call suite%near('U and its increment', memory(5), 0.06_DP, TOL)
+      call suite%near('both elements were called at the start', memory(3), 2.0_DP, 0.0_DP)
+      call suite%near('procedure: automatic increments', memory(7), 1.0_DP, 0.0_DP)
       call suite%near('temperature and its change, times', memory(6), 5 + 50 + 50 + 500 + 1.0_DP, TOL * 1000)
       call suite%near('elastic energy: COORDS', user_strain_energy(model, state%new), 10.0_DP + 13.0_DP, TOL)
       call suite%near('inelastic work', user_inelastic_work(model, state%new), sum(memory([5, 6, 15, 16])), TOL * 1000)
@@ -118,6 +136,28 @@ contains
     call add_user_forces(model, model%steps(1), state, failed)
     call suite%near('a second call starts from the committed SVARS too', state%new%user_memory(1), 1.0_DP, 0.0_DP)
   end subroutine check_forces
+
+
+  !> PREDEF begins with the temperature, or with the first field variable where the deck gives no temperature; DIRECT in LFLAGS.
+  subroutine check_fields()
+    type(state_type) :: other
+    integer :: failed
+    other = state
+    other%new%temperature = [7.0_DP, 5.0_DP, 6.0_DP, 1.0_DP, 2.0_DP, 3.0_DP]
+    other%old%temperature = other%new%temperature
+    model%steps(1)%is_direct = .true.
+    call add_user_forces(model, model%steps(1), other, failed)
+    call suite%near('first field variable', other%new%user_memory(8), 1 + 10 * 2.0_DP, 0.0_DP)
+    call suite%near('procedure: DIRECT', other%new%user_memory(7), 2.0_DP, 0.0_DP)
+    model%steps(1)%is_direct = .false.
+    model%steps(1)%has_creep = .true.
+    model%user_elements%has_temperature = .true.
+    call add_user_forces(model, model%steps(1), other, failed)
+    call suite%near('temperature and field variable', other%new%user_memory(8), 2 + 10 * 5.0_DP, 0.0_DP)
+    call suite%near('procedure: VISCO', other%new%user_memory(7), 21.0_DP, 0.0_DP)
+    model%steps(1)%has_creep = .false.
+    model%user_elements%has_temperature = .false.
+  end subroutine check_fields
 
 
   !> K and W together are the derivative of the forces.

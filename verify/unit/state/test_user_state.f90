@@ -5,14 +5,14 @@ program test_user_state
   use amontons_element_integration_points, only: integration_points_type
   use amontons_kinds, only: DP
   use amontons_loads, only: distributed_type, prescribed_type
-  use amontons_materials, only: USER_STRESS, USER_STATE
+  use amontons_materials, only: USER_STRESS, USER_STATE, HISTORY_PEEQ, HISTORY_INELASTIC
   use amontons_mesh, only: finalize_mesh
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
   use amontons_element_kinds, only: KIND_C3D8, KIND_CPE4, KIND_CPS4, KIND_T3D2, FACET_QUAD4
   use amontons_user_routines, only: open_routines, close_routines
   use amontons_user_state, only: max_stress_components, initialize_state_variables, load_umat_points, store_umat_points, &
-    evaluate_dload, evaluate_disp
+    evaluate_dload, evaluate_disp, update_user_fields, load_user_fields, has_invalid_fields
   use check, only: suite_type
   implicit none
   real(DP), parameter :: TOL = 1.0e-13_DP, NEAR = 1 - 1 / sqrt(3.0_DP)   ! place of the first point of two on [0, 2]
@@ -29,6 +29,7 @@ program test_user_state
   call check_components()
   call check_points()
   call check_stored()
+  call check_fields()
   call check_initial()
   call check_loads()
   call close_routines(model%routines)
@@ -129,6 +130,39 @@ contains
     call suite%near('stored', maxval(abs(state%new%history(USER_STRESS:, 3) - 30)), 0.0_DP, 0.0_DP)
     call suite%near('before it', maxval(abs(state%new%history(:USER_STRESS - 1, :))), 0.0_DP, 0.0_DP)
   end subroutine check_stored
+
+
+  !> USDFLD: its arguments, GETVRM, the field of the points, and refused increments.
+  subroutine check_fields()
+    type(integration_points_type) :: points
+    model%materials(1)%is_user = .false.
+    model%materials(1)%is_user_field = .true.
+    model%materials(1)%table_variable = 1
+    model%materials(1)%name = 'M'
+    state%new%temperature = [spread(3.0_DP, 1, 8), spread(40.0_DP, 1, 8)]
+    state%old%temperature = spread(2.0_DP, 1, 16)
+    state%old%history = 0
+    state%old%history(HISTORY_PEEQ, :) = 0.25_DP
+    state%old%history(HISTORY_INELASTIC + 5, 8) = 0.5_DP
+    state%old%history(USER_STATE, 8) = 6
+    state%old%stress(:, 8) = [1.0_DP, 2.0_DP, 3.0_DP, 4.0_DP, 5.0_DP, 6.0_DP]
+    state%old%strain(:, 8) = [0.1_DP, 0.2_DP, 0.3_DP, 0.4_DP, 0.5_DP, 0.6_DP]
+    state%new%time_increment = 0.5_DP
+    call update_user_fields(model, state)
+    call load_user_fields(model, state, 1, points)
+    ! FIELD + NOEL + NPT/10 + S12 S13 S23, E13, PEEQ, PE13, DTIME, TIME(1), TEMP, x; Mises is sqrt(3 + 3 (16 + 25 + 36))
+    call suite%near('FIELD', points%point_field(8), 40 + 7 + 0.8_DP + 100 * 4 + 1000 * 6 + 1.0e4_DP * 5 + 1.2_DP + 0.25_DP &
+      + 1.0_DP + 0.5_DP + 0.25_DP + 2.0_DP + 2 - NEAR, 1.0e-9_DP)
+    call suite%near('STATEV', maxval(abs(state%new%history(USER_STATE:USER_STATE + 1, 8) - [7.0_DP, sqrt(234.0_DP) - 2])), &
+      0.0_DP, TOL)
+    call suite%that('valid', .not. has_invalid_fields(model, state%new, 1))
+    state%new%time_increment = 100
+    call update_user_fields(model, state)
+    call suite%that('PNEWDT', has_invalid_fields(model, state%new, 1))
+    model%materials(1)%is_user = .true.
+    model%materials(1)%is_user_field = .false.
+    call suite%that('no such material', .not. has_invalid_fields(model, state%new, 1))
+  end subroutine check_fields
 
 
   !> STATEV of the deck, of SDVINI, and a job that SDVINI ends.

@@ -1,0 +1,381 @@
+/* The calls of user routines, for user_routines.f90: arguments of Abaqus from those of Amontons.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "user_shim.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* PNEWDT on entry: a routine that leaves it alone wishes no other increment. */
+static const double NO_WISH = 1e36;
+
+/* Around each call: serialized, with return to this point after XIT and after a crash; no call follows a crash. */
+#define CALL(self, where, statement)                         \
+  do {                                                       \
+    pthread_mutex_lock(&(self)->lock);                       \
+    if ((self)->is_stopped != CRASHED) {                     \
+      amontons_user_give_stack();                                          \
+      amontons_user_place = where;                                 \
+      amontons_user_inside = (self);                                       \
+      switch (setjmp(amontons_user_way_out)) {                             \
+      case 0: statement; break;                              \
+      case CRASHED: amontons_user_report_crash(self); break;               \
+      default: break;                                        \
+      }                                                      \
+      amontons_user_inside = NULL;                                         \
+    }                                                        \
+    pthread_mutex_unlock(&(self)->lock);                     \
+  } while (0)
+
+typedef void umat_routine(double *stress, double *statev, double *ddsdde, double *sse, double *spd, double *scd, double *rpl,
+                          double *ddsddt, double *drplde, double *drpldt, const double *stran, const double *dstran,
+                          const double *time, const double *dtime, const double *temp, const double *dtemp,
+                          const double *predef, const double *dpred, const char *cmname, const int *ndi, const int *nshr,
+                          const int *ntens, const int *nstatv, const double *props, const int *nprops, const double *coords,
+                          const double *drot, double *pnewdt, const double *celent, const double *dfgrd0,
+                          const double *dfgrd1, const int *noel, const int *npt, const int *layer, const int *kspt,
+                          const int *jstep, const int *kinc, size_t n_cmname);
+
+/* Arguments of UMAT except STATEV and PROPS; components 11 22 33 12 13 23, of which the routine gets those of its
+ * element. The same layout as umat_type of user_routines.f90. */
+typedef struct {
+  double stress[6], ddsdde[36], energies[3], stran[6], dstran[6], time[2], dtime, temp, dtemp, celent, coords[3], drot[9],
+    dfgrd0[9], dfgrd1[9];
+  int noel, npt, step, increment;
+  int is_taken;          /* 1: valid result; 2: PNEWDT < 1; 0: it has called XIT */
+  int ndi, nshr;         /* normal and shear components: 3 3 for solids, 3 1 in plane strain, 2 1 in plane stress, 1 0 in bars */
+} umat_values;
+
+/* The positions of the components of an element; their number. */
+static int list_components(const umat_values *v, int *place)
+{
+  for (int i = 0; i < v->ndi; i++) place[i] = i;
+  for (int i = 0; i < v->nshr; i++) place[v->ndi + i] = 3 + i;
+  return v->ndi + v->nshr;
+}
+
+void amontons_user_umat(void *handle, const char *cmname, const double *props, int nprops, double *statev, int nstatv,
+                        umat_values *v)
+{
+  routines *self = handle;
+  const int one = 1;
+  int place[6];
+  const int ntens = list_components(v, place);
+  double stress[6] = {0}, ddsdde[36] = {0}, stran[6] = {0}, dstran[6] = {0};
+  for (int i = 0; i < ntens; i++) {
+    stress[i] = v->stress[place[i]];
+    stran[i] = v->stran[place[i]];
+    dstran[i] = v->dstran[place[i]];
+  }
+  const int jstep[4] = {v->step, 1, 0, 0};
+  const double none = 0;
+  double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = NO_WISH;
+  umat_routine *umat = (umat_routine *)(uintptr_t)self->routine[UMAT];
+  const call_place where = {UMAT, v->noel, v->npt, 0, v->step, v->increment};
+  CALL(self, where,
+       umat(stress, statev, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde, &drpldt, stran,
+            dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr, &ntens, &nstatv, props,
+            &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel, &v->npt, &one, &one, jstep,
+            &v->increment, NAME_LENGTH));
+  memset(v->stress, 0, sizeof v->stress);
+  memset(v->ddsdde, 0, sizeof v->ddsdde);
+  for (int j = 0; j < ntens; j++) {
+    v->stress[place[j]] = stress[j];
+    for (int i = 0; i < ntens; i++) v->ddsdde[6 * place[j] + place[i]] = ddsdde[ntens * j + i];
+  }
+  pthread_mutex_lock(&self->lock);
+  v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
+  if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;
+  pthread_mutex_unlock(&self->lock);
+}
+
+typedef void sdvini_routine(double *statev, const double *coords, const int *nstatv, const int *ncrds, const int *noel,
+                            const int *npt, const int *layer, const int *kspt);
+
+/* SDVINI. 1: done; 0: it has called XIT. */
+void amontons_user_sdvini(void *handle, double *statev, int nstatv, const double *coords, int noel, int npt, int *is_taken)
+{
+  routines *self = handle;
+  const int ncrds = 3, one = 1;
+  sdvini_routine *sdvini = (sdvini_routine *)(uintptr_t)self->routine[SDVINI];
+  const call_place where = {SDVINI, noel, npt, 0, 0, 0};
+  CALL(self, where,
+       sdvini(statev, coords, &nstatv, &ncrds, &noel, &npt, &one, &one));
+  *is_taken = !self->is_stopped;
+}
+
+typedef void dload_routine(double *f, const int *kstep, const int *kinc, const double *time, const int *noel, const int *npt,
+                           const int *layer, const int *kspt, const double *coords, const int *jltyp, const char *sname,
+                           size_t n_sname);
+
+/* DLOAD: the magnitude at a point of an element or a face. `counts`: step, increment, noel, npt, jltyp. */
+void amontons_user_dload(void *handle, double *f, const double *time, const double *coords, const char *sname,
+                         const int *counts, int *is_taken)
+{
+  routines *self = handle;
+  const int one = 1;
+  dload_routine *dload = (dload_routine *)(uintptr_t)self->routine[DLOAD];
+  const call_place where = {DLOAD, counts[2], counts[3], 0, counts[0], counts[1]};
+  CALL(self, where,
+       dload(f, &counts[0], &counts[1], time, &counts[2], &counts[3], &one, &one, coords, &counts[4], sname, NAME_LENGTH));
+  *is_taken = !self->is_stopped;
+}
+
+typedef void disp_routine(double *u, const int *kstep, const int *kinc, const double *time, const int *node, const int *noel,
+                          const int *jdof, const double *coords);
+
+/* DISP: a prescribed displacement. `time`: step, total, increment; `counts`: step, increment, node, jdof. */
+void amontons_user_disp(void *handle, double *u, const double *time, const double *coords, const int *counts, int *is_taken)
+{
+  routines *self = handle;
+  const int none = 0;
+  double answer[3] = {*u, 0, 0};
+  disp_routine *disp = (disp_routine *)(uintptr_t)self->routine[DISP];
+  const call_place where = {DISP, 0, 0, counts[2], counts[0], counts[1]};
+  CALL(self, where,
+       disp(answer, &counts[0], &counts[1], time, &counts[2], &none, &counts[3], coords));
+  *u = answer[0];
+  *is_taken = !self->is_stopped;
+}
+
+typedef void uamp_routine(const char *name, const double *time, const double *old, const double *dt, const int *nprops,
+                          const double *props, const int *nsvars, double *svars, const int *flags, const int *nsensor,
+                          const double *sensor_values, const char *sensor_names, const int *sensor_table, double *value,
+                          int *defined, double *derivative, double *second, double *integral, double *double_integral,
+                          size_t n_name, size_t n_sensor_names);
+
+/* uamp_type of user_routines.f90. */
+typedef struct {
+  double time[2], dt, old, value;   /* time: step, total */
+  int is_first, step, increment;    /* is_first: the call before the first increment */
+  int is_taken;
+} uamp_values;
+
+/* UAMP: the value of an amplitude; there are no sensors. */
+void amontons_user_uamp(void *handle, const char *name, const double *props, int nprops, double *svars, int nsvars,
+                        uamp_values *v)
+{
+  routines *self = handle;
+  const int none = 0;
+  const int flags[4] = {v->is_first, 0, v->step, v->increment};
+  int defined[4] = {0, 0, 0, 0};
+  const double no_sensor = 0;
+  double derivative = 0, second = 0, integral = 0, double_integral = 0;
+  char no_name[NAME_LENGTH];
+  memset(no_name, ' ', sizeof no_name);
+  uamp_routine *uamp = (uamp_routine *)(uintptr_t)self->routine[UAMP];
+  const call_place where = {UAMP, 0, 0, 0, v->step, v->increment};
+  CALL(self, where,
+       uamp(name, v->time, &v->old, &v->dt, &nprops, props, &nsvars, svars, flags, &none, &no_sensor, no_name, &none,
+            &v->value, defined, &derivative, &second, &integral, &double_integral, NAME_LENGTH, NAME_LENGTH));
+  v->is_taken = !self->is_stopped;
+}
+
+typedef void fric_routine(int *lm, double *tau, double *ddtddg, double *ddtddp, double *dslip, double *sed, double *sfd,
+                          double *ddtddt, double *pnewdt, double *statev, const double *dgam, const double *taulm,
+                          const double *press, const double *dpress, const double *ddpddh, const double *slip,
+                          const int *kstep, const int *kinc, const double *time, const double *dtime, const int *noel,
+                          const char *ciname, const char *slname, const char *msname, const int *npt, const int *node,
+                          const int *npatch, const double *coords, const double *rcoord, const double *drot,
+                          const double *temp, const double *predef, const int *nfdir, const int *mcrd, const int *npred,
+                          const int *nstatv, const double *chrlngth, const double *props, const int *nprops, size_t n_ciname,
+                          size_t n_slname, size_t n_msname);
+
+/* fric_type of user_routines.f90. */
+typedef struct {
+  double tau[2], ddtddg[4], ddtddp[2], dslip[2], sed, sfd, dgam[2], taulm[2], press, dpress, ddpddh, slip[2], time[2], dtime,
+    coords[3], length, temp[2];
+  int lm, node, nfdir, mcrd, step, increment, is_taken;
+} fric_values;
+
+/* FRIC. `names`: interaction, slave, master, NAME_LENGTH letters each. */
+void amontons_user_fric(void *handle, const char *names, const double *props, int nprops, double *statev, int nstatv,
+                        fric_values *v)
+{
+  routines *self = handle;
+  const int none = 0, one = 1;
+  const double turn[4] = {1, 0, 0, 1}, no_field[2] = {0, 0};
+  double ddtddt[4] = {0}, pnewdt = NO_WISH;
+  fric_routine *fric = (fric_routine *)(uintptr_t)self->routine[FRIC];
+  const call_place where = {FRIC, 0, 0, v->node, v->step, v->increment};
+  CALL(self, where,
+       fric(&v->lm, v->tau, v->ddtddg, v->ddtddp, v->dslip, &v->sed, &v->sfd, ddtddt, &pnewdt, statev, v->dgam, v->taulm,
+            &v->press, &v->dpress, &v->ddpddh, v->slip, &v->step, &v->increment, v->time, &v->dtime, &none, names, names +
+            NAME_LENGTH, names + 2 * NAME_LENGTH, &one, &v->node, &none, v->coords, v->coords, turn, v->temp, no_field,
+            &v->nfdir, &v->mcrd, &none, &nstatv, &v->length, props, &nprops, NAME_LENGTH, NAME_LENGTH, NAME_LENGTH));
+  v->is_taken = !self->is_stopped;
+}
+
+typedef void uinter_routine(double *stress, double *ddsddr, double *dviscous, double *dstructural, double *flux, double *ddfddt,
+                            double *ddsddt, double *ddfddr, double *statev, double *sed, double *sfd, double *spd, double *svd,
+                            double *scd, double *pnewdt, const double *rdisp, const double *drdisp, const double *temp,
+                            const double *dtemp, const double *predef, const double *dpred, const double *time,
+                            const double *dtime, const double *freqr, const char *ciname, const char *slname,
+                            const char *msname, const double *props, const double *coords, const double *alocaldir,
+                            const double *drot, const double *area, const double *chrlngth, const int *node, const int *ndir,
+                            const int *nstatv, const int *npred, const int *nprops, const int *mcrd, const int *kstep,
+                            const int *kinc, const int *kit, const int *linper, int *lopenclose, int *lstate, int *lsdi,
+                            const int *lprint, size_t n_ciname, size_t n_slname, size_t n_msname);
+
+/* uinter_type of user_routines.f90. */
+typedef struct {
+  double stress[3], ddsddr[9], sed, sfd, rdisp[3], drdisp[3], temp[2], time[2], dtime, coords[3], axes[9], area;
+  int node, ndir, mcrd, step, increment, is_closed, is_taken;
+} uinter_values;
+
+/* UINTER: in the plane the matrices have two rows. */
+void amontons_user_uinter(void *handle, const char *names, const double *props, int nprops, double *statev, int nstatv,
+                          uinter_values *v)
+{
+  routines *self = handle;
+  const int none = 0, n = v->ndir;
+  const double turn[4] = {1, 0, 0, 1}, nothing[6] = {0}, length = sqrt(v->area);
+  double d[9] = {0}, viscous[9] = {0}, structural[9] = {0}, flux[2] = {0}, ddfddt[4] = {0}, ddsddt[6] = {0}, ddfddr[6] = {0};
+  double spd = 0, svd = 0, scd = 0, pnewdt = NO_WISH;
+  int state = -1, sdi = 0;
+  uinter_routine *uinter = (uinter_routine *)(uintptr_t)self->routine[UINTER];
+  const call_place where = {UINTER, 0, 0, v->node, v->step, v->increment};
+  CALL(self, where,
+       uinter(v->stress, d, viscous, structural, flux, ddfddt, ddsddt, ddfddr, statev, &v->sed, &v->sfd, &spd, &svd, &scd,
+              &pnewdt, v->rdisp, v->drdisp, v->temp, nothing, nothing, nothing, v->time, &v->dtime, nothing, names, names +
+              NAME_LENGTH, names + 2 * NAME_LENGTH, props, v->coords, v->axes, turn, &v->area, &length, &v->node, &n, &nstatv,
+              &none, &nprops, &v->mcrd, &v->step, &v->increment, &none, &none, &v->is_closed, &state, &sdi, &none, NAME_LENGTH,
+              NAME_LENGTH, NAME_LENGTH));
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) v->ddsddr[3 * j + i] = d[n * j + i];
+  if (n < 3) v->stress[2] = 0;
+  v->is_taken = !self->is_stopped;
+}
+
+typedef void uel_routine(double *rhs, double *amatrx, double *svars, double *energy, const int *ndofel, const int *nrhs,
+                         const int *nsvars, const double *props, const int *nprops, const double *coords, const int *mcrd,
+                         const int *nnode, const double *u, const double *du, const double *v, const double *a, const int *jtype,
+                         const double *time, const double *dtime, const int *kstep, const int *kinc, const int *jelem,
+                         const double *params, const int *ndload, const int *jdltyp, const double *adlmag, const double *predef,
+                         const int *npredf, const int *lflags, const int *mlvarx, const double *ddlmag, const int *mdload,
+                         double *pnewdt, const int *jprops, const int *njprop, const double *period);
+
+/* uel_type of user_routines.f90. */
+typedef struct {
+  double time[2], dtime, period;    /* time: step, total */
+  int lflags[10], ndofel, nsvars, mcrd, nnode, npredf, jtype, element, step, increment;
+  int is_taken;                     /* 1: valid result; 2: PNEWDT < 1; 0: it has called XIT */
+} uel_values;
+
+/* UEL. `inputs`: coords, u, du, predef; `memory`: svars, energy; `counts`: nprops, njprop. There are no loads on user elements and
+ * no velocities. */
+void amontons_user_uel(void *handle, const double *props, const int *jprops, const int *counts, const double *inputs, double *rhs,
+                       double *amatrx, double *memory, uel_values *v)
+{
+  routines *self = handle;
+  const int one = 1, none = 0, no_type = 0;
+  const double no_load = 0, params[3] = {0};
+  const double *coords = inputs, *u = coords + v->mcrd * v->nnode, *du = u + v->ndofel, *predef = du + v->ndofel;
+  double pnewdt = NO_WISH, *rest = calloc((size_t)v->ndofel, sizeof *rest);
+  uel_routine *uel = (uel_routine *)(uintptr_t)self->routine[UEL];
+  const call_place where = {UEL, v->element, 0, 0, v->step, v->increment};
+  v->is_taken = 0;
+  if (!rest) return;
+  CALL(self, where,
+       uel(rhs, amatrx, memory, memory + v->nsvars, &v->ndofel, &one, &v->nsvars, props, &counts[0], coords, &v->mcrd, &v->nnode,
+           u, du, rest, rest, &v->jtype, v->time, &v->dtime, &v->step, &v->increment, &v->element, params, &none, &no_type,
+           &no_load, predef, &v->npredf, v->lflags, &v->ndofel, &no_load, &one, &pnewdt, jprops, &counts[1], &v->period));
+  free(rest);
+  pthread_mutex_lock(&self->lock);
+  v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
+  if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;
+  pthread_mutex_unlock(&self->lock);
+}
+
+typedef void usdfld_routine(double *field, double *statev, double *pnewdt, const double *direct, const double *t,
+                            const double *celent, const double *time, const double *dtime, const char *cmname,
+                            const char *orname, const int *nfield, const int *nstatv, const int *noel, const int *npt,
+                            const int *layer, const int *kspt, const int *kstep, const int *kinc, const int *ndi,
+                            const int *nshr, const double *coord, const int *jmac, const int *jmatyp, const int *matlayo,
+                            const int *laccfla, size_t n_cmname, size_t n_orname);
+
+/* usdfld_type of user_routines.f90. Tensors: 11 22 33 12 13 23, strains with engineering shears. */
+typedef struct {
+  double stress[6], strain[6], plastic[7], time[2], dtime, temp, celent, coords[3], direct[9];   /* plastic: strain, PEEQ */
+  int noel, npt, ndi, nshr, nfield, nstatv, step, increment;
+  int is_taken;          /* 1: valid result; 2: PNEWDT < 1; 0: it has called XIT */
+} usdfld_values;
+
+enum { N_ARRAY = 15 };   /* length of ARRAY, JARRAY and FLGRAY */
+
+/* What GETVRM reads: the point of the current call. */
+static _Thread_local const usdfld_values *point_of_call;
+static _Thread_local const double *fields_of_call, *statev_of_call;
+
+void amontons_user_usdfld(void *handle, const char *names, double *field, double *statev, usdfld_values *v)
+{
+  routines *self = handle;
+  const int one = 1, none = 0;
+  const double turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double pnewdt = NO_WISH;
+  usdfld_routine *usdfld = (usdfld_routine *)(uintptr_t)self->routine[USDFLD];
+  const call_place where = {USDFLD, v->noel, v->npt, 0, v->step, v->increment};
+  point_of_call = v;
+  fields_of_call = field;
+  statev_of_call = statev;
+  CALL(self, where,
+       usdfld(field, statev, &pnewdt, v->direct, turn, &v->celent, v->time, &v->dtime, names, names + NAME_LENGTH, &v->nfield,
+              &v->nstatv, &v->noel, &v->npt, &one, &one, &v->step, &v->increment, &v->ndi, &v->nshr, v->coords, &none, &none,
+              &none, &none, NAME_LENGTH, NAME_LENGTH));
+  point_of_call = NULL;
+  pthread_mutex_lock(&self->lock);
+  v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
+  if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;
+  pthread_mutex_unlock(&self->lock);
+}
+
+/* The components of a tensor that the element has. */
+static void give_tensor(const double *tensor, double *array)
+{
+  for (int i = 0; i < point_of_call->ndi; i++) array[i] = tensor[i];
+  for (int i = 0; i < point_of_call->nshr; i++) array[point_of_call->ndi + i] = tensor[3 + i];
+}
+
+/* Invariants of the stress: MISES, none for TRESC, PRESS. */
+static void give_invariants(const double *s, double *array)
+{
+  const double p = -(s[0] + s[1] + s[2]) / 3;
+  const double a = s[0] + p, b = s[1] + p, c = s[2] + p;
+  array[0] = sqrt(1.5 * (a * a + b * b + c * c + 2 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])));
+  array[2] = p;
+}
+
+/* The first values, as many as the array takes. */
+static void give_first(const double *values, int n, double *array)
+{
+  memcpy(array, values, (size_t)(n < N_ARRAY ? n : N_ARRAY) * sizeof *array);
+}
+
+/* SUBROUTINE GETVRM(VAR, ARRAY, JARRAY, FLGRAY, JRCD, JMAC, JMATYP, MATLAYO, LACCFLA): S, SINV, E, LE, PE, PEEQ, SDV, FV, TEMP and
+ * COORD of the point at the start of the increment. JRCD = 1: another variable. */
+void getvrm_(const char *var, double *array, int *jarray, char *flgray, int *jrcd, const int *jmac, const int *jmatyp,
+             const int *matlayo, const int *laccfla, size_t n_var, size_t n_flgray);
+void getvrm_(const char *var, double *array, int *jarray, char *flgray, int *jrcd, const int *jmac, const int *jmatyp,
+             const int *matlayo, const int *laccfla, size_t n_var, size_t n_flgray)
+{
+  enum { LETTERS = 8 };
+  char name[LETTERS + 1] = "";
+  const usdfld_values *v = point_of_call;
+  (void)jmac, (void)jmatyp, (void)matlayo, (void)laccfla;
+  while (n_var > 0 && var[n_var - 1] == ' ') n_var--;
+  for (size_t i = 0; i < n_var && i < LETTERS; i++) name[i] = (char)(var[i] >= 'a' && var[i] <= 'z' ? var[i] - 'a' + 'A' : var[i]);
+  memset(array, 0, N_ARRAY * sizeof *array);
+  memset(jarray, 0, N_ARRAY * sizeof *jarray);
+  if (n_flgray == 3) memset(flgray, ' ', N_ARRAY * n_flgray);
+  *jrcd = 0;
+  if (!v || n_var > LETTERS) *jrcd = 1;
+  else if (!strcmp(name, "S")) give_tensor(v->stress, array);
+  else if (!strcmp(name, "SINV")) give_invariants(v->stress, array);
+  else if (!strcmp(name, "E") || !strcmp(name, "LE")) give_tensor(v->strain, array);
+  else if (!strcmp(name, "PE")) give_tensor(v->plastic, array), array[6] = v->plastic[6];
+  else if (!strcmp(name, "PEEQ")) array[0] = v->plastic[6];
+  else if (!strcmp(name, "SDV")) give_first(statev_of_call, v->nstatv, array);
+  else if (!strcmp(name, "FV")) give_first(fields_of_call, v->nfield, array);
+  else if (!strcmp(name, "TEMP")) array[0] = v->temp;
+  else if (!strcmp(name, "COORD")) memcpy(array, v->coords, sizeof v->coords);
+  else *jrcd = 1;
+}
