@@ -1,9 +1,10 @@
 """Decks of others, run here and in CalculiX: who finishes, what stops the rest, and how far the displacements differ.
 
 The decks lie below a folder, one folder for each of their sources; none is part of Amontons. A deck with *STATIC or *VISCO and
-without a card of another procedure counts. One of parts and instances is read under the abaqus dialect and not compared, because
-CalculiX passes over these cards; any other is read under the calculix dialect, so that both mean the same elements. CalculiX gets a
-copy that requests the displacements in its .frd file. Displacements are compared at the end of the job, at the nodes with one number
+without a card of another procedure counts. One of parts and instances or with a user routine is read under the abaqus dialect and not
+compared, because CalculiX passes over these cards or lacks the routine; any other is read under the calculix dialect, so that both
+mean the same elements. CalculiX gets a copy that requests the displacements in its .frd file. A user routine is taken from the
+Fortran file beside the deck that has it; of several from the one whose name is most like the deck's. Displacements are compared at the end of the job, at the nodes with one number
 and one place in both, over the largest of CalculiX.
 
     python -m verify.study.public_decks FOLDER [--seconds 60] [--details]
@@ -23,6 +24,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from pathlib import Path
 
 import h5py
@@ -36,6 +38,8 @@ HAS_PARTS = re.compile(r"^\*(part|assembly|instance)\b", re.I | re.M)
 IS_STATIC = re.compile(r"^\*(static|visco)\b", re.I | re.M)
 OTHERS = re.compile(r"^\*(dynamic|frequency|buckle|heat\s*transfer|(un)?coupled\s*temperature|modal\s*dynamic|steady\s*state|green|"
                     r"electromagnetics|mass\s*diffusion|soils|geostatic|substructure|complex\s*frequency|no\s*analysis)", re.I | re.M)
+FORTRAN = {".for", ".f", ".f90"}
+ROUTINES = {"UEL": r"\*user\s*element", "UMAT": r"\*user\s*material", "USDFLD": r"\*user\s*defined\s*field"}  #: and the cards that need them
 OUR_CODES = {0: "finishes", 3: "errors in the deck", 4: "model check", 5: "does not converge"}
 
 
@@ -87,15 +91,30 @@ def execute(command: list[str | Path], folder: Path, seconds: float) -> Run:
     return Run(-1 if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode, spent, log)
 
 
-def has_parts(deck: Path) -> bool:
-    """Whether a deck has cards of parts, which CalculiX does not know."""
-    return bool(HAS_PARTS.search(deck.read_text(errors="replace")))
+def needed_routine(deck: Path) -> str:
+    """The first user routine that a deck needs."""
+    text = deck.read_text(errors="replace")
+    return next((name for name, card in ROUTINES.items() if re.search(f"^{card}", text, re.I | re.M)), "")
+
+
+def routine_file(deck: Path) -> Path | None:
+    """The Fortran file beside a deck with the routine that it needs, of several the one whose name is most like the deck's."""
+    begin = re.compile(rf"^\s*subroutine\s+{needed_routine(deck)}\s*\(", re.I | re.M)
+    files = [path for path in sorted(deck.parent.iterdir()) if path.suffix.lower() in FORTRAN and begin.search(path.read_text(errors="replace"))]
+    return max(files, key=lambda path: SequenceMatcher(None, path.stem.lower(), deck.stem.lower()).ratio(), default=None)
+
+
+def is_abaqus(deck: Path) -> bool:
+    """Whether a deck has cards of parts, which CalculiX does not know, or needs a routine, which it does not have."""
+    return bool(HAS_PARTS.search(deck.read_text(errors="replace")) or needed_routine(deck))
 
 
 def run_ours(program: Path, deck: Path, folder: Path, seconds: float) -> Run:
     """A deck in Amontons."""
-    dialect = "abaqus" if has_parts(deck) else "calculix"
-    run = execute([program, "--no-checkpoint", "--progress=none", f"--dialect={dialect}", "--outdir", folder, deck], deck.parent, seconds)
+    dialect = "abaqus" if is_abaqus(deck) else "calculix"
+    routines = routine_file(deck) if needed_routine(deck) else None
+    words = [f"user={routines}"] if routines else []
+    run = execute([program, "--no-checkpoint", "--progress=none", f"--dialect={dialect}", "--outdir", folder, deck, *words], deck.parent, seconds)
     file = folder / (deck.stem + ".vtkhdf")
     if run.code == 0 and file.exists():
         with h5py.File(file) as data:
@@ -151,7 +170,7 @@ def run_all(folder: Path, work: Path, program: Path, peer: str, seconds: float) 
         ours_in.mkdir(parents=True)
         ours, theirs = run_ours(program, deck, ours_in, seconds), run_theirs(peer, deck, theirs_in, seconds)
         name = deck.relative_to(folder)
-        yield Outcome(name.parts[0], str(name), ours, theirs, None if has_parts(deck) else deviation(ours, theirs))
+        yield Outcome(name.parts[0], str(name), ours, theirs, None if is_abaqus(deck) else deviation(ours, theirs))
         for place in (ours_in, theirs_in):
             shutil.rmtree(place)
 
