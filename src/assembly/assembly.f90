@@ -576,6 +576,7 @@ contains
     m = element_material(model, state%new%step, e)      ! gfortran 14 takes no function of this module within associate
     associate (material => model%materials(m), fields => state%new)
       call load_points(model, state, e, points)
+      points%is_output_wanted = allocated(fields%stress)
       if (material%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
       call set_element_configuration(model%mesh, e, fields, X, u)
       call evaluate_element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
@@ -703,7 +704,7 @@ contains
       fields%energy(p:p + m - 1) = points%energy(:m)
       fields%volume(p:p + m - 1) = points%volume(:m)
     end if
-    if (n_history > 0) fields%history(:n_history, p:p + m - 1) = points%history(:n_history, :m)
+    if (n_history > 0 .and. points%is_output_wanted) fields%history(:n_history, p:p + m - 1) = points%history(:n_history, :m)
   end subroutine store_points
 
 
@@ -810,6 +811,7 @@ contains
     integer :: n, status
     n = model%mesh%first(e + 1) - model%mesh%first(e)
     call load_points(model, state, e, points)
+    points%is_output_wanted = .false.
     if (model%materials(element_material(model, state%new%step, e))%is_user) call load_umat_points(model, state, e, is_nlgeom, &
       points)
     call set_element_configuration(model%mesh, e, state%new, X, u)

@@ -420,6 +420,7 @@ contains
     if (material%is_linear_isotropic) then
       call evaluate_plain_stresses(kind, material, is_nlgeom, is_tangent, kinematics, tau, tangent, points, status)
     else
+      points%is_tangent_wanted = is_tangent
       call evaluate_point_laws(kind, material, is_nlgeom, kinematics, tau, tangent, points, status)
     end if
   end subroutine evaluate_material
@@ -600,9 +601,11 @@ contains
       if (HAS_MEAN_DILATATION(kind)) point%strain = point%strain + ((dilatation - sum(point%strain(:3))) / 3) * VOIGT_IDENTITY
       call update_material_point(material, is_nlgeom, point, status)
       if (status /= STRESS_OK) exit
-      call split_unsymmetric_tangent(material, point, points, p)
       tau(:, p) = point%stress
-      tangent(:, :, p) = point%tangent
+      if (points%is_tangent_wanted) then
+        call split_unsymmetric_tangent(material, point, points, p)
+        tangent(:, :, p) = point%tangent
+      end if
       points%stress(:, p) = point%stress
       if (is_nlgeom) points%stress(:, p) = point%stress / (1 + kinematics%j(p))
       points%strain(:, p) = point%strain

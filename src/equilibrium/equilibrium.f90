@@ -84,6 +84,7 @@ module amontons_equilibrium
     real(DP) :: forcing_term = 1.0e-2_DP           !< admissible merit of a contact subproblem over that at its start [-]
     type(controls_type) :: controls                !< of the present step
     logical :: is_skin = .false.                   !< the present direction uses the skin
+    integer :: max_old_iterations = 0              !< of the present direction with the factor of an earlier K; 0: it has its own
     logical :: has_interface_solver = .false.       !< the present direction has an interface solver: dense, or the contact skin
     logical :: is_subproblem_solved = .false.                !< the contact subproblem of the present direction is solved
     logical :: is_schur_allowed = .true.            !< the interface is not known to be too large
@@ -347,6 +348,7 @@ contains
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
     system%is_first_direction = .true.
+    system%reduced_system%is_reusable = .false.    ! a resumed job has no factor
     call set_temperatures(model, step, state)
     call update_user_fields(model, state)
     call set_damping_factor(step, is_step_start, state)

@@ -18,7 +18,8 @@ module amontons_newton_step
   use amontons_state, only: state_type, fields_type, slave_state_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, sparse_sum
   use amontons_factorization, only: FACTOR_OK
-  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, USE_SKIN
+  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, old_factor_iterations, &
+    USE_SKIN
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin
   use amontons_free_rigid_motions, only: sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
@@ -70,8 +71,11 @@ contains
     call prepare_interface_solver(system, model, step, state, error)
     if (allocated(error)) return
     if (system%is_interface_singular) outcome = OUTCOME_LINEAR_SOLVER
-    if (.not. (system%has_interface_solver .or. system%is_interface_singular)) call factorise_reduced_matrix(system, model, &
-      outcome, error)
+    system%max_old_iterations = 0
+    if (is_old_factor_allowed(system, step)) system%max_old_iterations = old_factor_iterations(system%reduced_system, &
+      system%constraints)
+    if (.not. (system%has_interface_solver .or. system%is_interface_singular .or. system%max_old_iterations > 0)) &
+      call factorise_reduced_matrix(system, model, outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call stop_clock(system, clock, PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
@@ -90,8 +94,10 @@ contains
       call solve_newton_step(system, model, step, state, du, outcome, error, d_load)
       return
     end if
-    if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%has_interface_solver .and. system%reduced_system%is_iterative) then
-      call abandon_iteration(system%reduced_system)
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. (system%max_old_iterations > 0 .or. (.not. system%has_interface_solver .and. &
+      system%reduced_system%is_iterative))) then
+      if (system%max_old_iterations == 0) call abandon_iteration(system%reduced_system)
+      system%max_old_iterations = 0
       call factorise_reduced_matrix(system, model, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
       call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
@@ -101,6 +107,16 @@ contains
       error)
     call stop_clock(system, clock, PHASE_KRYLOV)
   end subroutine solve_newton_step
+
+
+  !> Whether the factor of an earlier iteration may precondition the direction: K changes, the constraints do not.
+  pure logical function is_old_factor_allowed(system, step)
+    type(equilibrium_type), intent(in) :: system
+    type(step_type), intent(in) :: step
+    is_old_factor_allowed = size(system%contact_tangents) == 0 .and. .not. (system%has_interface_solver .or. &
+      system%is_interface_singular .or. system%reduced_system%is_current .or. system%is_indefinite .or. step%is_riks) .and. &
+      system%proximal_shift <= 0.0_DP .and. step%line_search == LINE_SEARCH_AUTO
+  end function is_old_factor_allowed
 
 
   !> Whether the direction may close nodes with friction, whose slip counts from where it sees them touch.

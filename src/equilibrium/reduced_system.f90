@@ -26,7 +26,7 @@ module amontons_reduced_system
   implicit none
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
-    factorise_reduced_system, apply_reduced_inverse, abandon_iteration, discard_analysis
+    factorise_reduced_system, apply_reduced_inverse, abandon_iteration, discard_analysis, old_factor_iterations
 
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner.
   integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3
@@ -57,6 +57,7 @@ module amontons_reduced_system
     logical :: is_iteration_abandoned = .false.               !< the iterative solver did not converge
     integer :: use = USE_ONCE                      !< USE_...; USE_SKIN: the factor is kept in single precision
     logical :: is_current = .false.                !< the factor is that of the present K and C
+    logical :: is_reusable = .false.               !< it is that of an earlier iteration of the present attempt
     character(:), allocatable :: message              !< the choice, for the log; not allocated: nothing to report
     type(sparse_type) :: analysed_map              !< C of the last factor; of its pattern reduction and factor were analysed
     type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not allocated without springs
@@ -110,6 +111,7 @@ contains
     if (self%is_current) self%is_current = .not. has_springs .and. is_same_pattern(constraints%transformation, self%analysed_map)
     if (self%is_current) self%is_current = all(abs(constraints%transformation%value - self%analysed_map%value) <= 0.0_DP)
     if (self%is_current) return
+    self%is_reusable = .false.
     call analyse_reduced(self, stiffness, has_springs, constraints, mesh, error)
     if (allocated(error)) return
     call reduce_matrix(self%reduction, stiffness, constraints%transformation, self%matrix, error)
@@ -134,10 +136,24 @@ contains
     if (allocated(error)) return
     self%n_factorised = 1
     self%is_current = status == FACTOR_OK
+    self%is_reusable = self%is_current
     if (.not. self%is_current .and. self%is_shift_allowed) call factorise_shifted(self, status, error)
     if (allocated(error) .or. status /= FACTOR_OK) return
     if (self%use == USE_SKIN) call round_factor(self%factor)
   end subroutine factorise_reduced_system
+
+
+  !> The iterations with the factor of an earlier K that cost less than a new factor; 0: there is none, or it does not pay.
+  pure integer function old_factor_iterations(self, constraints) result(n)
+    type(reduced_system_type), intent(in) :: self
+    type(constraints_type), intent(in) :: constraints
+    n = 0
+    if (.not. (self%is_reusable .and. self%factor%is_ready) .or. self%is_iterative) return
+    n = int(self%controls%old_factor_work_ratio * self%factor%n_operations / &
+      (self%controls%operations_per_factor_entry * self%factor%n_entries))
+    if (n < self%controls%min_old_iterations) n = 0
+    if (.not. is_same_pattern(constraints%transformation, self%analysed_map)) n = 0
+  end function old_factor_iterations
 
 
   !> Repeats the analysis if the pattern of C or of the springs has changed.
@@ -168,6 +184,7 @@ contains
     type(reduced_system_type), intent(inout) :: self
     if (allocated(self%analysed_map%first)) deallocate (self%analysed_map%first)
     self%is_current = .false.
+    self%is_reusable = .false.
   end subroutine discard_analysis
 
 

@@ -150,6 +150,10 @@ contains
     if (is_iterative) options%tolerance = system%controls%krylov%iterative_tolerance
     if (has_unsymmetric_law(system%assembly%skew) .and. .not. is_iterative) &
       options%max_iterations = system%controls%krylov%max_unsymmetric_iterations
+    if (system%max_old_iterations > 0) then
+      options%max_iterations = system%max_old_iterations
+      options%tolerance = min(system%forcing_term, system%controls%linear_solver%old_factor_tolerance)
+    end if
     system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
     is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
     if (is_iterative .and. is_symmetric .and. system%reduced_system%distributed_kind /= DISTRIBUTED_NONE) then
@@ -157,6 +161,8 @@ contains
       if (allocated(error)) return
     else if (is_iterative .and. is_symmetric) then
       call conjugate_gradients(matrix, preconditioner, b, v, options, report)
+    else if (system%max_old_iterations > 0 .and. is_symmetric) then
+      call conjugate_gradients(tangent, preconditioner, b, v, options, report)
     else
       call gmres(tangent, preconditioner, b, v, options, report, error)
       if (allocated(error)) return
@@ -165,6 +171,8 @@ contains
     if (system%has_interface_solver .and. report%n_iterations > system%controls%krylov%max_stale_iterations &
       .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return
+    if (system%max_old_iterations > 0) outcome = OUTCOME_LINEAR_SOLVER
+    if (outcome /= OUTCOME_OK) return
     if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
     if (is_iterative .and. report%residual <= system%controls%krylov%tolerance) return   ! at rounding level for a slender body
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER

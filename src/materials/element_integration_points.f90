@@ -41,6 +41,8 @@ module amontons_element_integration_points
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
     real(DP) :: modes_old(9) = 0                   !< committed amplitudes of the incompatible modes, without the mean deformation
                                                    !! [length]
+    logical :: is_tangent_wanted = .true.          !< if not, tangents of laws are not set
+    logical :: is_output_wanted = .true.           !< if not, strain, energy and history need not be set
     ! output
     real(DP) :: modes(9)                           !< these amplitudes at the end of the increment [length]
     real(DP) :: history(MAX_HISTORY, MAX_ELEMENT_POINTS)   !< at the end of the increment
@@ -60,6 +62,8 @@ contains
     integer, intent(in) :: p                       !< point
     real(DP), intent(in) :: weight(:)              !< of the nodal temperatures [-]
     type(material_point_type), intent(inout) :: point
+    point%is_tangent_wanted = points%is_tangent_wanted
+    point%is_output_wanted = points%is_output_wanted
     point%frame = IDENTITY
     if (material%is_linear_isotropic) return
     if (points%has_frame) point%frame = points%frame(:, :, p)

@@ -51,6 +51,8 @@ module amontons_material_point
     real(DP) :: time_increment                     !< [time]
     real(DP) :: history_old(MAX_HISTORY)                  !< committed history
     type(umat_point_type), allocatable :: user     !< more of a user's material; not there: at rest
+    logical :: is_tangent_wanted = .true.          !< if not, the tangent is not set
+    logical :: is_output_wanted = .true.           !< if not, finite strain, energy and history need not be set
     ! output
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
@@ -506,7 +508,7 @@ contains
     call find_log_strain_axes(point%H, axes, is_positive)
     status = STRESS_INVERTED
     if (.not. is_positive) return
-    point%strain = evaluate_output_strain(material, point%H)
+    if (point%is_output_wanted) point%strain = evaluate_output_strain(material, point%H)
     call evaluate_strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
     if (status == STRESS_OK) call push_forward_log_law(axes, point%stress, point%tangent)
   end subroutine evaluate_log_law
@@ -536,10 +538,9 @@ contains
     end associate
     if (.not. is_positive) return
     status = STRESS_OK
-    if (has_past .or. material%law == LAW_SAINT_VENANT) then
-      point%strain = evaluate_output_strain(material, point%H)
-    else
+    if (point%is_output_wanted) then
       point%strain = tensor_from_principal(principal, principal%e)
+      if (has_past .or. material%law == LAW_SAINT_VENANT) point%strain = evaluate_output_strain(material, point%H)
     end if
     if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
       call evaluate_hyperelastic(material, moduli%constants, principal%e - log1p(moduli%thermal(1)), response)
@@ -549,11 +550,11 @@ contains
       if (is_inelastic(material)) then
         call return_principal_stresses(material, moduli, e, point, response, flow, status)
         if (status /= STRESS_OK) return
-        if (any(abs(flow) > 0)) call store_inelastic_strain(principal, flow, point)
+        if (point%is_output_wanted .and. any(abs(flow) > 0)) call store_inelastic_strain(principal, flow, point)
       end if
     end if
     point%stress = tensor_from_principal(principal, response%tau)
-    point%tangent = principal_tangent(principal, response%tau, response%slope, response%secant)
+    if (point%is_tangent_wanted) point%tangent = principal_tangent(principal, response%tau, response%slope, response%secant)
     point%energy = response%energy
   end subroutine evaluate_principal_law
 
@@ -698,40 +699,35 @@ contains
     type(moduli_type), intent(in) :: moduli
     type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
-    type(principal_strains_type) :: b, x
     type(return_mapping_type) :: back
-    real(DP) :: F(3, 3), J, k(6), N(3), q, modulus, flow, correction(6)
-    logical :: is_positive
+    real(DP) :: F(3, 3), J, scale, b(6), k(6), s(6), n(6), size, modulus, flow
     integer :: return_status
-    status = STRESS_INVERTED
     F = (IDENTITY + point%H) / (1 + moduli%thermal(1))
     J = 1 + determinant_minus_one(F - IDENTITY)
-    k = push_forward(F, point%history_old(HISTORY_BACK:HISTORY_BACK + 5)) * J**(-2 / 3.0_DP)
-    call find_principal_strains(left_cauchy_green(F - IDENTITY) + push_forward(F, tensor_exp( &
-      point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), -2.0_DP)), b, is_positive)
-    if (.not. is_positive) return
-    x = b
-    if (any(abs(k) > 0)) call find_principal_strains(tensor_from_principal(b, b%x) - (J**(2 / 3.0_DP) / moduli%G) * k, x, &
-      is_positive)
-    if (.not. is_positive) return
-    point%strain = evaluate_output_strain(material, point%H)
-    N = J**(-2 / 3.0_DP) * (x%x - sum(x%x) / 3)
-    q = SQRT_3_2 * moduli%G * norm2(N)
-    modulus = moduli%G * J**(-2 / 3.0_DP) * (3 + sum(b%x)) / 3
-    call map_radial_return(material, modulus / J, q / J, table_argument(material, point), [point%time, point%time_increment], &
-      point%history_old, back, return_status)
+    scale = J**(-2 / 3.0_DP)
+    k = push_forward(F, point%history_old(HISTORY_BACK:HISTORY_BACK + 5)) * scale
+    b = left_cauchy_green(F - IDENTITY) + push_forward(F, tensor_exp(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), &
+      -2.0_DP))                                    ! J^(2/3) b - 1
+    if (point%is_output_wanted) point%strain = evaluate_output_strain(material, point%H)
+    modulus = moduli%G * scale * (3 + sum(b(:3))) / 3
+    s = deviator(moduli%G * scale * b - k)
+    size = sqrt(double_dot(s, s))
+    call map_radial_return(material, modulus / J, SQRT_3_2 * size / J, table_argument(material, point), &
+      [point%time, point%time_increment], point%history_old, back, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK) return
-    call set_isochoric_response(b, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
+    call set_isochoric_response(deviator(moduli%G * scale * b), modulus, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
     flow = back%plastic + back%creep
-    if (flow > 0) call subtract_plastic_stress(x, moduli%G, J, back, point)
+    n = 0
+    if (flow > 0) then
+      n = s / size
+      call subtract_plastic_stress(n, size, modulus - sum(k(:3)) / 3, back, point)
+    end if
     if (flow > 0 .or. any(abs(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)) > 0)) &
       point%energy = evaluate_elastic_energy(moduli%lambda + 2 * moduli%G / 3, modulus, J, point%stress)
-    if (.not. flow > 0) return
-    correction = (2 * SQRT_3_2 * modulus / moduli%G * flow / norm2(N)) * tensor_from_principal(x, N)
-    call store_simo_history(F, J, tensor_from_principal(b, b%x) - J**(2 / 3.0_DP) * correction, &
-      k + (SQRT_2_3 * J * back%back_increment / &
-      norm2(N)) * tensor_from_principal(x, N), point)
+    if (.not. (flow > 0 .and. point%is_output_wanted)) return
+    call store_simo_history(F, J, b - (2 * SQRT_3_2 * modulus / (moduli%G * scale) * flow) * n, &
+      k + (SQRT_2_3 * J * back%back_increment) * n, point)
     point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
     point%history(HISTORY_CEEQ) = point%history_old(HISTORY_CEEQ) + back%creep
   end subroutine evaluate_simo_law
@@ -757,60 +753,67 @@ contains
   end function push_forward
 
 
-  !> K/2 (J^2 - 1) 1 + G dev b, b isochoric, with its tangent and energy.
-  pure subroutine set_isochoric_response(b, G, bulk, J, point)
-    type(principal_strains_type), intent(in) :: b          !< of J^(2/3) b
-    real(DP), intent(in) :: G, bulk                !< [stress]
+  !> tau = K/2 (J^2 - 1) 1 + s, s = G dev b, b isochoric, with its tangent and energy.
+  pure subroutine set_isochoric_response(s, modulus, G, bulk, J, point)
+    real(DP), intent(in) :: s(6)                   !< [stress]
+    real(DP), intent(in) :: modulus                !< G' = G tr b/3 [stress]
+    real(DP), intent(in) :: G, bulk                !< G, K [stress]
     real(DP), intent(in) :: J                      !< det F [-]
     type(material_point_type), intent(inout) :: point       !< out: stress, tangent, energy
-    real(DP) :: tau(3), slope(3, 3), secant(3)
-    call evaluate_isochoric(b, G, J, tau, slope, secant)
-    tau = tau + 0.5_DP * bulk * (J - 1) * (J + 1)
-    slope = slope + bulk * J * J
-    point%stress = tensor_from_principal(b, tau)
-    point%tangent = principal_tangent(b, tau, slope, secant)
-    point%energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) &
-      + 0.5_DP * G * (J**(-2 / 3.0_DP) * (3 + sum(b%x)) - 3)
+    real(DP) :: pressure
+    integer :: i
+    pressure = 0.5_DP * bulk * (J - 1) * (J + 1)
+    point%stress = s + pressure * VOIGT_IDENTITY
+    point%energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + 1.5_DP * (modulus - G)
+    if (.not. point%is_tangent_wanted) return
+    point%tangent = isochoric_tangent(s, modulus)
+    point%tangent(:3, :3) = point%tangent(:3, :3) + bulk * J * J
+    do i = 1, 6
+      point%tangent(i, i) = point%tangent(i, i) - merge(2.0_DP, 1.0_DP, i <= 3) * pressure
+    end do
   end subroutine set_isochoric_response
 
 
-  !> G dev b, b isochoric, and its derivatives by the principal logarithms of J^(2/3) b.
-  pure subroutine evaluate_isochoric(b, G, J, tau, slope, secant)
-    type(principal_strains_type), intent(in) :: b          !< of J^(2/3) b
-    real(DP), intent(in) :: G, J
-    real(DP), intent(out) :: tau(3), slope(3, 3), secant(3)   !< [stress]
-    real(DP) :: stretch(3)
-    integer :: A, C
-    tau = G * J**(-2 / 3.0_DP) * (b%x - sum(b%x) / 3)
-    stretch = G * J**(-2 / 3.0_DP) * (1 + b%x)
-    do A = 1, 3
-      C = NEXT_AXIS(A)
-      slope(:, A) = -2 * tau(A) / 3 - 2 * tau / 3 - 2 * sum(stretch) / 9
-      slope(A, A) = slope(A, A) + 2 * stretch(A)
-      secant(A) = (stretch(A) + stretch(C)) / coth_divided_difference(b, A, C)
+  !> The tangent of s = G dev b: 2 G' (I - 1 1/3) - 2/3 (1 s + s 1), G' = G tr b/3.
+  pure function isochoric_tangent(s, modulus) result(tangent)
+    real(DP), intent(in) :: s(6)                   !< [stress]
+    real(DP), intent(in) :: modulus                !< G' [stress]
+    real(DP) :: tangent(6, 6)                      !< engineering shears [stress]
+    integer :: i
+    tangent = isotropic_tangent(-2 * modulus / 3, modulus)
+    do i = 1, 3
+      tangent(:, i) = tangent(:, i) - 2 * s / 3
+      tangent(i, :) = tangent(i, :) - 2 * s / 3
     end do
-  end subroutine evaluate_isochoric
+  end function isochoric_tangent
 
 
-  !> Subtracts the plastic flow from the stress: tau = ... - (1 - theta) G dev x, with its tangent.
-  pure subroutine subtract_plastic_stress(x, G, J, back, point)
-    type(principal_strains_type), intent(in) :: x          !< of J^(2/3) x
-    real(DP), intent(in) :: G, J
+  !> Subtracts the plastic flow from the stress: tau = ... - (1 - theta) s, s = |s| n, with its tangent.
+  pure subroutine subtract_plastic_stress(n, size, modulus, back, point)
+    real(DP), intent(in) :: n(6)                   !< unit tensor along s [-]
+    real(DP), intent(in) :: size                   !< |s| [stress]
+    real(DP), intent(in) :: modulus                !< G tr x/3 [stress]
     type(return_mapping_type), intent(in) :: back
     type(material_point_type), intent(inout) :: point       !< stress and tangent change
-    real(DP) :: tau(3), slope(3, 3), secant(3), N(3), along(3)
-    integer :: A
-    call evaluate_isochoric(x, G, J, tau, slope, secant)
-    N = tau / norm2(tau)
-    along = matmul(N, slope)
-    slope = -(1 - back%ratio) * slope
-    do A = 1, 3
-      slope(:, A) = slope(:, A) + 0.5_DP * (back%slope - back%ratio) * (N * along(A) + along * N(A))
+    real(DP) :: along(6), factor
+    integer :: i
+    point%stress = point%stress - (1 - back%ratio) * size * n
+    if (.not. point%is_tangent_wanted) return
+    point%tangent = point%tangent - (1 - back%ratio) * isochoric_tangent(size * n, modulus)
+    along = 2 * modulus * n + 2 * size * deviator(pack_voigt(matmul(unpack_voigt(n), unpack_voigt(n))))   ! d|s|
+    factor = 0.5_DP * (back%slope - back%ratio)
+    do i = 1, 6
+      point%tangent(:, i) = point%tangent(:, i) + factor * (n * along(i) + along * n(i))
     end do
-    tau = -(1 - back%ratio) * tau
-    point%stress = point%stress + tensor_from_principal(x, tau)
-    point%tangent = point%tangent + principal_tangent(x, tau, slope, -(1 - back%ratio) * secant)
   end subroutine subtract_plastic_stress
+
+
+  !> The deviator of a symmetric tensor.
+  pure function deviator(T) result(D)
+    real(DP), intent(in) :: T(6)                   !< Voigt vector
+    real(DP) :: D(6)
+    D = T - (T(1) + T(2) + T(3)) / 3 * VOIGT_IDENTITY
+  end function deviator
 
 
   !> Pulls b and the back stress back to the reference configuration: the history.

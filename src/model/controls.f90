@@ -156,6 +156,11 @@ module amontons_controls
     real(DP) :: expected_iterations = 140.0_DP   !< estimated iterations, the preconditioner included | reduced_system
     real(DP) :: operations_per_factor_entry = 20.0_DP   !< operations of a factorization in the time that a solve takes for an entry
                                            !! of the factor; it reads the factor twice [-] | doc/performance.md
+    real(DP) :: old_factor_work_ratio = 0.5_DP   !< Krylov iterations with the factor of an earlier iteration may take so much of
+                                           !! the work of a new one [-] | newton_step
+    integer :: min_old_iterations = 10     !< a factor with fewer of them in that work is not reused | set
+    real(DP) :: old_factor_tolerance = 1.0e-3_DP   !< largest residual of a direction with it over the right-hand side [-] |
+                                           !! newton_step
     real(DP) :: skin_solves = 650.0_DP     !< solutions with the bulk in a job with contact by the skin | 0021
     real(DP) :: skin_work_ratio = 2.0_DP   !< work of the iterations that two levels take for one with a factor, over that of one
                                            !! iteration [-] | 0021
