@@ -232,7 +232,7 @@ contains
           (is_lost .or. .not. is_skin_cheaper(system, n_iterations))
       end if
       is_replaced = memory%is_abandoned .or. (system%skin%robin%is_iterative .and. memory%is_factor_needed)
-      if (is_replaced) system%skin%message = replacement_message(is_lost, memory%is_abandoned)
+      if (is_replaced) call describe_replacement(is_lost, memory%is_abandoned, system%skin%message)
       if (is_lost .and. .not. is_replaced) return
       memory%is_outdated = .not. (system%is_constant .or. memory%is_abandoned .or. is_lost)
       if (.not. memory%is_outdated) call discard_bulk_factor(system)
@@ -244,10 +244,10 @@ contains
 
 
   !> What serves the rest of the step in place of the contact skin or of its bulk solver.
-  pure function replacement_message(is_lost, is_dense) result(message)
+  pure subroutine describe_replacement(is_lost, is_dense, message)
     logical, intent(in) :: is_lost                 !< no direction was found
     logical, intent(in) :: is_dense                !< the dense interface serves, else a factor of the bulk
-    character(:), allocatable :: message
+    character(:), allocatable, intent(out) :: message
     message = 'The contact skin converges slowly; in this step '
     if (is_lost) message = 'No direction was found with the contact skin; in this step '
     if (is_dense) then
@@ -255,7 +255,7 @@ contains
     else
       message = message // 'a factor of the bulk replaces the iteration.'
     end if
-  end function replacement_message
+  end subroutine describe_replacement
 
 
   !> v ~ inv(J) b with the present factor. Cost: one solution; with the skin the Krylov iterations for one digit.
