@@ -1,4 +1,4 @@
-"""What the tests of library, restart and determinism share: small jobs with friction, and comparing results bit by bit.
+"""What the tests of library, restart, determinism and user routines share: small jobs with friction, comparing results bit by bit, cut-backs.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -11,6 +11,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+
+from verify.conftest import Run
+from verify.independent.results import read_history
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 os.environ["AMONTONS_LIBRARY"] = str(ROOT / os.environ.get("AMONTONS_LIB", "lib") / "libamontons.so")
@@ -63,3 +66,14 @@ def same_results(one: Path, other: Path) -> list[str]:
     """The names of the data sets that are not bitwise the same in both files."""
     a, b = data_sets(one), data_sets(other)
     return sorted(name for name in a.keys() | b.keys() if name not in a or name not in b or bits(a[name]) != bits(b[name]))
+
+
+def check_shorter_increments(run: Run, tmp_path: Path, deck: str, routine: Path, longest: float) -> None:
+    """A routine refuses increments above the longest one by PNEWDT: attempts fail, and none that converges is longer."""
+    (tmp_path / "job.inp").write_text(deck)
+    done = run(["job", f"user={routine}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    history = read_history(tmp_path / "job.vtkhdf")
+    times = history["step_time"][history["is_converged"] > 0]
+    assert np.diff(times, prepend=0).max() <= longest + 1e-12
+    assert (history["is_converged"] == 0).any()

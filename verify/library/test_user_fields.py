@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.independent.results import read_field, read_history
-from verify.library.common import ROOT
+from verify.independent.results import read_field
+from verify.library.common import ROOT, check_shorter_increments
 
 USDFLD = ROOT / "verify" / "library" / "routines" / "usdfld.f90"
 DECK_ERROR, USAGE, SETUP, NOT_CONVERGED = 3, 2, 4, 5
@@ -111,13 +111,7 @@ def test_resumed_job(run: Run, tmp_path: Path) -> None:
 def test_shorter_increments(run: Run, tmp_path: Path) -> None:
     """PNEWDT below 1 repeats the increment with a shorter one."""
     deck = bar(2, "C3D8", law("SLOW", f"{MODULUS}, 0., , 0.\n{BROKEN}, 0., , 1."), PULL.format(nlgeom="").replace(", DIRECT", "").replace("*EL PRINT, ELSET=BAR\nSDV\n", ""))
-    (tmp_path / "job.inp").write_text(deck)
-    done = run(["job", f"user={USDFLD}"], cwd=tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
-    history = read_history(tmp_path / "job.vtkhdf")
-    times = history["step_time"][history["is_converged"] > 0]
-    assert np.diff(times, prepend=0).max() <= 0.05 + 1e-12
-    assert (history["is_converged"] == 0).any()
+    check_shorter_increments(run, tmp_path, deck, USDFLD, 0.05)
     assert right_forces(tmp_path / "job.vtkhdf", 4)[-1] == pytest.approx(MODULUS * 0.01 * 0.01, rel=1e-9)
 
 
