@@ -212,7 +212,7 @@ module amontons_controls
     real(DP) :: origin_reduction = 1.0e-5_DP   !< the same where it sets origins of slip [-] | contact_rounds
     real(DP) :: least_share = 0.5_DP       !< least residual of a round over r_l [-] | set: below it the correction is not tested
     integer :: max_portions = 64           !< portions in which a round moves the supports | set
-    integer :: max_cuts = 12               !< halves of a portion, or quarters of a trial step, that invert elements | set
+    integer :: max_cuts = 12               !< cuts of a portion or length that inverts elements, repeats of a length | set
     real(DP) :: portion_reduction = 0.1_DP   !< residual after a portion over the largest force [-] | set
     real(DP) :: max_excess = 1.5_DP        !< largest accelerated friction over its limit [-] | set
     integer :: max_flips = 5               !< changes between stick and slip in an attempt; then the status is frozen |

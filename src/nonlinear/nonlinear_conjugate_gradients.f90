@@ -5,7 +5,7 @@
 !! r = C'R is the gradient of an energy. It needs residuals only, no tangent:
 !!
 !!     d = inv(M) r + beta d,    beta = max(0, z'(r - r_old) / z_old'r_old)                  (Polak, Ribiere)
-!!     alpha = - d'R(u) / d'(R(u + d) - R(u))                                               (one-step formula of the slides)
+!!     alpha = - d'R(u) / d'(R(u + d) - R(u))                     (one-step formula of the slides, repeated where it overshoots)
 !!
 !! Source of the step lengths: J. Mitchell, A simple one step line search for use in quasi-static solid mechanics contact
 !! calculations, 7th US National Congress on Computational Mechanics, 2003.
@@ -32,6 +32,8 @@ module amontons_nonlinear_conjugate_gradients
   real(DP), parameter :: TOL_FORCE_ROUNDING = 1.0e-13_DP   !< rounding level of a residual, over the force at the start [-]
   real(DP), parameter :: TOL_CURVATURE = 1.0e-10_DP   !< curvature along d over that of the preconditioner, below which a body is
                                                    !! free along d [-]
+
+  real(DP), parameter :: SUFFICIENT_DECREASE = 0.5_DP   !< of |d'r| after which a length that overshot is good enough [-]
 
   !> The result of a solution with contact held.
   type :: gradient_report_type
@@ -204,7 +206,7 @@ contains
     if (allocated(iteration%is_bulk)) then
       call move_with_slave_lengths()
     else
-      call advance(system, model, step, iteration, u, iteration%scale * du, alpha, state, report%outcome)
+      call advance(system, model, step, iteration, u, iteration%scale * du, alpha, state, report)
       length = alpha * iteration%scale
     end if
     call reduce_residual(system, iteration%r)
@@ -348,7 +350,7 @@ contains
 
   !> Moves by alpha times the trial step. The residual there is interpolated between those of iterate and trial step where that was
   !! exact enough before, else evaluated. A length that inverts elements is cut towards the trial step, which did not.
-  subroutine advance(system, model, step, iteration, u, du, alpha, state, outcome)
+  subroutine advance(system, model, step, iteration, u, du, alpha, state, report)
     type(equilibrium_type), intent(inout) :: system    !< evaluated at the end of the trial step
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -356,11 +358,11 @@ contains
     real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and trial step [length]
     real(DP), intent(inout) :: alpha               !< out: cut [-]
     type(state_type), intent(inout) :: state
-    integer, intent(out) :: outcome
+    type(gradient_report_type), intent(inout) :: report
     real(DP), allocatable :: interpolated(:, :)
     real(DP) :: error
     integer :: cut
-    outcome = OUTCOME_OK
+    report%outcome = OUTCOME_OK
     interpolated = iteration%residual + alpha * (system%residual - iteration%residual)
     if (iteration%n_interpolated < iteration%n_trusted) then
       iteration%n_interpolated = iteration%n_interpolated + 1
@@ -369,12 +371,14 @@ contains
       return
     end if
     do cut = 0, step%controls%gradients%max_cuts
-      call evaluate_held(system, model, step, iteration%slaves, u + alpha * du, state, outcome)
-      if (outcome /= OUTCOME_ELEMENT .and. outcome /= OUTCOME_NOT_FINITE) exit
+      call evaluate_held(system, model, step, iteration%slaves, u + alpha * du, state, report%outcome)
+      if (report%outcome /= OUTCOME_ELEMENT .and. report%outcome /= OUTCOME_NOT_FINITE) exit
       alpha = 0.5_DP * (alpha + 1.0_DP)
     end do
     error = norm2(system%residual - interpolated)
     if (cut > 0) error = huge(1.0_DP)
+    if (report%outcome == OUTCOME_OK .and. .not. report%is_interrupted) &
+      call repeat_length(system, model, step, iteration, u, du, alpha, state, report%outcome)
     if (error <= step%controls%gradients%interpolation_tolerance * norm2(system%residual)) then
       iteration%n_trusted = min(step%controls%gradients%max_interpolated, 2 * iteration%n_trusted + 1)
     else
@@ -382,6 +386,47 @@ contains
     end if
     iteration%n_interpolated = 0
   end subroutine advance
+
+
+  !> Repeats the one-step formula between the lengths on either side of the zero of d'r, until d'r has fallen to half.
+  !! A change of status bends d'r: one step may pass the zero so far that the iterates alternate for ever.
+  subroutine repeat_length(system, model, step, iteration, u, du, alpha, state, outcome)
+    type(equilibrium_type), intent(inout) :: system    !< evaluated at alpha
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(iteration_type), intent(in) :: iteration
+    real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and trial step [length]
+    real(DP), intent(inout) :: alpha               !< [-]
+    type(state_type), intent(inout) :: state
+    integer, intent(out) :: outcome
+    real(DP) :: slope_start, slope                 ! d'r at 0 and at alpha [energy]
+    real(DP) :: before, slope_before               ! the last length with d'r > 0
+    real(DP) :: behind, slope_behind               ! the last length with d'r < 0, if any
+    real(DP) :: r(size(iteration%r))
+    integer :: n
+    outcome = OUTCOME_OK
+    slope_start = dot_product(iteration%d, iteration%r)
+    before = 0.0_DP
+    slope_before = slope_start
+    behind = 0.0_DP
+    slope_behind = 0.0_DP
+    do n = 1, step%controls%gradients%max_cuts
+      call reduce_residual(system, r)
+      slope = dot_product(iteration%d, r)
+      if (abs(slope) <= SUFFICIENT_DECREASE * slope_start) return
+      if (slope > 0.0_DP) then
+        before = alpha
+        slope_before = slope
+      else
+        behind = alpha
+        slope_behind = slope
+      end if
+      if (.not. slope_behind < 0.0_DP) return       ! too short: the next direction continues
+      alpha = before + (behind - before) * slope_before / (slope_before - slope_behind)
+      call evaluate_held(system, model, step, iteration%slaves, u + alpha * du, state, outcome)
+      if (outcome /= OUTCOME_OK) return
+    end do
+  end subroutine repeat_length
 
 
   !> Evaluates the residual with the statuses of the start of the round and the friction that `contact` holds.

@@ -132,6 +132,14 @@ def test_statuses_within_a_round(run: Run, tmp_path: Path, mu: float, most: int)
     assert sum(iterations(tmp_path / "gradients" / "job.cvg")) <= most
 
 
+def test_overshooting_length(run: Run, tmp_path: Path) -> None:
+    """A cylinder dragged to and fro, with a factor: where statuses change, the one-step length overshoots again and again unless it is
+    repeated; then four attempts fail, and iterations are three times as many."""
+    compare(run, tmp_path, cylinder(0.05, "AUTO", 5), with_gradients(cylinder(0.05, "ALL", 5), "FACTOR"))
+    assert not any(a.is_failed for a in read_sta(tmp_path / "gradients" / "job.sta"))
+    assert sum(iterations(tmp_path / "gradients" / "job.cvg")) <= 1600
+
+
 def test_first_touch(run: Run, tmp_path: Path) -> None:
     """The press of that cylinder with mu = 1, in twenty increments: slip counts from where a node first touches. In one increment the results
     differ by 3 %, because Newton's first iterate and an augmented round, which penetrates, give other places of first touch."""
