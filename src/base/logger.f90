@@ -16,6 +16,7 @@ module amontons_logger
   private
   public :: logger_type, log_sink_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
 
+  real(DP), parameter :: MEGABYTE_IN_KB = 1024.0_DP**2 / 1000.0_DP   !< the program's megabytes are those of the system [kB]
   integer, parameter :: PROGRESS_AUTO = 0       !< a line per increment, and a live line if the output is a terminal
   integer, parameter :: PROGRESS_PLAIN = 1      !< a line per increment
   integer, parameter :: PROGRESS_NONE = 2       !< no line per increment
@@ -277,14 +278,15 @@ contains
 
 
   !> Prints the final summary: cost by phase, iterations, scenarios, contact, force balance.
-  subroutine show_summary(self, records)
+  subroutine show_summary(self, records, n_unknowns)
     class(logger_type), intent(inout) :: self
     type(increment_record_type), intent(in) :: records(:)   !< all attempts of the job, in order
+    integer, intent(in) :: n_unknowns              !< components of the displacements
     call stop_heartbeat(self%heartbeat)
     if (self%is_quiet .or. size(records) == 0) return
     call write_line(self, '')
     call write_counts(self, records)
-    call write_phase_times(self, records)
+    call write_phase_times(self, records, n_unknowns)
     call write_contact_summary(self, records)
     call write_force_balance(self, records)
   end subroutine show_summary
@@ -323,10 +325,11 @@ contains
   end subroutine write_count
 
 
-  !> Seconds by phase and their share of the total.
-  subroutine write_phase_times(logger, records)
+  !> Seconds by phase and their share of the total; the peak of memory, in all and by unknown.
+  subroutine write_phase_times(logger, records, n_unknowns)
     class(logger_type), intent(inout) :: logger
     type(increment_record_type), intent(in) :: records(:)
+    integer, intent(in) :: n_unknowns
     real(DP) :: seconds(N_PHASES), megabytes(N_PHASES), whole, peak
     integer :: i, phase
     character(28) :: name
@@ -348,6 +351,9 @@ contains
     end do
     name = 'the whole job'
     write (line, '(4x,a28,f10.2,9x,f10.0)') name, logger%elapsed(), peak
+    call write_line(logger, trim(line))
+    write (line, '(a,f10.2,a,i0,a)') '  peak of memory by unknown     ', MEGABYTE_IN_KB * peak / real(max(1, n_unknowns), DP), &
+      ' kB   (', n_unknowns, ' unknowns)'
     call write_line(logger, trim(line))
   end subroutine write_phase_times
 

@@ -747,7 +747,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_open) return
     analysis%is_open = .false.
-    call logger%show_summary(analysis%records(:analysis%n_records))
+    call logger%show_summary(analysis%records(:analysis%n_records), 3 * analysis%model%mesh%n_nodes)
     if (analysis%has_files) then
       !$omp critical (result_files)
       call close_files(analysis, error)

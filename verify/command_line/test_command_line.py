@@ -213,6 +213,10 @@ def test_table_of_phases(run: Run, tmp_path: Path) -> None:
     grown = sum(float(megabytes) for *_, megabytes in rows)
     assert abs(grown - float(whole[2])) <= 3.5, "six phases, each rounded to a megabyte"
     assert 5 < float(whole[2]) < 200
+    by_unknown = re.search(r"^  peak of memory by unknown +([\d.]+) kB   \((\d+) unknowns\)$", table, re.M)
+    assert by_unknown, table
+    assert int(by_unknown[2]) == 24
+    assert abs(float(by_unknown[1]) * 24 / 1048.576 - float(whole[2])) <= 0.5 + 0.01, "a peak rounded to a megabyte"
 
 
 def test_contact_that_never_closes_is_reported(run: Run, root: Path, tmp_path: Path) -> None:

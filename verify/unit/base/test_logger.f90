@@ -122,7 +122,7 @@ contains
     call logger%show_diagnostics(diagnostics)
     call logger%show_iteration(iteration)
     call logger%show_increment(record, 0.5_DP)
-    call logger%show_summary([record])
+    call logger%show_summary([record], 1000000)
     call logger%fail('The end.')
     lines = lines_of(unit)
     call suite%that('one line', size(lines) == 1)
@@ -179,11 +179,12 @@ contains
     records%step = 1
     records%increment = [1, 2, 2]
     records(3)%n_status = [1, 2, 3]
-    call logger%show_summary(records)
+    call logger%show_summary(records, 1000000)
     lines = lines_of(unit)
     call suite%that('converged', has(lines, 'increments converged', '2'))
     call suite%that('failed', has(lines, 'attempts that failed', '1'))
     call suite%that('iterations, and their mean by increment', has(lines, 'Newton iterations', '18   (9.00 per'))
+    call suite%that('memory by unknown', has(lines, 'peak of memory by unknown', ' kB   (1000000 unknowns)'))
     call suite%that('the last status', has(lines, 'slave nodes at the end', 'open 1,  stick 2,  slip 3'))
     call suite%that('the worst balance', has(lines, 'imbalance', '2.0E-08 of the largest force, in step 1, inc'))
   end subroutine test_summary
