@@ -171,22 +171,24 @@ contains
 
 
   !> The shares N of master nodes in the jump u_s - sum N_m u_m of each slave node of a compliant law: the negative weights of all
-  !! its rows, scaled to the sum 1. A node that is master of another such slave has no jump.
+  !! its rows, scaled to the sum 1. The sum of its weights tells whether a node is slave or master: single ones of a master are
+  !! positive where a facet is extended.
   subroutine master_shares(links, n_nodes, shares, error)
     type(contact_tangent_type), intent(in) :: links(:)        !< of the closed slaves
     integer, intent(in) :: n_nodes
     type(sparse_type), intent(out) :: shares       !< N (n_nodes x n_nodes) [-]
     type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: value(:), total(:)
+    real(DP), allocatable :: value(:), total(:), sum_of_weights(:)
     integer, allocatable :: row(:), column(:)
-    logical, allocatable :: is_slave(:), is_master(:)
-    integer :: i, n
+    integer :: i, j, n
     n = sum(links%n_weights**2)
     allocate (row(n), column(n), value(n))
-    allocate (total(n_nodes), source=0.0_DP)
-    allocate (is_slave(n_nodes), is_master(n_nodes), source=.false.)
+    allocate (total(n_nodes), sum_of_weights(n_nodes), source=0.0_DP)
     do i = 1, size(links)
-      if (links(i)%is_compliant_node) call sort_nodes(links(i)%nodes(:links(i)%n_weights), links(i)%weights > 0.0_DP)
+      if (.not. links(i)%is_compliant_node) cycle
+      do j = 1, links(i)%n_weights
+        sum_of_weights(links(i)%nodes(j)) = sum_of_weights(links(i)%nodes(j)) + links(i)%weights(j)
+      end do
     end do
     n = 0
     do i = 1, size(links)
@@ -202,9 +204,9 @@ contains
       real(DP), intent(in) :: w(:)                 !< [-]
       integer :: j, k
       do j = 1, size(nodes)
-        if (.not. (is_slave(nodes(j)) .and. w(j) > 0.0_DP)) cycle
+        if (.not. (sum_of_weights(nodes(j)) > 0.0_DP .and. w(j) > 0.0_DP)) cycle
         do k = 1, size(nodes)
-          if (.not. (is_master(nodes(k)) .and. w(k) < 0.0_DP)) cycle
+          if (.not. (sum_of_weights(nodes(k)) < 0.0_DP .and. w(k) < 0.0_DP)) cycle
           n = n + 1
           row(n) = nodes(j)
           column(n) = nodes(k)
@@ -213,18 +215,6 @@ contains
         end do
       end do
     end subroutine add_row
-
-    !> Slaves and masters of a row: a node that is one of them for an earlier row remains it.
-    subroutine sort_nodes(nodes, is_positive)
-      integer, intent(in) :: nodes(:)
-      logical, intent(in) :: is_positive(:)
-      integer :: m
-      do m = 1, size(nodes)
-        if (is_slave(nodes(m)) .or. is_master(nodes(m))) cycle
-        is_slave(nodes(m)) = is_positive(m)
-        is_master(nodes(m)) = .not. is_positive(m)
-      end do
-    end subroutine sort_nodes
 
   end subroutine master_shares
 

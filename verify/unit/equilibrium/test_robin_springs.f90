@@ -149,7 +149,7 @@ contains
 
 
   !> Shares of masters: those of a node's row; the mean over the rows of points; none through a node that is slave and master, nor
-  !! of exact contact.
+  !! of exact contact. A master beside which a node lies on its extended facet remains a master.
   subroutine check_shares()
     type(contact_tangent_type) :: closed(5)
     type(sparse_type) :: shares
@@ -175,6 +175,12 @@ contains
       0.0_DP, TOL)
     call master_shares(closed(5:), 10, shares, error)
     call suite%that('exact contact has no jumps', size(shares%column) == 0 .and. all([(shares%first(i) == 1, i=1, 11)]))
+    closed(1)%weights = [1.0_DP, 0.1_DP, -1.1_DP]  ! on a facet that is extended beyond its nodes 9
+    closed(2)%nodes = [2, 8, 9]
+    closed(2)%weights = [1.0_DP, -0.75_DP, -0.25_DP]
+    call master_shares(closed(:2), 10, shares, error)
+    call suite%that('extended: the slaves alone follow', all(shares%first(1:4) == [1, 2, 4, 4]) .and. size(shares%column) == 3)
+    call suite%that('extended: both are masters', all(shares%column == [9, 8, 9]))
   end subroutine check_shares
 
 
