@@ -86,7 +86,6 @@ contains
     if (step%line_search == LINE_SEARCH_AUTO) system%skin_tolerance = merge(step%controls%skin%tolerance_origin, &
       step%controls%skin%tolerance_changing, sets_origins(system, state))
     call follow_criteria(system, step)
-    call tighten_proximal_step(system, allowed_residual)
     system%is_first_direction = .false.
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
     if (allocated(error)) return
@@ -162,10 +161,9 @@ contains
     system%skin_tolerance = merge(step%controls%skin%tolerance_changing, step%controls%skin%tolerance_unchanged, &
       system%contact%n_changed > 0)
     if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, step%controls%skin%tolerance_halved)
-    if (system%contact%n_changed > 0) call follow_criteria(system, step)
+    if (system%contact%n_changed > 0 .or. system%proximal_shift > 0.0_DP) call follow_criteria(system, step)
     allowed_residual = system%controls%krylov%newton_tolerance_share * step%controls%r_n * system%largest_force
     if (system%is_skin) allowed_residual = 0.5_DP * skin_merit_tolerance(system, step)
-    call tighten_proximal_step(system, allowed_residual)
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
     if (allocated(error)) return
     if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
@@ -175,26 +173,16 @@ contains
 
 
   !> Directions are solved tighter in proportion where the criteria are tighter than usual: slip counts from where they see nodes
-  !! touch.
+  !! touch, as bodies do that a proximal step moves.
   pure subroutine follow_criteria(system, step)
     type(equilibrium_type), intent(inout) :: system
     type(step_type), intent(in) :: step
     associate (controls => step%controls)
+      if (system%proximal_shift > 0.0_DP) system%skin_tolerance = min(system%skin_tolerance, controls%skin%tolerance_origin)
       system%skin_tolerance = max(controls%krylov%tolerance, system%skin_tolerance * min(1.0_DP, controls%r_n / &
         controls%skin%usual_r_n))
     end associate
   end subroutine follow_criteria
-
-
-  !> The residual of a proximal step with the skin. What remains on a free body moves it by the residual over the shift: it must be
-  !! small beside the loads, not beside the forces that close the gaps.
-  pure subroutine tighten_proximal_step(system, allowed_residual)
-    type(equilibrium_type), intent(inout) :: system
-    real(DP), intent(inout) :: allowed_residual    !< [force]
-    if (.not. (system%is_skin .and. system%proximal_shift > 0.0_DP)) return
-    allowed_residual = system%controls%krylov%tolerance * system%largest_force
-    system%skin_tolerance = 0.0_DP
-  end subroutine tighten_proximal_step
 
 
   !> The merit at which corrections with the contact skin stop.

@@ -171,7 +171,7 @@ contains
 
 
   !> The shares N of master nodes in the jump u_s - sum N_m u_m of each slave node of a compliant law: the negative weights of all
-  !! its rows, scaled to the sum 1. The sum of its weights tells whether a node is slave or master: single ones of a master are
+  !! its rows, scaled to the sum 1. A node is slave or master by the sum of its weights: single ones of a master are
   !! positive where a facet is extended.
   subroutine master_shares(links, n_nodes, shares, error)
     type(contact_tangent_type), intent(in) :: links(:)        !< of the closed slaves

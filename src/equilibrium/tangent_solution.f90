@@ -181,6 +181,8 @@ contains
 
 
   !> Solves J v = b with the contact skin. The linearised model includes the remaining residual, and the next correction reduces it.
+  !! What remains on a free body in a proximal step moves it by the residual over the shift: it must be small beside the loads too,
+  !! not only beside the forces that close the gaps.
   subroutine solve_by_skin(system, allowed_residual, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
@@ -196,6 +198,7 @@ contains
     tangent%system => system
     preconditioner%system => system
     options%tolerance = system%skin_tolerance
+    if (system%proximal_shift > 0.0_DP) options%tolerance = options%tolerance * min(1.0_DP, system%largest_force / norm2(b))
     options%absolute_tolerance = allowed_residual
     options%max_iterations = system%controls%skin%max_iterations
     options%restart = system%controls%skin%restart

@@ -73,16 +73,18 @@ contains
 
   !> Cycling within a contact subproblem: extends the edge for nodes that left their master, or crossed an edge, repeatedly.
   !! New ones are marked in `start`.
-  pure subroutine extend_master_edges(contact, controls, start, trial_slaves, facet_tracks, is_extended)
+  pure subroutine extend_master_edges(contact, controls, start, trial_slaves, facet_tracks, n_extended, is_lost)
     type(contact_type), intent(in) :: contact
     type(cycling_controls_type), intent(in) :: controls
     type(slave_state_type), intent(inout) :: start(:)    !< (n_slaves) at the start of the direction
     type(slave_state_type), intent(in) :: trial_slaves(:)         !< (n_slaves) predicted
     type(facet_track_type), intent(inout) :: facet_tracks(:)     !< (n_slaves)
-    logical, intent(out) :: is_extended
+    integer, intent(out) :: n_extended             !< number of new ones
+    logical, intent(out) :: is_lost                !< one of the new ones left a smooth master
     logical :: is_faceted
     integer :: s
-    is_extended = .false.
+    n_extended = 0
+    is_lost = .false.
     do s = 1, size(trial_slaves)
       if (start(s)%overrides%edge /= NODE_OVERRIDE_NONE .or. .not. has_master_edges(contact, trial_slaves(s))) cycle
       is_faceted = contact%facets(trial_slaves(s)%pair)%is_faceted
@@ -90,7 +92,8 @@ contains
       if (facet_tracks(s)%n_returns < merge(controls%max_edge_returns, controls%max_master_losses, is_faceted)) cycle
       if (trial_slaves(s)%facet > 0 .and. .not. is_faceted) cycle
       start(s)%overrides%edge = NODE_OVERRIDE_EXTENDED
-      is_extended = .true.
+      n_extended = n_extended + 1
+      is_lost = is_lost .or. .not. is_faceted
       if (trial_slaves(s)%facet > 0 .or. start(s)%status /= STATUS_OPEN) cycle
       start(s)%overrides%edge = NODE_OVERRIDE_OFF_MASTER
       start(s)%facet = 0

@@ -95,7 +95,8 @@ contains
     real(DP), allocatable :: correction(:, :), initial_du(:, :)
     type(facet_track_type) :: facet_tracks(size(start%slaves))   ! of the slave nodes
     real(DP) :: largest_merit, d_load, d_correction
-    logical :: is_extended, is_cycle_found
+    integer :: n_extended
+    logical :: is_lost, is_cycle_found
     is_cycle_found = .false.
     system%n_halved = 0
     largest_merit = 0.0_DP
@@ -107,15 +108,23 @@ contains
     allocate (correction, mold=du)
     call evaluate_linearized(system, model, start, du, state, d_load)
     do
-      call extend_master_edges(system%contact, step%controls%cycling, start%slaves, state%new%slaves, facet_tracks, is_extended)
-      if (is_extended .and. best%n_subproblem_iterations < step%controls%subproblem%max_iterations) then
-        ! Restart with slaves fixed to their extended edges.
-        du = initial_du
-        d_load = initial_d_load
+      call extend_master_edges(system%contact, step%controls%cycling, start%slaves, state%new%slaves, facet_tracks, n_extended, &
+        is_lost)
+      if (n_extended > 0 .and. best%n_subproblem_iterations < step%controls%subproblem%max_iterations) then
+        if (is_lost) then                          ! restart, with these slaves fixed to their extended edges
+          du = initial_du
+          d_load = initial_d_load
+          state%new%slaves = start%slaves
+          best%n_subproblem_iterations = best%n_subproblem_iterations + 1
+        else                                       ! between facets: the corrections continue
+          where (state%new%slaves%overrides%edge /= start%slaves%overrides%edge)
+            state%new%slaves%facet = start%slaves%facet
+            state%new%slaves%overrides%edge = start%slaves%overrides%edge
+          end where
+        end if
         best%merit = huge(1.0_DP)                  ! the next iterate is the best one
-        state%new%slaves = start%slaves
-        best%n_subproblem_iterations = best%n_subproblem_iterations + 1
         call evaluate_linearized(system, model, start, du, state, d_load)
+        system%contact%n_changed = system%contact%n_changed + n_extended
       end if
       call record_best(system, state, du, d_load, best)
       call record_active_set(active_set_history, state%new%slaves, system%merit)

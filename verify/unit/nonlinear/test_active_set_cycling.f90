@@ -130,8 +130,8 @@ contains
     type(suite_type), intent(inout) :: suite
     type(slave_state_type), allocatable :: start(:), trial(:)
     type(facet_track_type), allocatable :: tracks(:)
-    logical :: is_extended
-    integer :: i
+    logical :: is_lost
+    integer :: i, n_extended
     start = state%new%slaves
     start%status = STATUS_OPEN
     start(1)%status = STATUS_STICK
@@ -140,18 +140,28 @@ contains
     allocate (tracks(size(start)))
     do i = 1, 5
       trial(1:2)%facet = merge(1, 0, mod(i, 2) == 1)
-      call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, is_extended)
-      call suite%that('tracks: not yet', .not. is_extended .and. all(start%overrides%edge == NODE_OVERRIDE_NONE))
+      call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, n_extended, is_lost)
+      call suite%that('tracks: not yet', n_extended == 0 .and. all(start%overrides%edge == NODE_OVERRIDE_NONE))
     end do
     call suite%that('tracks: twice off', all(tracks(1:2)%n_returns == 2) .and. all(tracks(3:)%n_returns == 0))
     trial(1:2)%facet = 0
-    call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, is_extended)
-    call suite%that('tracks: the third time', is_extended .and. start(1)%overrides%edge == NODE_OVERRIDE_EXTENDED)
+    call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, n_extended, is_lost)
+    call suite%that('tracks: the third time', n_extended == 2 .and. is_lost .and. start(1)%overrides%edge == NODE_OVERRIDE_EXTENDED)
     call suite%that('tracks: one that was open stays beside its master', start(2)%overrides%edge == NODE_OVERRIDE_OFF_MASTER .and. &
       start(2)%facet == 0)
     call suite%that('tracks: the others as they were', all(start(3:)%overrides%edge == NODE_OVERRIDE_NONE))
-    call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, is_extended)
-    call suite%that('tracks: each node once', .not. is_extended)
+    call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, n_extended, is_lost)
+    call suite%that('tracks: each node once', n_extended == 0)
+    start%overrides%edge = NODE_OVERRIDE_NONE      ! a master whose normals jump at edges
+    system%contact%facets%is_faceted = .true.
+    tracks = facet_track_type()
+    do i = 1, 4
+      trial(1)%facet = merge(1, 2, mod(i, 2) == 1)
+      call extend_master_edges(system%contact, cycling_controls_type(), start, trial, tracks, n_extended, is_lost)
+      call suite%that('tracks: one facet, and the other', n_extended == merge(1, 0, i == 4) .and. .not. is_lost)
+    end do
+    call suite%that('tracks: alternates', start(1)%overrides%edge == NODE_OVERRIDE_EXTENDED)
+    system%contact%facets%is_faceted = .false.
   end subroutine check_tracks
 
 
