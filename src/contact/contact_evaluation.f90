@@ -21,8 +21,9 @@ module amontons_contact_evaluation
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_slave_node_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
-    set_first_touch_origin, is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector, begin_search, &
+    is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector, begin_search, &
     measure_clearances
+  use amontons_first_touch, only: set_first_touch_origin
   implicit none
   private
   public :: evaluate_contact, has_other_constraints

@@ -38,7 +38,7 @@ module amontons_contact_pairs
   public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
-    update_mortar_slave, update_gap, set_stick_origin, set_first_touch_origin, is_stuck_to_mortar_row, &
+    update_mortar_slave, update_gap, set_stick_origin, is_stuck_to_mortar_row, &
     find_slave_projection, renew_searches, begin_search, measure_clearances, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, &
     MAX_DEPTH_SHARE
 
@@ -47,7 +47,6 @@ module amontons_contact_pairs
   integer, parameter :: SEAM_STEP = 2            !< they are not
   real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
-  real(DP), parameter :: TOL_ENTRY = 1.0e-3_DP           !< error of the part of a path after which a node enters its master [-]
   real(DP), parameter :: SEARCH_SLACK_RATIO = 0.5_DP     !< motion of a master, over that edge, after which its grid is rebuilt [-]
   real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP  !< a node behind a facet by more than this share of the depth of its element,
                                                    !! or of the thickness of its sheet, does not see it [-]
@@ -827,73 +826,5 @@ contains
       if (status /= PROJECTION_INSIDE) slave%facet = 0
     end if
   end subroutine update_gap
-
-
-  !> Sets the origin of an open node that closes: the first touch on its straight path from the committed state.
-  !!
-  !! The gap decreases linearly but for rotating normals; a node already in contact keeps its old position as origin. A node that
-  !! comes over the border of its master, as from one master to the next, touches no earlier than it enters.
-  subroutine set_first_touch_origin(contact, model, u_old, u, slave)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) current displacements [length]
-    type(slave_state_type), intent(inout) :: slave
-    type(slave_state_type) :: touch
-    type(contact_row_type) :: row
-    real(DP), allocatable :: u_touch(:, :)
-    real(DP) :: gap, entry
-    if (slave%gap >= 0.0_DP) then
-      call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
-    else if (contact%has_fixed_geometry(slave%pair) .or. slave%row > 0) then     ! the row stays: no field of all nodes is needed
-      call current_row(contact, slave, row)
-      gap = max(slave%offset + dot_product(slave%normal, evaluate_relative_position(row, model%mesh%coordinates, u_old)), 0.0_DP)
-      call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave, u_old, gap / (gap - slave%gap))
-    else
-      call find_entry(contact, model%mesh%coordinates, u_old, u, slave, touch, entry)
-      gap = max(touch%gap, 0.0_DP)
-      allocate (u_touch, source=u_old + (entry + (1.0_DP - entry) * gap / (gap - slave%gap)) * (u - u_old))
-      call update_gap(contact, model%mesh%coordinates + u_touch, touch)
-      if (touch%facet > 0) then
-        call set_stick_origin(contact, model, u_touch, touch%facet, touch%xi, slave)
-      else
-        call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave)
-      end if
-    end if
-  end subroutine set_first_touch_origin
-
-
-  !> The part of the straight path of a node relative to its master after which it projects on it, by bisection; 0: from the start.
-  subroutine find_entry(contact, x, u_old, u, slave, touch, entry)
-    type(contact_type), intent(in) :: contact
-    real(DP), intent(in) :: x(:, :), u_old(:, :), u(:, :)   !< (3, n_nodes) coordinates, start and end of the path [length]
-    type(slave_state_type), intent(in) :: slave    !< at the end of the path
-    type(slave_state_type), intent(out) :: touch   !< at the entry
-    real(DP), intent(out) :: entry                 !< [-]
-    type(slave_state_type) :: trial
-    type(contact_row_type) :: row
-    real(DP), allocatable :: x_end(:, :)
-    real(DP) :: outside, path(3), final(3)
-    touch = slave
-    call update_gap(contact, x + u_old, touch)
-    entry = 0.0_DP
-    if (touch%facet > 0) return
-    call current_row(contact, slave, row)
-    path = evaluate_relative_position(row, u) - evaluate_relative_position(row, u_old)
-    x_end = x + u
-    final = x_end(:, slave%node)
-    touch = slave
-    entry = 1.0_DP
-    outside = 0.0_DP
-    do while (entry - outside > TOL_ENTRY)
-      trial = touch
-      x_end(:, slave%node) = final - (1.0_DP - 0.5_DP * (outside + entry)) * path
-      call update_gap(contact, x_end, trial)
-      if (trial%facet == 0) outside = 0.5_DP * (outside + entry)
-      if (trial%facet == 0) cycle
-      entry = 0.5_DP * (outside + entry)
-      touch = trial
-    end do
-  end subroutine find_entry
 
 end module amontons_contact_pairs

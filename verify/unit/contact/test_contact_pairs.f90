@@ -1,9 +1,9 @@
-!> Unit test of contact_pairs: slave nodes of a pair, rows, slip from the origin, gap, first touch, settings of a step, refusals.
+!> Unit test of contact_pairs: slave nodes of a pair, rows, slip from the origin, gap, settings of a step, refusals.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_contact_pairs
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, current_row, origin_row, &
-    contact_slip_vector, origin_offset_derivative, search_lost_slave, update_gap, set_stick_origin, set_first_touch_origin, &
+    contact_slip_vector, origin_offset_derivative, search_lost_slave, update_gap, set_stick_origin, &
     is_stuck_to_mortar_row
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
   use amontons_errors, only: error_type, EXIT_SETUP
@@ -24,7 +24,6 @@ program test_contact_pairs
   call check_created()
   call check_rows()
   call check_slip()
-  call check_touch()
   call check_lost()
   call check_step()
   call check_dimensions()
@@ -111,23 +110,6 @@ contains
         2.0_DP, 3.0_DP]) + 0.125_DP * [1.0_DP, 2.0_DP, 3.0_DP])), 0.0_DP, TOL)
     end associate
   end subroutine check_slip
-
-
-  !> A node that closes on a straight path: its origin is where it touches, whatever it slides after it.
-  subroutine check_touch()
-    real(DP), allocatable :: u_old(:, :), u(:, :)
-    real(DP) :: d(3)
-    call start(0.1_DP)
-    allocate (u_old(3, model%mesh%n_nodes), u(3, model%mesh%n_nodes), source=0.0_DP)
-    associate (slave => state%new%slaves(INNER))
-      u(:, slave%node) = [0.04_DP, 0.0_DP, -0.4_DP]  ! touches after a quarter of the way
-      call update_gap(system%contact, model%mesh%coordinates + u, slave)
-      call suite%near('penetration', slave%gap, -0.3_DP, TOL)
-      call set_first_touch_origin(system%contact, model, u_old, u, slave)
-      d = contact_slip_vector(system%contact, model, u, slave)
-      call suite%near('slip since the touch', maxval(abs(d - [0.03_DP, 0.0_DP, -0.3_DP])), 0.0_DP, TOL)
-    end associate
-  end subroutine check_touch
 
 
   !> A node beyond the master has no facet; it gets one when it is back.
