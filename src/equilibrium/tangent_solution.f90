@@ -198,7 +198,8 @@ contains
     tangent%system => system
     preconditioner%system => system
     options%tolerance = system%skin_tolerance
-    if (system%proximal_shift > 0.0_DP) options%tolerance = options%tolerance * min(1.0_DP, system%largest_force / norm2(b))
+    if (system%proximal_shift > 0.0_DP .and. norm2(b) > system%largest_force) options%tolerance = options%tolerance * &
+      system%largest_force / norm2(b)
     options%absolute_tolerance = allowed_residual
     options%max_iterations = system%controls%skin%max_iterations
     options%restart = system%controls%skin%restart
