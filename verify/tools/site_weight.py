@@ -15,7 +15,7 @@ from urllib.parse import unquote
 
 KEPT = re.compile(r"(<pre\b.*?</pre>|<script\b.*?</script>|<style\b.*?</style>)", re.DOTALL)
 NEEDLESS = ("*.map", "*.ttf", "lunr/**/*.js")  #: for debuggers of scripts; browsers take fonts as .woff2; languages other than English
-OPTIONAL = re.compile(r"<!--.*?-->|</(?:td|th|tr|thead|tbody)>", re.DOTALL)  #: comments; the HTML standard lets a table go without these end tags
+OPTIONAL = re.compile(r"<!--.*?-->|</(?:li|td|th|tr|thead|tbody)>", re.DOTALL)  #: comments; the HTML standard lets lists and tables go without these end tags
 ANCHOR = re.compile(r'<span class="anchor" id="([^"]*)"></span>\n?')
 TARGET = re.compile(r"""href=["'][^"'#]*#([^"']+)["']""")
 STYLE = re.compile(r'href="[^"]*?([\w.-]+\.css)"')
