@@ -37,7 +37,7 @@ contains
       gap = max(slave%offset + dot_product(slave%normal, evaluate_relative_position(row, model%mesh%coordinates, u_old)), 0.0_DP)
       call set_stick_origin(contact, model, u, slave%facet, slave%xi, slave, u_old, gap / (gap - slave%gap))
     else
-      call find_entry(contact, model%mesh%coordinates, u_old, u, slave, touch, entry)
+      call find_entry(contact, model%mesh%coordinates, u_old, u, slave, touch, entry, x)
       gap = max(touch%gap, 0.0_DP)
       call place_on_path(contact, model%mesh%coordinates, u_old, u, entry + (1.0_DP - entry) * gap / (gap - slave%gap), slave, x)
       call update_gap(contact, x, touch)
@@ -48,15 +48,15 @@ contains
 
 
   !> The part of the straight path of a node relative to its master after which it projects on it, by bisection; 0: from the start.
-  subroutine find_entry(contact, x, u_old, u, slave, touch, entry)
+  subroutine find_entry(contact, x, u_old, u, slave, touch, entry, placed)
     type(contact_type), intent(in) :: contact
     real(DP), intent(in) :: x(:, :), u_old(:, :), u(:, :)   !< (3, n_nodes) coordinates, start and end of the path [length]
     type(slave_state_type), intent(in) :: slave    !< at the end of the path
     type(slave_state_type), intent(out) :: touch   !< at the entry
     real(DP), intent(out) :: entry                 !< [-]
+    real(DP), allocatable, intent(out) :: placed(:, :)   !< (3, n_nodes) of `place_on_path`, for further use [length]
     type(slave_state_type) :: trial
     type(contact_row_type) :: row
-    real(DP), allocatable :: placed(:, :)
     real(DP) :: outside, path(3), final(3)
     touch = slave
     call place_on_path(contact, x, u_old, u, 0.0_DP, slave, placed)

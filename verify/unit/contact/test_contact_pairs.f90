@@ -31,16 +31,7 @@ program test_contact_pairs
 
 contains
 
-  include 'sample_blocks.inc'
-
-  !> Blocks at a gap under NLGEOM, as at the start of the first increment.
-  subroutine start(gap)
-    real(DP), intent(in) :: gap
-    call two_blocks(model, 0.3_DP, gap, [0.0_DP, 0.0_DP, -0.1_DP])
-    model%steps(1)%is_nlgeom = .true.
-    call start_blocks(model, system, state)
-  end subroutine start
-
+  include 'sliding_blocks.inc'
 
   !> One open slave for each node of the surface, outward normals, the longest edge of the master; the same surface twice.
   subroutine check_created()
