@@ -25,6 +25,7 @@ module amontons_contact_coarse_space
   integer, parameter :: BLOCK_ROWS = 4096          !< rows of W of one product
   integer, parameter :: BLOCK_UNKNOWNS = 64        !< unknowns whose values of a block of directions fit into a cache
   integer, parameter :: BLOCK_DIRECTIONS = 32      !< directions of one pass: their sums fit into registers
+  integer, parameter :: N_SHARES = 16              !< parts of a product, which threads share; sums do not depend on the threads
 
   !> The coarse space.
   type :: coarse_space_type
@@ -390,8 +391,9 @@ contains
     real(DP), intent(out) :: g(:)                  !< (n_unknowns) [length]
     logical, intent(out) :: is_corrected           !< .false.: there is no coarse space, d is not changed
     real(SP), allocatable :: rest(:), amount(:), part(:)
+    real(SP) :: partial(self%n, N_SHARES)
     real(DP) :: y(self%n, 1), scale, length
-    integer :: status, n, low, rows
+    integer :: status, n, low, rows, share
     g = 0.0_DP
     scale = 0.0_DP
     if (self%is_ready) scale = maxval(abs(d(self%free)))
@@ -399,15 +401,25 @@ contains
     if (.not. is_corrected) return
     n = size(self%free)
     rest = real(d(self%free) / scale, SP)
-    allocate (amount(self%n))
-    call sgemv('N', self%n, n, 1.0_SP, self%test, self%n, rest, 1, 0.0_SP, amount, 1)
-    y(:, 1) = real(amount, DP)
+    partial = 0.0_SP
+    !$omp parallel do private(low, rows)
+    do share = 1, N_SHARES
+      call bounds_of_share(n, share, low, rows)
+      call sgemv('N', self%n, rows, 1.0_SP, self%test(1, low), self%n, rest(low), 1, 0.0_SP, partial(1, share), 1)
+    end do
+    !$omp end parallel do
+    y(:, 1) = real(sum(partial, dim=2), DP)
     call dgetrs('N', self%n, 1, self%lu, self%n, self%pivots, y, self%n, status)
     length = maxval(abs(y))
     is_corrected = length > 0.0_DP .and. length <= huge(length)
     if (.not. is_corrected) return
     amount = real(y(:, 1) / length, SP)
-    call sgemv('T', self%n, n, 1.0_SP, self%image, self%n, amount, 1, 0.0_SP, rest, 1)
+    !$omp parallel do private(low, rows)
+    do share = 1, N_SHARES
+      call bounds_of_share(n, share, low, rows)
+      call sgemv('T', self%n, rows, 1.0_SP, self%image(1, low), self%n, amount, 1, 0.0_SP, rest(low), 1)
+    end do
+    !$omp end parallel do
     d(self%free) = d(self%free) - scale * length * real(rest, DP)
     !$omp parallel do private(part, rows) schedule(static)
     do low = 1, size(g), BLOCK_ROWS
@@ -419,5 +431,17 @@ contains
     end do
     !$omp end parallel do
   end subroutine apply_coarse_correction
+
+
+  !> The part of n columns that belongs to a share.
+  pure subroutine bounds_of_share(n, share, low, columns)
+    integer, intent(in) :: n, share
+    integer, intent(out) :: low                    !< first column, at most n
+    integer, intent(out) :: columns                !< of the share; 0: none
+    integer :: width
+    width = (n + N_SHARES - 1) / N_SHARES
+    low = min((share - 1) * width + 1, n)
+    columns = max(0, min(width, n - (share - 1) * width))
+  end subroutine bounds_of_share
 
 end module amontons_contact_coarse_space
