@@ -1,5 +1,5 @@
 """Makes the documentation site light: no white space between tags, no end tags and comments that HTML does without, no styles, fonts and
-maps of scripts that no page loads, no search in other languages, no anchors that no link leads to.
+maps of scripts that no page needs, no search in other languages, no anchors that no link leads to.
 
     python -m verify.tools.site_weight build/site
 
@@ -14,7 +14,9 @@ from pathlib import Path
 from urllib.parse import unquote
 
 KEPT = re.compile(r"(<pre\b.*?</pre>|<script\b.*?</script>|<style\b.*?</style>)", re.DOTALL)
-NEEDLESS = ("*.map", "*.ttf", "lunr/**/*.js")  #: for debuggers of scripts; browsers take fonts as .woff2; languages other than English
+#: for debuggers of scripts; browsers take fonts as .woff2; languages other than English; icons that no page shows
+NEEDLESS = ("*.map", "*.ttf", "lunr/**/*.js", "fa-brands-*", "fa-regular-*", "fa-v4compatibility*")
+ICONS = re.compile(r'<link href="[^"]*/(?:brands|regular|v4-font-face|v4-shims)\.min\.css" rel="stylesheet">')  #: the styles of these icons
 OPTIONAL = re.compile(r"<!--.*?-->|</(?:li|td|th|tr|thead|tbody)>", re.DOTALL)  #: comments; the HTML standard lets lists and tables go without these end tags
 ANCHOR = re.compile(r'<span class="anchor" id="([^"]*)"></span>\n?')
 TARGET = re.compile(r"""href=["'][^"'#]*#([^"']+)["']""")
@@ -24,7 +26,7 @@ STYLE = re.compile(r'href="[^"]*?([\w.-]+\.css)"')
 def slim(page: str) -> str:
     """The page with one blank or line break in place of several, but in preformatted text and scripts."""
     parts = KEPT.split(page)
-    return "".join(part if i % 2 else re.sub(r"\s*\n\s*", "\n", re.sub(r"[ \t]+", " ", OPTIONAL.sub("", part))) for i, part in enumerate(parts))
+    return "".join(part if i % 2 else re.sub(r"\s*\n\s*", "\n", re.sub(r"[ \t]+", " ", ICONS.sub("", OPTIONAL.sub("", part)))) for i, part in enumerate(parts))
 
 
 def lighten(site: Path) -> None:
