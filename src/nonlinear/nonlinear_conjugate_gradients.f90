@@ -49,6 +49,7 @@ module amontons_nonlinear_conjugate_gradients
   !> The iteration: vectors over the free unknowns, and the point that they belong to.
   type :: iteration_type
     real(DP), allocatable :: r(:), z(:), d(:), r_old(:)   !< (n_free) gradient, preconditioned gradient, direction
+    real(DP), allocatable :: u(:, :)               !< (3, n_nodes) the iterate [length]
     real(DP), allocatable :: residual(:, :)        !< (3, n_nodes) R at the iterate [force]
     real(DP) :: descent = 0                        !< z'r of the last iteration [energy]
     real(DP) :: least_descent = huge(1.0_DP)       !< the least so far, when it last fell to a quarter [energy]
@@ -183,56 +184,64 @@ contains
     type(state_type), intent(inout) :: state
     type(gradient_report_type), intent(inout) :: report
     logical, intent(in) :: is_first                !< of the round: its scenarios are reported
-    real(DP), intent(out) :: length                !< [-]
+    real(DP), intent(out) :: length                !< mean over the slipping slave nodes where they have their own [-]
     type(slip_state_type), allocatable :: slip_data(:)
     type(slip_result_type) :: verdicts(size(iteration%slaves))
-    real(DP), allocatable :: u(:, :), du(:, :), flat(:), tried(:)
-    real(DP) :: alpha
-    u = state%new%u
+    real(DP), allocatable :: p(:), du(:, :), flat(:), tried(:)
+    real(DP) :: alpha, share
+    iteration%u = state%new%u
     iteration%residual = system%residual
     slip_data = system%contact%slip_data
-    allocate (flat(size(u)), tried(size(iteration%r)))
+    allocate (flat(size(iteration%u)), tried(size(iteration%r)))
     call multiply(system%constraints%transformation, iteration%d, flat)
-    du = reshape(flat, shape(u))
-    call try_length(system, model, step, iteration, u, du, state, report%outcome)
+    du = reshape(flat, shape(iteration%u))
+    call try_length(system, model, step, iteration, du, state, report%outcome)
     if (report%outcome /= OUTCOME_OK) return
     call reduce_residual(system, tried)
     call find_bulk_length(system, model, step%controls%gradients, iteration, tried, state%new%slaves, du, alpha, report)
-    length = alpha * iteration%scale
     if (is_first .or. allocated(iteration%is_bulk)) call classify(system, step, slip_data, verdicts)
     if (is_first) report%n_scenario = [count(verdicts%scenario == 1), count(verdicts%scenario == 2), &
       count(verdicts%scenario == 3), count(verdicts%scenario == 4)]
     report%n_capped = report%n_capped + count(verdicts%becomes_stick)
-    if (allocated(iteration%is_bulk)) then
-      call move_with_slave_lengths()
-    else
-      call advance(system, model, step, iteration, u, iteration%scale * du, alpha, state, report)
-      length = alpha * iteration%scale
+    p = iteration%d
+    share = 1.0_DP
+    if (allocated(iteration%is_bulk) .and. alpha > 0.0_DP) then
+      call scale_slave_nodes(system, step, iteration, slip_data, verdicts, alpha, p, share)
+      call multiply(system%constraints%transformation, p, flat)
+      du = reshape(flat, shape(iteration%u))
     end if
+    call advance(system, model, step, iteration, p, iteration%scale * du, alpha, state, report)
     call reduce_residual(system, iteration%r)
+    length = share * alpha * iteration%scale
     if (alpha > 0.0_DP .and. .not. report%is_interrupted) iteration%scale = alpha * iteration%scale
-
-  contains
-
-    !> The bulk moves by its length, each slipping slave node along its master by its own.
-    subroutine move_with_slave_lengths()
-      real(DP) :: lengths(size(verdicts))
-      integer :: s
-      call find_slave_lengths(step, verdicts, alpha, lengths)
-      u = u + length * du
-      do s = 1, size(verdicts)
-        if (iteration%slaves(s)%status /= STATUS_SLIP) cycle
-        associate (node => iteration%slaves(s)%node)
-          u(:, node) = u(:, node) + (lengths(s) - alpha) * (system%contact%slip_data(s)%slip - slip_data(s)%slip)
-        end associate
-      end do
-      if (any(verdicts%status == STATUS_SLIP)) &
-        length = iteration%scale * sum(lengths, mask=verdicts%status == STATUS_SLIP) / &
-          real(count(verdicts%status == STATUS_SLIP), DP)
-      call evaluate_held(system, model, step, iteration%slaves, u, state, report%outcome)
-    end subroutine move_with_slave_lengths
-
   end subroutine move_along
+
+
+  !> Gives each slipping slave node its own length: scales its slip along the direction by that length over the length of the bulk.
+  pure subroutine scale_slave_nodes(system, step, iteration, slip_data, verdicts, alpha, p, share)
+    type(equilibrium_type), intent(in) :: system   !< evaluated at the end of the trial step
+    type(step_type), intent(in) :: step
+    type(iteration_type), intent(in) :: iteration
+    type(slip_state_type), intent(in) :: slip_data(:)   !< (n_slaves) at the iterate
+    type(slip_result_type), intent(in) :: verdicts(:)   !< (n_slaves)
+    real(DP), intent(in) :: alpha                  !< of the bulk, over the trial step [-]
+    real(DP), intent(inout) :: p(:)                !< (n_free) in: d; out: the direction of the change of u
+    real(DP), intent(out) :: share                 !< mean length of the slipping nodes over that of the bulk [-]
+    real(DP) :: lengths(size(verdicts)), change(3)
+    integer :: s, k, f
+    call find_slave_lengths(step, verdicts, alpha, lengths)
+    do s = 1, size(verdicts)
+      if (iteration%slaves(s)%status /= STATUS_SLIP) cycle
+      change = (lengths(s) / alpha - 1.0_DP) / iteration%scale * (system%contact%slip_data(s)%slip - slip_data(s)%slip)
+      do k = 1, 3
+        f = system%constraints%free_of(3 * (iteration%slaves(s)%node - 1) + k)
+        if (f > 0) p(f) = p(f) + change(k)
+      end do
+    end do
+    share = 1.0_DP
+    if (any(verdicts%status == STATUS_SLIP)) share = sum(lengths, mask=verdicts%status == STATUS_SLIP) / &
+      (alpha * real(count(verdicts%status == STATUS_SLIP), DP))
+  end subroutine scale_slave_nodes
 
 
   !> Lengths of the slipping slave nodes by *LINE SEARCH, TYPE, over the trial step. A node in balance moves with the bulk.
@@ -271,17 +280,17 @@ contains
 
 
   !> Evaluates the residual at the end of the trial step; shorter ones where elements invert.
-  subroutine try_length(system, model, step, iteration, u, du, state, outcome)
+  subroutine try_length(system, model, step, iteration, du, state, outcome)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(iteration_type), intent(inout) :: iteration
-    real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and direction [length]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction [length]
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome
     integer :: cut
     do cut = 0, step%controls%gradients%max_cuts
-      call evaluate_held(system, model, step, iteration%slaves, u + iteration%scale * du, state, outcome)
+      call evaluate_held(system, model, step, iteration%slaves, iteration%u + iteration%scale * du, state, outcome)
       if (outcome /= OUTCOME_ELEMENT .and. outcome /= OUTCOME_NOT_FINITE) exit
       iteration%scale = 0.25_DP * iteration%scale
     end do
@@ -348,15 +357,17 @@ contains
   end subroutine limit_penetration
 
 
-  !> Moves by alpha times the trial step. The residual there is interpolated between those of iterate and trial step where that was
-  !! exact enough before, else evaluated. A length that inverts elements is cut towards the trial step, which did not.
-  subroutine advance(system, model, step, iteration, u, du, alpha, state, report)
+  !> Moves by alpha along the direction. The residual there is interpolated between those of iterate and trial step where one
+  !! length holds for all unknowns and that was exact enough before, else evaluated. A length that inverts elements is cut towards
+  !! the trial step, which did not.
+  subroutine advance(system, model, step, iteration, p, du, alpha, state, report)
     type(equilibrium_type), intent(inout) :: system    !< evaluated at the end of the trial step
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(iteration_type), intent(inout) :: iteration
-    real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and trial step [length]
-    real(DP), intent(inout) :: alpha               !< out: cut [-]
+    real(DP), intent(in) :: p(:)                   !< (n_free) direction of the change of u
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) the same of all unknowns, as long as the trial step [length]
+    real(DP), intent(inout) :: alpha               !< out: cut or repeated [-]
     type(state_type), intent(inout) :: state
     type(gradient_report_type), intent(inout) :: report
     real(DP), allocatable :: interpolated(:, :)
@@ -366,19 +377,19 @@ contains
     interpolated = iteration%residual + alpha * (system%residual - iteration%residual)
     if (iteration%n_interpolated < iteration%n_trusted) then
       iteration%n_interpolated = iteration%n_interpolated + 1
-      state%new%u = u + alpha * du
+      state%new%u = iteration%u + alpha * du
       system%residual = interpolated
       return
     end if
     do cut = 0, step%controls%gradients%max_cuts
-      call evaluate_held(system, model, step, iteration%slaves, u + alpha * du, state, report%outcome)
+      call evaluate_held(system, model, step, iteration%slaves, iteration%u + alpha * du, state, report%outcome)
       if (report%outcome /= OUTCOME_ELEMENT .and. report%outcome /= OUTCOME_NOT_FINITE) exit
       alpha = 0.5_DP * (alpha + 1.0_DP)
     end do
     error = norm2(system%residual - interpolated)
-    if (cut > 0) error = huge(1.0_DP)
+    if (cut > 0 .or. allocated(iteration%is_bulk)) error = huge(1.0_DP)
     if (report%outcome == OUTCOME_OK .and. .not. report%is_interrupted) &
-      call repeat_length(system, model, step, iteration, u, du, alpha, state, report%outcome)
+      call repeat_length(system, model, step, iteration, p, du, alpha, state, report%outcome)
     if (error <= step%controls%gradients%interpolation_tolerance * norm2(system%residual)) then
       iteration%n_trusted = min(step%controls%gradients%max_interpolated, 2 * iteration%n_trusted + 1)
     else
@@ -388,31 +399,33 @@ contains
   end subroutine advance
 
 
-  !> Repeats the one-step formula between the lengths on either side of the zero of d'r, until d'r has fallen to half.
-  !! A change of status bends d'r: one step may pass the zero so far that the iterates alternate for ever.
-  subroutine repeat_length(system, model, step, iteration, u, du, alpha, state, outcome)
+  !> Repeats the one-step formula between the lengths on either side of the zero of p'r, until p'r has fallen to half.
+  !! A change of status bends p'r: one step may pass the zero so far that the iterates alternate for ever.
+  subroutine repeat_length(system, model, step, iteration, p, du, alpha, state, outcome)
     type(equilibrium_type), intent(inout) :: system    !< evaluated at alpha
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(iteration_type), intent(in) :: iteration
-    real(DP), intent(in) :: u(:, :), du(:, :)      !< (3, n_nodes) iterate and trial step [length]
+    real(DP), intent(in) :: p(:)                   !< (n_free) direction of the change of u
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) the same of all unknowns, as long as the trial step [length]
     real(DP), intent(inout) :: alpha               !< [-]
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome
-    real(DP) :: slope_start, slope                 ! d'r at 0 and at alpha [energy]
-    real(DP) :: before, slope_before               ! the last length with d'r > 0
-    real(DP) :: behind, slope_behind               ! the last length with d'r < 0, if any
+    real(DP) :: slope_start, slope                 ! p'r at 0 and at alpha [energy]
+    real(DP) :: before, slope_before               ! the last length with p'r > 0
+    real(DP) :: behind, slope_behind               ! the last length with p'r < 0, if any
     real(DP) :: r(size(iteration%r))
     integer :: n
     outcome = OUTCOME_OK
-    slope_start = dot_product(iteration%d, iteration%r)
+    slope_start = dot_product(p, iteration%r)
+    if (slope_start <= 0.0_DP) return               ! lengths of the slave nodes' own may lead uphill
     before = 0.0_DP
     slope_before = slope_start
     behind = 0.0_DP
     slope_behind = 0.0_DP
     do n = 1, step%controls%gradients%max_cuts
       call reduce_residual(system, r)
-      slope = dot_product(iteration%d, r)
+      slope = dot_product(p, r)
       if (abs(slope) <= SUFFICIENT_DECREASE * slope_start) return
       if (slope > 0.0_DP) then
         before = alpha
@@ -423,7 +436,7 @@ contains
       end if
       if (.not. slope_behind < 0.0_DP) return       ! too short: the next direction continues
       alpha = before + (behind - before) * slope_before / (slope_before - slope_behind)
-      call evaluate_held(system, model, step, iteration%slaves, u + alpha * du, state, outcome)
+      call evaluate_held(system, model, step, iteration%slaves, iteration%u + alpha * du, state, outcome)
       if (outcome /= OUTCOME_OK) return
     end do
   end subroutine repeat_length

@@ -18,7 +18,7 @@ from verify.conftest import Run
 from verify.decks.make_decks import block_deck
 from verify.library.test_restart import kill_often
 from verify.readers.sta_cvg_files import read_sta
-from verify.study.contact_table import ball_by_faces, cylinder, drag
+from verify.study.contact_table import ball_by_faces, cylinder, drag, shear
 from verify.study.gradients_growth import run as measure
 from verify.study.gradients_growth import two_blocks
 from verify.study.gradients_samples import iterations, sample, with_gradients
@@ -138,6 +138,15 @@ def test_overshooting_length(run: Run, tmp_path: Path) -> None:
     compare(run, tmp_path, cylinder(0.05, "AUTO", 5), with_gradients(cylinder(0.05, "ALL", 5), "FACTOR"))
     assert not any(a.is_failed for a in read_sta(tmp_path / "gradients" / "job.sta"))
     assert sum(iterations(tmp_path / "gradients" / "job.cvg")) <= 1600
+
+
+@pytest.mark.parametrize(("length", "mu", "most"), [("GLOBAL", 0.05, 120), ("NODAL", 0.3, 180)])
+def test_overshooting_lengths_of_slave_nodes(run: Run, tmp_path: Path, length: str, mu: float, most: int) -> None:
+    """The same rule for slave nodes with lengths of their own: without it a sheared block takes 250 and 630 iterations, and with GLOBAL
+    an attempt fails."""
+    compare(run, tmp_path, shear(mu, "AUTO", 5), with_gradients(shear(mu, length, 5), "FACTOR"))
+    assert not any(a.is_failed for a in read_sta(tmp_path / "gradients" / "job.sta"))
+    assert sum(iterations(tmp_path / "gradients" / "job.cvg")) <= most
 
 
 def test_first_touch(run: Run, tmp_path: Path) -> None:
