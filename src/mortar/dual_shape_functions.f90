@@ -59,9 +59,9 @@ contains
     type(facet_kind_type) :: shape
     real(DP) :: mid(4)
     integer :: m
+    if (.not. is_transformed(kind)) return
     shape = facet_kind(kind)
     m = shape%n_corners
-    if (.not. is_transformed(kind)) return
     mid(:m) = N(m + 1:2 * m)
     N(:m) = N(:m) + BASIS_ALPHA * (mid(:m) + cshift(mid(:m), -1))
     N(m + 1:2 * m) = (1 - 2 * BASIS_ALPHA) * mid(:m)
@@ -74,9 +74,9 @@ contains
     real(DP), intent(inout) :: x(:, :)             !< (:, n) in: x_j; out: x^_j [length]
     type(facet_kind_type) :: shape
     integer :: i, m
+    if (.not. is_transformed(kind)) return
     shape = facet_kind(kind)
     m = shape%n_corners
-    if (.not. is_transformed(kind)) return
     do i = 1, m
       x(:, m + i) = (x(:, m + i) - BASIS_ALPHA * (x(:, i) + x(:, modulo(i, m) + 1))) / (1 - 2 * BASIS_ALPHA)
     end do
@@ -144,7 +144,13 @@ contains
       call evaluate_affine_duals(area, at_node, weight, at, d, phi)
       return
     end if
-    phi = spread(d, 2, size(weight)) * matmul(inverse, shapes)
+    do q = 1, size(weight)
+      phi(:, q) = 0.0_DP
+      do i = 1, size(d)
+        phi(:, q) = phi(:, q) + shapes(i, q) * inverse(:, i)
+      end do
+      phi(:, q) = d * phi(:, q)
+    end do
     if (full_fraction >= 1.0_DP) return
     allocate (affine, mold=phi)
     call evaluate_affine_duals(area, at_node, weight, at, d, affine)

@@ -404,8 +404,8 @@ contains
     type(face_geometry_type), intent(in) :: plane          !< the face that defines the plane
     real(DP), intent(in) :: q(2)                   !< in the plane [length]
     real(DP) :: xi(2)                              !< [-]
-    real(DP) :: N(MAX_FACE_NODES)
-    call find_flat_coordinates(geometry%kind, project_on_plane(plane, geometry%x(:, :geometry%n)), q, xi, N)
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES)
+    call find_flat_coordinates(geometry%kind, project_on_plane(plane, geometry%x(:, :geometry%n)), q, xi, N, dN)
   end function find_natural_coordinates
 
 

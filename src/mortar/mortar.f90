@@ -20,7 +20,7 @@ module amontons_mortar
   use amontons_mortar_segmentation, only: projection_plane_type, mortar_segment_type, segmentation_type, build_segmentation, &
     build_projection_planes, project_on_plane, &
     project_facet_corners, find_depth, &
-    integrate_segments, is_facing_plane, is_unseen_facet
+    integrate_segments, keep_segmentation, is_facing_plane, is_unseen_facet
   use amontons_row_normals, only: normal_cone_type, find_row_normal
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   implicit none
@@ -60,6 +60,7 @@ module amontons_mortar
     real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates at the segmentation [length]
     type(projection_plane_type), allocatable :: master_planes(:)   !< (master%n)
     type(segmentation_type), allocatable :: covers(:)     !< (n_facets)
+    type(segmentation_type) :: work                !< of the current facet
     real(DP), allocatable :: area(:)               !< (n_vertices) covered area of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) total area of a vertex [length^2]
   end type surface_segmentation_type
@@ -473,17 +474,16 @@ contains
     integer :: k, k_own, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
     call facet_nodes(slave, f, n_own, nodes)
     v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
-    associate (cover => cuts%covers(f))
-      call build_segmentation(slave, f, depth, master, cuts%master_planes, search, x, reach, cover)
-      call project_facet_corners(cover%plane, slave, f, x, corners, k_own)
-      size_of = signed_polygon_area(corners(:, :k_own)) * find_depth(cover%plane, cover%plane%origin)
+    associate (work => cuts%work)
+      call build_segmentation(slave, f, depth, master, cuts%master_planes, search, x, reach, work)
+      call project_facet_corners(work%plane, slave, f, x, corners, k_own)
+      size_of = signed_polygon_area(corners(:, :k_own)) * find_depth(work%plane, work%plane%origin)
       cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * facet_integral_fractions(slave%kind(f), n_own)
-      if (cover%n == 0) return
-      call integrate_segments(slave, f, x, cover%plane, size_of, cover%points, cover%segments(:cover%n))
-      deallocate (cover%points%on_slave, cover%points%on_master)
-      do k = 1, cover%n
-        cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + cover%segments(k)%share(:n_own)
+      if (work%n > 0) call integrate_segments(slave, f, x, work%plane, size_of, work%points, work%segments(:work%n))
+      do k = 1, work%n
+        cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + work%segments(k)%share(:n_own)
       end do
+      call keep_segmentation(work, cuts%covers(f))
     end associate
   end subroutine segment_facet
 

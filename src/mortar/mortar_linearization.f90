@@ -71,8 +71,8 @@ contains
         do i = 1, size(at)
           own_area(:, at(i)) = own_area(:, at(i)) + facet_derivatives(f)%d_slave_integrals(own, 3 * i - 2:3 * i)
         end do
-        call add_facet_derivatives(mortar, facet_derivatives(f), received, at, row, sum_of, derivatives%d_area)
-        call add_transfer_derivatives(mortar, facet_derivatives(f), d_received, transfers, at, row, sum_of, derivatives%d_area)
+        call add_facet_derivatives(mortar, f, facet_derivatives(f), received, at, row, sum_of, derivatives%d_area)
+        call add_transfer_derivatives(mortar, f, facet_derivatives(f), d_received, transfers, at, row, sum_of, derivatives%d_area)
       end do
       allocate (derivatives%d_weights, mold=sum_of)
       do i = 1, size(row%nodes)
@@ -171,8 +171,9 @@ contains
 
 
   !> Contribution of one facet to the derivative of a row through the transferred fractions.
-  subroutine add_transfer_derivatives(mortar, facet, d_received, transfers, at, row, sum_of, d_area)
+  subroutine add_transfer_derivatives(mortar, f, facet, d_received, transfers, at, row, sum_of, d_area)
     type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: f                       !< slave facet
     type(facet_derivatives_type), intent(in) :: facet
     real(DP), intent(in) :: d_received(MAX_FACE_NODES, MAX_FACE_NODES)
     type(transfer_derivative_type), intent(in) :: transfers(:)
@@ -184,7 +185,7 @@ contains
     integer :: i, j, k, q, local, node
     do i = 1, facet%n_slave
       if (all(abs(d_received(i, :)) <= 0.0_DP)) cycle
-      node = findloc(mortar%nodes, facet%nodes(i), dim=1)
+      node = mortar%row_of_entry(mortar%slave%first(f) + i - 1)
       call fill_slave_part(mortar%nodes(node), mortar%corners(:, node), part)
       values = 0.0_DP                              ! contribution to the row
       do k = 1, size(part%nodes)
@@ -207,8 +208,9 @@ contains
 
 
   !> Contribution of one facet to a row: d_i T_i for the functions of the row, less the master's part.
-  subroutine add_facet_derivatives(mortar, facet, received, at, row, sum_of, d_area)
+  subroutine add_facet_derivatives(mortar, f, facet, received, at, row, sum_of, d_area)
     type(mortar_type), intent(in) :: mortar
+    integer, intent(in) :: f                       !< slave facet
     type(facet_derivatives_type), intent(in) :: facet
     real(DP), intent(in) :: received(MAX_FACE_NODES)
     integer, intent(in) :: at(:)                   !< positions of the facet's nodes among those of the row's derivatives
@@ -218,7 +220,7 @@ contains
     integer :: i, j, k, q, node
     do i = 1, facet%n_slave
       if (received(i) <= 0.0_DP) cycle
-      node = findloc(mortar%nodes, facet%nodes(i), dim=1)
+      node = mortar%row_of_entry(mortar%slave%first(f) + i - 1)
       call fill_slave_part(mortar%nodes(node), mortar%corners(:, node), part)
       do j = 1, size(facet%nodes)
         d_area(:, at(j)) = d_area(:, at(j)) + received(i) * facet%d_slave_integrals(i, 3 * j - 2:3 * j)

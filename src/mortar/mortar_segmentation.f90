@@ -8,7 +8,7 @@ module amontons_mortar_segmentation
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, n_facet_corners, is_line_facet, is_hidden_behind, is_unseen
+  use amontons_facets, only: facets_type, facet_nodes, n_facet_corners, is_line_facet, is_hidden_behind, is_unseen
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
     MAX_POLYGON_CORNERS, MAX_CUT_POINTS
@@ -17,7 +17,7 @@ module amontons_mortar_segmentation
   private
   public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
     build_projection_plane, build_projection_planes, project_on_plane, project_facet_corners, is_facing_plane, &
-    find_depth, is_unseen_facet, integrate_segments, choose_quadrature_order, find_natural_coordinates
+    find_depth, is_unseen_facet, integrate_segments, keep_segmentation, choose_quadrature_order
   public :: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
 
   real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
@@ -40,6 +40,7 @@ module amontons_mortar_segmentation
   type :: mortar_segment_type
     integer :: slave = 0                           !< facet
     integer :: master = 0                          !< facet; 0: no intersection
+    integer :: n_master = 0                        !< its nodes
     integer :: first = 0, last = 0                 !< its points
     real(DP) :: master_integrals(MAX_FACE_NODES, MAX_FACE_NODES) = 0   !< integral of phi_j N_i [length^2]
     real(DP) :: share(MAX_FACE_NODES) = 0          !< integral of N~_j [length^2]
@@ -48,6 +49,18 @@ module amontons_mortar_segmentation
     real(DP) :: cut(2, MAX_POLYGON_CORNERS) = 0            !< in the plane of the slave facet [length]
     real(DP) :: distance = 0                       !< mean, positive where the facets are apart [length]
   end type mortar_segment_type
+
+  !> A facet in a projection plane.
+  type :: flat_facet_type
+    integer :: facet = 0                           !< its number
+    integer :: kind = 0                            !< FACET_...
+    integer :: n = 0                               !< nodes
+    real(DP) :: x(3, MAX_FACE_NODES) = 0           !< [length]
+    real(DP) :: flat(2, MAX_FACE_NODES) = 0        !< in the plane [length]
+    real(DP) :: height(MAX_FACE_NODES) = 0         !< above it, out of the slave [length]
+    integer :: n_corners = 0
+    real(DP) :: corners(2, 4) = 0                  !< as `project_facet_corners` [length]
+  end type flat_facet_type
 
   !> Integration points over one slave facet.
   type :: segment_points_type
@@ -59,7 +72,7 @@ module amontons_mortar_segmentation
     real(DP), allocatable :: on_master(:, :)       !< (MAX_FACE_NODES, :) N_i [-]
   end type segment_points_type
 
-  !> Segmentation of a slave facet. After the integration the functions are deallocated to save memory.
+  !> Segmentation of a slave facet. After the integration the functions are not kept, to save memory.
   type :: segmentation_type
     type(projection_plane_type) :: plane
     type(segment_points_type) :: points
@@ -78,27 +91,35 @@ contains
     type(facet_search_type), intent(in) :: search        !< of the master's facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: search_distance                  !< larger distances between facets are ignored [length]
-    type(segmentation_type), intent(out) :: segmentation
+    type(segmentation_type), intent(inout) :: segmentation   !< its arrays are used again
     type(mortar_segment_type) :: segment
+    type(flat_facet_type) :: own, front
     integer, allocatable :: list(:)
-    real(DP) :: corners(2, 4)
-    integer :: k, n_list, n_corners
+    integer :: k, n_list
+    segmentation%n = 0
+    segmentation%points%n = 0
+    if (.not. allocated(segmentation%segments)) allocate (segmentation%segments(8))
     call build_projection_plane(slave, f, x, segmentation%plane)
     segmentation%plane%depth = depth
+    call flatten_facet(slave, f, x, segmentation%plane, own)
     call find_near_facets(search, segmentation%plane%origin, list, n_list)
-    allocate (segmentation%segments(8))
     do k = 1, n_list
       if (.not. is_facing_plane(segmentation%plane, master, list(k), master_planes(list(k)), huge(1.0_DP))) cycle
-      if (is_beyond_reach(slave, f, master, list(k), x, search_distance, segmentation%plane)) cycle
-      call intersect_facets(slave, f, master, list(k), x, search_distance, segmentation%plane, segmentation%points, segment)
+      if (is_unseen_facet(slave, f, master, list(k))) cycle
+      call flatten_facet(master, list(k), x, segmentation%plane, front)
+      if (is_beyond_reach(own, front, segmentation%plane, search_distance)) cycle
+      call intersect_facets(own, front, segmentation%plane, segmentation%points, segment)
       if (segment%master == 0) cycle
+      if (abs(segment%distance) > search_distance .or. is_hidden_behind(master, list(k), segment%distance)) then
+        segmentation%points%n = segment%first - 1
+        cycle
+      end if
       if (segmentation%n == size(segmentation%segments)) segmentation%segments = [segmentation%segments, segmentation%segments]
       segmentation%n = segmentation%n + 1
       segmentation%segments(segmentation%n) = segment
     end do
     if (segmentation%n == 0) return
-    call project_facet_corners(segmentation%plane, slave, f, x, corners, n_corners)
-    call drop_hidden_segments(segmentation%segments(:segmentation%n), signed_polygon_area(corners(:, :n_corners)), &
+    call drop_hidden_segments(segmentation%segments(:segmentation%n), signed_polygon_area(own%corners(:, :own%n_corners)), &
       segmentation%points)
   end subroutine build_segmentation
 
@@ -195,12 +216,19 @@ contains
     do i = 1, n
       corners(:, i) = project_on_plane(plane, x(:, nodes(i)))
     end do
-    if (n > 2) return
+    if (n == 2) call extrude_line(corners, n)
+  end subroutine project_facet_corners
+
+
+  !> A line as a rectangle of depth 1.
+  pure subroutine extrude_line(corners, n)
+    real(DP), intent(inout) :: corners(2, 4)       !< in: two corners [length]
+    integer, intent(out) :: n
     n = 4
     corners(2, :2) = 0.0_DP
     corners(:, 3) = [corners(1, 2), 1.0_DP]
     corners(:, 4) = [corners(1, 1), 1.0_DP]
-  end subroutine project_facet_corners
+  end subroutine extrude_line
 
 
   !> The planes of all facets.
@@ -231,22 +259,16 @@ contains
 
   !> Whether a master facet is certainly farther from a slave facet than the distance that matters: the mean distance of points with
   !! positive shape functions lies between those of the nodes. (Quadratic functions have negative values.)
-  pure logical function is_beyond_reach(slave, f, master, g, x, search_distance, plane)
-    type(facets_type), intent(in) :: slave, master
-    integer, intent(in) :: f, g                    !< slave and master facet
-    real(DP), intent(in) :: x(:, :), search_distance
+  pure logical function is_beyond_reach(own, front, plane, search_distance)
+    type(flat_facet_type), intent(in) :: own, front          !< slave and master facet
     type(projection_plane_type), intent(in) :: plane
-    real(DP) :: own(MAX_FACE_NODES), front(MAX_FACE_NODES), rounding
-    integer :: n, m, nodes(MAX_FACE_NODES), fronts(MAX_FACE_NODES)
-    call facet_nodes(slave, f, n, nodes)
-    call facet_nodes(master, g, m, fronts)
+    real(DP), intent(in) :: search_distance                  !< [length]
+    real(DP) :: limit
     is_beyond_reach = .false.
-    if (n > n_facet_corners(slave%kind(f)) .or. m > n_facet_corners(master%kind(g))) return
-    own(:n) = matmul(plane%normal, x(:, nodes(:n)))
-    front(:m) = matmul(plane%normal, x(:, fronts(:m)))
-    rounding = DISTANCE_ROUNDING * (search_distance + maxval(abs(own(:n))))
-    is_beyond_reach = minval(front(:m)) - maxval(own(:n)) > search_distance + rounding &
-      .or. maxval(front(:m)) - minval(own(:n)) < -search_distance - rounding
+    if (own%n > n_facet_corners(own%kind) .or. front%n > n_facet_corners(front%kind)) return
+    limit = search_distance + DISTANCE_ROUNDING * (search_distance + norm2(plane%origin))
+    is_beyond_reach = minval(front%height(:front%n)) - maxval(own%height(:own%n)) > limit &
+      .or. maxval(front%height(:front%n)) - minval(own%height(:own%n)) < -limit
   end function is_beyond_reach
 
 
@@ -264,37 +286,29 @@ contains
 
 
   !> Intersects a slave facet with one master facet and appends the points. After: segment%master = 0 without intersection.
-  subroutine intersect_facets(slave, f, master, g, x, search_distance, plane, points, segment)
-    type(facets_type), intent(in) :: slave, master
-    integer, intent(in) :: f, g                    !< slave and master facet
-    real(DP), intent(in) :: x(:, :), search_distance
+  subroutine intersect_facets(own, front, plane, points, segment)
+    type(flat_facet_type), intent(in) :: own, front          !< slave and master facet
     type(projection_plane_type), intent(in) :: plane
     type(segment_points_type), intent(inout) :: points
     type(mortar_segment_type), intent(out) :: segment
-    real(DP) :: own(2, 4), projected_master(2, 4), cut(2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
-    integer :: n, m, k, q, before
-    if (is_unseen_facet(slave, f, master, g)) return
-    call project_facet_corners(plane, slave, f, x, own, n)
-    call project_facet_corners(plane, master, g, x, projected_master, m)
-    projected_master(:, :m) = projected_master(:, m:1:-1)                ! seen from the slave it runs in the opposite sense
-    if (any(minval(own(:, :n), dim=2) > maxval(projected_master(:, :m), dim=2))) return
-    if (any(maxval(own(:, :n), dim=2) < minval(projected_master(:, :m), dim=2))) return
-    call clip_polygon(own(:, :n), projected_master(:, :m), cut, k)
-    if (k < 3) return
-    if (signed_polygon_area(cut(:, :k)) <= MIN_SEGMENT_AREA * signed_polygon_area(own(:, :n))) return
-    call set_polygon_quadrature(cut(:, :k), is_line_facet(slave%kind(f)), max(choose_quadrature_order(slave%kind(f), own), &
-      choose_quadrature_order(master%kind(g), projected_master)), q, at, weight)
-    before = points%n
-    segment%slave = f
-    segment%master = g
-    segment%first = before + 1
-    segment%n = k
-    segment%cut = cut
-    call append_segment_points(slave, master, x, plane, at(:, :q), weight(:q), points, segment)
-    segment%last = points%n
-    if (abs(segment%distance) <= search_distance .and. .not. is_hidden_behind(master, g, segment%distance)) return
-    points%n = before
-    segment = mortar_segment_type()
+    real(DP) :: at(2, MAX_CUT_POINTS), weight(MAX_CUT_POINTS)
+    integer :: n, q
+    associate (corners => own%corners(:, :own%n_corners), window => front%corners(:, front%n_corners:1:-1))
+      if (any(minval(corners, dim=2) > maxval(window, dim=2))) return
+      if (any(maxval(corners, dim=2) < minval(window, dim=2))) return
+      call clip_polygon(corners, window, segment%cut, n)     ! seen from the slave a master runs in the opposite sense
+      if (n < 3) return
+      if (signed_polygon_area(segment%cut(:, :n)) <= MIN_SEGMENT_AREA * signed_polygon_area(corners)) return
+    end associate
+    call set_polygon_quadrature(segment%cut(:, :n), is_line_facet(own%kind), max(choose_quadrature_order(own%kind, own%corners), &
+      choose_quadrature_order(front%kind, front%corners)), q, at, weight)
+    segment%slave = own%facet
+    segment%master = front%facet
+    segment%n_master = front%n
+    segment%n = n
+    segment%first = points%n + 1
+    segment%last = points%n + q
+    call append_segment_points(own, front, plane, at(:, :q), weight(:q), points, segment)
   end subroutine intersect_facets
 
 
@@ -321,39 +335,75 @@ contains
 
   !> The points of an intersection with the functions of both facets there, and their mean distance, positive if the facets are
   !! apart.
-  subroutine append_segment_points(slave, master, x, plane, at, weight, points, segment)
-    type(facets_type), intent(in) :: slave, master
-    real(DP), intent(in) :: x(:, :)
+  subroutine append_segment_points(own, front, plane, at, weight, points, segment)
+    type(flat_facet_type), intent(in) :: own, front          !< slave and master facet
     type(projection_plane_type), intent(in) :: plane
     real(DP), intent(in) :: at(:, :), weight(:)    !< (2, n), (n) in the plane
     type(segment_points_type), intent(inout) :: points
-    type(mortar_segment_type), intent(inout) :: segment   !< in: its facets; out: centre, distance
-    real(DP) :: xi(2), eta(2), N(MAX_FACE_NODES), M(MAX_FACE_NODES), tangents(3, 2), normal(3)
-    integer :: q, n_slave, n_master, nodes(MAX_FACE_NODES), fronts(MAX_FACE_NODES)
-    call facet_nodes(slave, segment%slave, n_slave, nodes)
-    call facet_nodes(master, segment%master, n_master, fronts)
+    type(mortar_segment_type), intent(inout) :: segment   !< out: centre, distance
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), M(MAX_FACE_NODES), dM(2, MAX_FACE_NODES)
+    integer :: q, k
     call reserve_points(points, points%n + size(weight))
     do q = 1, size(weight)
-      call find_natural_coordinates(slave%kind(segment%slave), plane, x(:, nodes(:n_slave)), at(:, q), xi, N)
-      call find_natural_coordinates(master%kind(segment%master), plane, x(:, fronts(:n_master)), at(:, q), eta, M)
-      call facet_tangents(slave, x, segment%slave, xi, tangents)
-      normal = cross_product(tangents(:, 1), tangents(:, 2))
-      points%n = points%n + 1
-      points%at(:, points%n) = at(:, q)
-      points%weight(points%n) = weight(q) * norm2(normal) / max(dot_product(normal, plane%normal), 0.1_DP * norm2(normal)) &
-        * find_depth(plane, matmul(x(:, nodes(:n_slave)), N(:n_slave)))
-      points%xi(:, points%n) = xi
-      points%eta(:, points%n) = eta
-      points%on_master(:, points%n) = M
-      segment%distance = segment%distance + weight(q) * dot_product(plane%normal, matmul(x(:, fronts(:n_master)), M(:n_master)) &
-        - matmul(x(:, nodes(:n_slave)), N(:n_slave)))
-      segment%centre = segment%centre + weight(q) * eta
-      call transform_shape_functions(slave%kind(segment%slave), N)
-      points%on_slave(:, points%n) = N
+      k = points%n + q
+      call find_flat_coordinates(own%kind, own%flat(:, :own%n), at(:, q), points%xi(:, k), N, dN)
+      call find_flat_coordinates(front%kind, front%flat(:, :front%n), at(:, q), points%eta(:, k), M, dM)
+      points%at(:, k) = at(:, q)
+      points%weight(k) = weight(q) * evaluate_stretch(own, dN, plane%normal) * find_depth(plane, &
+        [dot_product(own%x(1, :own%n), N(:own%n)), 0.0_DP, 0.0_DP])
+      segment%distance = segment%distance + weight(q) * (dot_product(front%height(:front%n), M(:front%n)) &
+        - dot_product(own%height(:own%n), N(:own%n)))
+      segment%centre = segment%centre + weight(q) * points%eta(:, k)
+      call transform_shape_functions(own%kind, N)
+      points%on_slave(:, k) = N
+      points%on_master(:, k) = M
     end do
+    points%n = points%n + size(weight)
     segment%centre = segment%centre / sum(weight)
     segment%distance = segment%distance / sum(weight)
   end subroutine append_segment_points
+
+
+  !> The nodes of a facet in a plane and above it.
+  pure subroutine flatten_facet(facets, f, x, plane, facet)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f
+    real(DP), intent(in) :: x(:, :)
+    type(projection_plane_type), intent(in) :: plane
+    type(flat_facet_type), intent(out) :: facet
+    integer :: i, nodes(MAX_FACE_NODES)
+    facet%facet = f
+    facet%kind = facets%kind(f)
+    call facet_nodes(facets, f, facet%n, nodes)
+    do i = 1, facet%n
+      facet%x(:, i) = x(:, nodes(i))
+      facet%flat(:, i) = project_on_plane(plane, facet%x(:, i))
+      facet%height(i) = dot_product(plane%normal, facet%x(:, i) - plane%origin)
+    end do
+    facet%n_corners = n_facet_corners(facet%kind)
+    facet%corners(:, :facet%n_corners) = facet%flat(:, :facet%n_corners)
+    if (facet%n_corners == 2) call extrude_line(facet%corners, facet%n_corners)
+  end subroutine flatten_facet
+
+
+  !> The area of a curved facet at a point over that in the plane.
+  pure real(DP) function evaluate_stretch(facet, dN, plane_normal) result(stretch)
+    type(flat_facet_type), intent(in) :: facet
+    real(DP), intent(in) :: dN(2, MAX_FACE_NODES)  !< at the point [-]
+    real(DP), intent(in) :: plane_normal(3)
+    real(DP) :: a(3), b(3), normal(3), area
+    integer :: i
+    a = 0.0_DP
+    b = 0.0_DP
+    do i = 1, facet%n
+      a = a + dN(1, i) * facet%x(:, i)
+      b = b + dN(2, i) * facet%x(:, i)
+    end do
+    if (is_line_facet(facet%kind)) b = [0.0_DP, 0.0_DP, 1.0_DP]
+    normal = cross_product(a, b)
+    area = norm2(normal)
+    stretch = area / max(dot_product(normal, plane_normal), 0.1_DP * area)
+  end function evaluate_stretch
 
 
   !> Allocates n points.
@@ -390,23 +440,6 @@ contains
   end subroutine reserve_points
 
 
-  !> The natural coordinates of the point of a facet above a point of the plane.
-  pure subroutine find_natural_coordinates(kind, plane, x, at, xi, N)
-    integer, intent(in) :: kind                    !< FACET_...
-    type(projection_plane_type), intent(in) :: plane
-    real(DP), intent(in) :: x(:, :)                !< (3, n) nodes of the facet [length]
-    real(DP), intent(in) :: at(2)                  !< in the plane [length]
-    real(DP), intent(out) :: xi(2)                 !< [-]
-    real(DP), intent(out) :: N(MAX_FACE_NODES)     !< shape functions there [-]
-    real(DP) :: flat(2, size(x, 2))
-    integer :: i
-    do i = 1, size(x, 2)
-      flat(:, i) = project_on_plane(plane, x(:, i))
-    end do
-    call find_flat_coordinates(kind, flat, at, xi, N)
-  end subroutine find_natural_coordinates
-
-
   !> The integrals of all segments of one slave facet, with the dual functions of the covered part.
   subroutine integrate_segments(slave, f, x, plane, area, points, segments)
     type(facets_type), intent(in) :: slave
@@ -431,12 +464,30 @@ contains
       do k = 1, size(segments)
         do q = segments(k)%first, segments(k)%last
           segments(k)%share(:n) = segments(k)%share(:n) + w(q) * N_j(:n, q)
-          do i = 1, MAX_FACE_NODES
+          do i = 1, segments(k)%n_master
             segments(k)%master_integrals(:n, i) = segments(k)%master_integrals(:n, i) + w(q) * N_i(i, q) * phi(:, q)
           end do
         end do
       end do
     end associate
   end subroutine integrate_segments
+
+
+  !> Keeps what is set of a segmentation, without the functions at its points.
+  pure subroutine keep_segmentation(work, kept)
+    type(segmentation_type), intent(in) :: work
+    type(segmentation_type), intent(inout) :: kept
+    kept%plane = work%plane
+    kept%n = work%n
+    kept%segments = work%segments(:work%n)
+    kept%points%n = work%points%n
+    if (work%n == 0) return
+    associate (n => work%points%n)
+      kept%points%weight = work%points%weight(:n)
+      kept%points%at = work%points%at(:, :n)
+      kept%points%xi = work%points%xi(:, :n)
+      kept%points%eta = work%points%eta(:, :n)
+    end associate
+  end subroutine keep_segmentation
 
 end module amontons_mortar_segmentation

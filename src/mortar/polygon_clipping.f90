@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_polygon_clipping
   use amontons_kinds, only: DP, PI
-  use amontons_element_kinds, only: FACET_TRI3, FACET_TRI6, MAX_FACE_NODES
+  use amontons_element_kinds, only: FACET_TRI3, FACET_TRI6, FACET_QUAD4, FACET_LINE2, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_quadrature, facet_shapes, MAX_FACET_POINTS
   use amontons_facets, only: is_line_facet
   implicit none
@@ -14,8 +14,26 @@ module amontons_polygon_clipping
   real(DP), parameter :: TOL_ON_POLYGON_EDGE = 1.0e-11_DP  !< a corner nearer to an edge than this fraction of the polygon's size is
                                                            !! on the edge [-]
   integer, parameter :: MAX_INVERSE_ITERATIONS = 30       !< of Newton's method for the natural coordinates of a point
-  integer, parameter :: MAX_RULE_POINTS = 36             !< points of the finest rule on a triangle
+  real(DP), parameter :: TOL_INVERSE = 1.0e-8_DP           !< its last step: what remains is of the size of its square [-]
+  integer, parameter :: MAX_RULE_POINTS = 25             !< points of the finest rule on a triangle
   integer, parameter :: MAX_CUT_POINTS = MAX_RULE_POINTS * (MAX_POLYGON_CORNERS - 2)   !< points of an integral over an intersection
+
+  ! Rules on a triangle by order: 12, 16 and 25 points for degrees 6, 8 and 10. D. A. Dunavant, Int. J. Numer. Methods Engrg. 21
+  ! (1985) 1129-1148, to all digits. Weights over the area of the triangle, coordinates by area.
+  real(DP), parameter :: CENTROID_WEIGHT(4:6) = [0.0_DP, 0.1443156076777877_DP, 0.09081799038275107_DP]
+  integer, parameter :: N_ORBITS_3(4:6) = [2, 3, 2], N_ORBITS_6(4:6) = [1, 1, 3]   ! orbits of three and of six points
+  real(DP), parameter :: ORBITS_3(2, 3, 4:6) = reshape([real(DP) :: &
+    0.11678627572637935_DP, 0.24928674517091043_DP, 0.05084490637020682_DP, 0.06308901449150223_DP, 0, 0, &
+    0.09509163426728431_DP, 0.4592925882927235_DP, 0.10321737053471806_DP, 0.17056930775176057_DP, &
+    0.03245849762319802_DP, 0.05054722831703094_DP, &
+    0.03672595775646817_DP, 0.4855776333836564_DP, 0.045321059435527916_DP, 0.10948157548503733_DP, 0, 0], &
+    [2, 3, 3])                                     ! weight, coordinate of two corners
+  real(DP), parameter :: ORBITS_6(3, 3, 4:6) = reshape([real(DP) :: &
+    0.08285107561837358_DP, 0.05314504984481695_DP, 0.3103524510337844_DP, 0, 0, 0, 0, 0, 0, &
+    0.02723031417443519_DP, 0.008394777409958238_DP, 0.2631128296346369_DP, 0, 0, 0, 0, 0, 0, &
+    0.0727579168454189_DP, 0.14170721941488254_DP, 0.3079398387641201_DP, &
+    0.02832724253105828_DP, 0.025003534762687383_DP, 0.24667256063990417_DP, &
+    0.009421666963732945_DP, 0.009540815400299267_DP, 0.06680325101220098_DP], [3, 3, 3])   ! weight, two coordinates
 
 contains
 
@@ -115,8 +133,7 @@ contains
   !! line, whose functions are constant across it: a Gauss rule along the line and two points across.
   !!
   !! Exact for polynomials of degree 4 with order 3 or less (6 points in a triangle, G. R. Cowper, Int. J. Numer. Methods Engrg. 7
-  !! (1973) 405-408); with a higher order n for those of degree 2n - 2 (n x n points: the square collapsed to the triangle), along a
-  !! line for degree 2n - 1 with any order n.
+  !! (1973) 405-408); with a higher order n for those of degree 2n - 2, along a line for degree 2n - 1 with any order n.
   pure subroutine set_polygon_quadrature(corners, is_rectangle, order, n, point, weight, corner, barycentric)
     real(DP), intent(in) :: corners(:, :)          !< (2, :) counter-clockwise [length]
     logical, intent(in) :: is_rectangle                 !< the polygon is the rectangle of a line
@@ -133,7 +150,7 @@ contains
       return
     end if
     if (order > 3) then
-      call set_collapsed_rule(order, n_rule, xi, w)
+      call set_triangle_rule(order, n_rule, xi, w)
     else
       call facet_quadrature(FACET_TRI6, n_rule, xi(:, :MAX_FACET_POINTS), w(:MAX_FACET_POINTS))
     end if
@@ -186,24 +203,34 @@ contains
   end subroutine set_rectangle_quadrature
 
 
-  !> A rule on the triangle (0, 0), (1, 0), (0, 1) from two Gauss rules: exact for degree 2 order - 2.
-  pure subroutine set_collapsed_rule(order, n, xi, w)
-    integer, intent(in) :: order
-    integer, intent(out) :: n                      !< order * order
-    real(DP), intent(out) :: xi(:, :)              !< (2, :) the first n are set [-]
-    real(DP), intent(out) :: w(:)                  !< the first n are set; sum 1/2 [-]
-    real(DP) :: x(order), a(order)
-    integer :: i, j
-    call set_gauss_rule(x, a)
-    n = 0
-    do j = 1, order
-      do i = 1, order
-        n = n + 1
-        xi(:, n) = [x(i) * (1 - x(j)), x(j)]
-        w(n) = a(i) * a(j) * (1 - x(j))
-      end do
+  !> The rule of an order on the triangle (0, 0), (1, 0), (0, 1).
+  pure subroutine set_triangle_rule(order, n, xi, w)
+    integer, intent(in) :: order                   !< 4 to 6
+    integer, intent(out) :: n                      !< points
+    real(DP), intent(out) :: xi(2, MAX_RULE_POINTS)   !< the first n are set [-]
+    real(DP), intent(out) :: w(MAX_RULE_POINTS)    !< the first n are set; sum 1/2 [-]
+    real(DP) :: c
+    integer :: k
+    n = 1
+    xi(:, 1) = 1.0_DP / 3
+    w(1) = 0.5_DP * CENTROID_WEIGHT(order)
+    if (w(1) <= 0.0_DP) n = 0
+    do k = 1, N_ORBITS_3(order)
+      associate (a => ORBITS_3(2, k, order))
+        xi(:, n + 1:n + 3) = reshape([a, a, 1 - 2 * a, a, a, 1 - 2 * a], [2, 3])
+      end associate
+      w(n + 1:n + 3) = 0.5_DP * ORBITS_3(1, k, order)
+      n = n + 3
     end do
-  end subroutine set_collapsed_rule
+    do k = 1, N_ORBITS_6(order)
+      associate (a => ORBITS_6(2, k, order), b => ORBITS_6(3, k, order))
+        c = 1 - a - b
+        xi(:, n + 1:n + 6) = reshape([a, b, b, a, a, c, c, a, b, c, c, b], [2, 6])
+      end associate
+      w(n + 1:n + 6) = 0.5_DP * ORBITS_6(1, k, order)
+      n = n + 6
+    end do
+  end subroutine set_triangle_rule
 
 
   !> The Gauss-Legendre rule on (0, 1): Newton for the zeros of the Legendre polynomial.
@@ -223,6 +250,7 @@ contains
         end do
         slope = real(n, DP) * (z * p(2) - p(1)) / (z**2 - 1)
         z = z - p(2) / slope
+        if (abs(p(2)) <= 2 * epsilon(1.0_DP)) exit
       end do
       x(i) = 0.5_DP * (1 - z)
       a(i) = 1 / ((1 - z**2) * slope**2)
@@ -230,31 +258,78 @@ contains
   end subroutine set_gauss_rule
 
 
-  !> The natural coordinates of a point in a planar facet: Newton's method, two equations. A line is extruded.
-  pure subroutine find_flat_coordinates(kind, flat, at, xi, N)
+  !> The natural coordinates of a point in a planar facet, with the shape functions there. A line is extruded.
+  pure subroutine find_flat_coordinates(kind, flat, at, xi, N, dN)
     integer, intent(in) :: kind                    !< FACET_...
     real(DP), intent(in) :: flat(:, :)             !< (2, n) nodes of the facet in the plane [length]
     real(DP), intent(in) :: at(2)                  !< the point [length]
     real(DP), intent(out) :: xi(2)                 !< [-]
-    real(DP), intent(out) :: N(MAX_FACE_NODES)     !< shape functions there [-]
-    real(DP) :: x(2, size(flat, 2)), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), r(2), step(2), det
+    real(DP), intent(out) :: N(MAX_FACE_NODES)     !< [-]
+    real(DP), intent(out) :: dN(2, MAX_FACE_NODES)  !< derivatives of N by xi [-]
+    real(DP) :: ddN(3, MAX_FACE_NODES), a(2), b(2)
+    select case (kind)
+    case (FACET_TRI3)
+      call invert_bilinear(at - flat(:, 1), flat(:, 2) - flat(:, 1), flat(:, 3) - flat(:, 1), [0.0_DP, 0.0_DP], xi)
+    case (FACET_QUAD4)
+      a = 0.25_DP * (flat(:, 2) - flat(:, 1))
+      b = 0.25_DP * (flat(:, 3) - flat(:, 4))
+      call invert_bilinear(at - 0.25_DP * (flat(:, 1) + flat(:, 2) + flat(:, 3) + flat(:, 4)), a + b, &
+        0.25_DP * (flat(:, 3) + flat(:, 4) - flat(:, 1) - flat(:, 2)), b - a, xi)
+    case (FACET_LINE2)
+      call invert_bilinear([at(1) - 0.5_DP * (flat(1, 1) + flat(1, 2)), 0.0_DP], [0.5_DP * (flat(1, 2) - flat(1, 1)), 0.0_DP], &
+        [0.0_DP, 1.0_DP], [0.0_DP, 0.0_DP], xi)
+    case default
+      call invert_map(kind, flat, at, xi)
+    end select
+    call facet_shapes(kind, xi, N, dN, ddN)
+  end subroutine find_flat_coordinates
+
+
+  !> Solves a xi + b eta + c xi eta = r by Newton's method; without c the first step ends it.
+  pure subroutine invert_bilinear(r, a, b, c, xi)
+    real(DP), intent(in) :: r(2), a(2), b(2), c(2)   !< [length]
+    real(DP), intent(out) :: xi(2)                   !< [-]
+    real(DP) :: step(2)
+    integer :: iteration
+    xi = 0.0_DP
+    do iteration = 1, MAX_INVERSE_ITERATIONS
+      step = find_inverse_step(a + c * xi(2), b + c * xi(1), r - a * xi(1) - (b + c * xi(1)) * xi(2))
+      xi = xi + step
+      if (maxval(abs(step)) < TOL_INVERSE) exit
+    end do
+  end subroutine invert_bilinear
+
+
+  !> The same for facets of any kind, by their shape functions.
+  pure subroutine invert_map(kind, flat, at, xi)
+    integer, intent(in) :: kind                    !< FACET_...
+    real(DP), intent(in) :: flat(:, :), at(2)      !< [length]
+    real(DP), intent(out) :: xi(2)                 !< [-]
+    real(DP) :: x(2, size(flat, 2)), N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), J(2, 2), step(2)
     integer :: iteration
     x = flat
     if (is_line_facet(kind)) x(2, :) = at(2)
     xi = merge(1.0_DP / 3, 0.0_DP, kind == FACET_TRI3 .or. kind == FACET_TRI6)
     do iteration = 1, MAX_INVERSE_ITERATIONS
       call facet_shapes(kind, xi, N, dN, ddN)
-      r = at - matmul(x, N(:size(x, 2)))
       J = matmul(x, transpose(dN(:, :size(x, 2))))
       if (is_line_facet(kind)) J(2, 2) = 1.0_DP
-      det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-      if (abs(det) <= tiny(1.0_DP)) return
-      step = [J(2, 2) * r(1) - J(1, 2) * r(2), J(1, 1) * r(2) - J(2, 1) * r(1)] / det
-      if (maxval(abs(step)) > 1.0_DP) step = step / maxval(abs(step))
+      step = find_inverse_step(J(:, 1), J(:, 2), at - matmul(x, N(:size(x, 2))))
       xi = xi + step
-      if (maxval(abs(step)) < 1.0e-13_DP) exit
+      if (maxval(abs(step)) < TOL_INVERSE) exit
     end do
-    call facet_shapes(kind, xi, N, dN, ddN)
-  end subroutine find_flat_coordinates
+  end subroutine invert_map
+
+
+  !> A Newton step of at most 1: solves a step_1 + b step_2 = r; zero where a and b are parallel.
+  pure function find_inverse_step(a, b, r) result(step)
+    real(DP), intent(in) :: a(2), b(2), r(2)       !< [length]
+    real(DP) :: step(2), det                       ! [-]
+    det = a(1) * b(2) - b(1) * a(2)
+    step = 0.0_DP
+    if (abs(det) <= tiny(1.0_DP)) return
+    step = [b(2) * r(1) - b(1) * r(2), a(1) * r(2) - a(2) * r(1)] / det
+    step = step / max(maxval(abs(step)), 1.0_DP)
+  end function find_inverse_step
 
 end module amontons_polygon_clipping

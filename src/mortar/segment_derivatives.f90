@@ -15,7 +15,8 @@ module amontons_segment_derivatives
   use amontons_polygon_clipping, only: clip_polygon, signed_polygon_area, set_polygon_quadrature, MAX_POLYGON_CORNERS, &
     MAX_CUT_POINTS
   use amontons_dense, only: solve_small, DENSE_OK
-  use amontons_dual_shape_functions, only: find_full_dual_fraction, transform_shape_functions, transform_nodal_positions
+  use amontons_dual_shape_functions, only: find_full_dual_fraction, transform_shape_functions, transform_nodal_positions, &
+    is_transformed
   use amontons_mortar_segmentation, only: projection_plane_type, mortar_segment_type, segmentation_type, project_on_plane, &
     project_facet_corners, find_depth, choose_quadrature_order
   implicit none
@@ -24,7 +25,6 @@ module amontons_segment_derivatives
     build_facet_outline, differentiate_edge, MAX_CUT_COORDINATES
 
   integer, parameter :: MAX_CUT_COORDINATES = 6 * MAX_FACE_NODES  !< coordinates on which one intersection depends
-  integer, parameter :: MAX_INTEGRAND_TERMS = 7              !< variables of an integrand: weight, xi, eta, at
 
   !> The integrals over one slave facet and their derivatives with respect to the coordinates of its nodes and of its masters'.
   type :: facet_derivatives_type
@@ -53,16 +53,34 @@ module amontons_segment_derivatives
     integer :: node(4) = 0                         !< of each corner
   end type facet_outline_type
 
-  !> An integration point and its derivatives. The integrands are functions of xi, eta and `at`.
-  type :: point_derivatives_type
-    real(DP) :: weight = 0                         !< [length^2]
+  !> A facet at an integration point, and how its natural coordinates follow from the position in the plane.
+  type :: facet_point_type
+    real(DP) :: shapes(MAX_FACE_NODES) = 0         !< N [-]
+    real(DP) :: slopes(MAX_FACE_NODES, 2) = 0      !< dN/dxi [-]
+    real(DP) :: inverse(2, 2) = 0                  !< dxi/dat [1/length]
+    real(DP) :: height = 0                         !< above the plane [length]
+  end type facet_point_type
+
+  !> An integration point: both facets there, its weight, and the slopes of the weight's factor of the curved face.
+  type :: segment_point_type
+    type(facet_point_type) :: own, front           !< on the slave and on the master
+    real(DP) :: basis(MAX_FACE_NODES) = 0          !< N~ of the slave [-]
+    real(DP) :: basis_slopes(MAX_FACE_NODES, 2) = 0   !< dN~/dxi [-]
     real(DP) :: at(2) = 0                          !< in the plane [length]
-    real(DP) :: xi(2) = 0, eta(2) = 0              !< natural coordinates on slave and master [-]
-    real(DP) :: on_slave(0:2, MAX_FACE_NODES) = 0  !< N~_j and its derivatives by xi [-]
-    real(DP) :: on_master(0:2, MAX_FACE_NODES) = 0 !< N_i and its derivatives by eta [-]
-    real(DP) :: d_weight(MAX_CUT_COORDINATES) = 0
-    real(DP) :: d_xi(MAX_CUT_COORDINATES, 2) = 0, d_eta(MAX_CUT_COORDINATES, 2) = 0, d_at(MAX_CUT_COORDINATES, 2) = 0
-  end type point_derivatives_type
+    real(DP) :: flat_weight = 0                    !< in the plane [length^2]
+    real(DP) :: factor = 1                         !< the weight over that in the plane [-]
+    real(DP) :: by_xi(2) = 0                       !< slopes of the factor: by the natural coordinates on the slave [-]
+    real(DP) :: by_normal(2) = 0                   !< by the rotation of the normal [-]
+    real(DP) :: by_own(3, MAX_FACE_NODES) = 0      !< by the slave's nodes [1/length]
+  end type segment_point_type
+
+  !> The slopes of all integrals over an intersection with respect to what it consists of.
+  type :: intersection_slopes_type
+    real(DP), allocatable :: by_corner(:, :, :)    !< (integrals, 2, corners of the intersection)
+    real(DP), allocatable :: by_normal(:, :)       !< (integrals, 2) rotation of the normal towards the axes
+    real(DP), allocatable :: by_own(:, :, :)       !< (integrals, 3, nodes of the slave)
+    real(DP), allocatable :: by_own_flat(:, :, :), by_front_flat(:, :, :)   !< (integrals, 2, nodes) positions in the plane
+  end type intersection_slopes_type
 
   !> Sums over the integration points of a facet, with the basis functions e (N~ or 1, y), and their derivatives.
   type :: basis_integrals_type
@@ -96,7 +114,7 @@ contains
     call build_facet_outline(slave, f, x, segmentation%plane, d_normal, 0, .false., own)
     call differentiate_area(own, segmentation%plane, area, d_area)
     call find_full_dual_fraction(slave%kind(f), sum(segmentation%points%weight(:segmentation%points%n)) / area, part, slope)
-    other = derivatives
+    if (part < 1.0_DP) other = derivatives
     if (part < 1.0_DP) call differentiate_basis(own, master, x, segmentation, d_normal, sqrt(area), .false., other)
     if (part > 0.0_DP) call differentiate_basis(own, master, x, segmentation, d_normal, sqrt(area), .true., derivatives)
     if (part >= 1.0_DP) return
@@ -237,7 +255,8 @@ contains
   end function differentiate_plane_normal
 
 
-  !> Adds one intersection to all sums: the derivatives are those of the points' variables times the slopes of the integrands.
+  !> Adds one intersection to all sums. The slopes with respect to the corners of the intersection, the nodes and the normal are
+  !! summed over the points; the derivatives of these by the coordinates are the same for all points and come last.
   subroutine add_segment_integrals(own, master, x, segmentation, k, d_normal, derivatives, integrals)
     type(facet_outline_type), intent(in) :: own
     type(facets_type), intent(in) :: master
@@ -247,88 +266,163 @@ contains
     real(DP), intent(in) :: d_normal(MAX_CUT_COORDINATES, 2)
     type(facet_derivatives_type), intent(inout) :: derivatives
     type(basis_integrals_type), intent(inout) :: integrals
-    type(facet_outline_type) :: master_outline
-    type(point_derivatives_type) :: point
+    type(facet_outline_type) :: front
+    type(segment_point_type) :: point
+    type(intersection_slopes_type) :: slopes
     real(DP) :: cut(2, MAX_POLYGON_CORNERS), d_cut(MAX_CUT_COORDINATES, 2, MAX_POLYGON_CORNERS), at(2, MAX_CUT_POINTS), &
-      weight(MAX_CUT_POINTS)
-    real(DP) :: barycentric(2, MAX_CUT_POINTS)
-    real(DP), allocatable :: term_derivatives(:, :)            ! (coordinates, variables of all points)
-    real(DP), allocatable :: integrand_slopes(:, :)          ! (variables of all points, integrals)
+      weight(MAX_CUT_POINTS), barycentric(2, MAX_CUT_POINTS)
     real(DP), allocatable :: values(:)             ! (integrals)
-    integer :: lines(MAX_POLYGON_CORNERS), corner(MAX_CUT_POINTS), n, q, n_points, nd, m, i
+    integer :: lines(MAX_POLYGON_CORNERS), corner(MAX_CUT_POINTS), n, q, n_points, nd, n_own, n_front
     associate (g => segmentation%segments(k)%master, first => segmentation%segments(k)%first, plane => segmentation%plane)
-      call build_facet_outline(master, g, x, plane, d_normal, own%n, .true., master_outline)
-      nd = 3 * (own%n + master_outline%n)
-      call clip_polygon(own%corners(:, :own%n_corners), master_outline%corners(:, :master_outline%n_corners), cut, n, lines)
-      call differentiate_corners(own, master_outline, nd, lines, n, cut, d_cut)
+      call build_facet_outline(master, g, x, plane, d_normal, own%n, .true., front)
+      n_own = own%n
+      n_front = front%n
+      nd = 3 * (n_own + n_front)
+      call clip_polygon(own%corners(:, :own%n_corners), front%corners(:, :front%n_corners), cut, n, lines)
+      call differentiate_corners(own, front, nd, lines, n, cut, d_cut)
       call set_polygon_quadrature(cut(:, :n), is_line_facet(own%kind), max(choose_quadrature_order(own%kind, own%corners), &
-        choose_quadrature_order(master_outline%kind, &
-        master_outline%corners)), n_points, at, weight, corner, barycentric)
-      allocate (values((integrals%n * (integrals%n + 1)) / 2 + integrals%n * master_outline%n + own%n), source=0.0_DP)
-      m = merge(MAX_INTEGRAND_TERMS - 2, MAX_INTEGRAND_TERMS, integrals%is_full)     ! N~ does not depend on the position
-      allocate (term_derivatives(nd, m * n_points), integrand_slopes(m * n_points, size(values)))
+        choose_quadrature_order(front%kind, front%corners)), n_points, at, weight, corner, barycentric)
+      q = (integrals%n * (integrals%n + 1)) / 2 + integrals%n * n_front + n_own
+      allocate (values(q), slopes%by_corner(q, 2, n), slopes%by_normal(q, 2), slopes%by_own(q, 3, n_own), &
+        slopes%by_own_flat(q, 2, n_own), slopes%by_front_flat(q, 2, n_front), source=0.0_DP)
       do q = 1, n_points
         point%at = at(:, q)
-        point%weight = weight(q)
-        point%xi = segmentation%points%xi(:, first + q - 1)
-        point%eta = segmentation%points%eta(:, first + q - 1)
-        call differentiate_position(cut, d_cut, corner(q), barycentric(:, q), nd, point)
-        call differentiate_point(own, master_outline, plane, d_normal, nd, point)
-        i = m * (q - 1)
-        term_derivatives(:, i + 1) = point%d_weight(:nd)
-        term_derivatives(:, i + 2:i + 3) = point%d_xi(:nd, :)
-        term_derivatives(:, i + 4:i + 5) = point%d_eta(:nd, :)
-        if (.not. integrals%is_full) term_derivatives(:, i + 6:i + 7) = point%d_at(:nd, :)
-        call differentiate_integrands(own%n, master_outline%n, point, integrals, integrand_slopes(i + 1:i + m, :))
-        values = values + point%weight * integrand_slopes(i + 1, :)
+        point%flat_weight = weight(q)
+        call place_point(own, front, plane, segmentation%points%xi(:, first + q - 1), segmentation%points%eta(:, first + q - 1), &
+          point)
+        call add_point_slopes(point, [1, corner(q), corner(q) + 1], cut, barycentric(:, q), integrals, values, slopes)
       end do
-      call scatter_integrals(own, master_outline, master, g, values, matmul(term_derivatives, integrand_slopes), derivatives, &
-        integrals)
+      call scatter_integrals(own, front, master, g, values, assemble_derivatives(own, front, d_cut(:nd, :, :n), d_normal(:nd, :), &
+        slopes), derivatives, integrals)
     end associate
   end subroutine add_segment_integrals
 
 
-  !> All integrands at a point, and the slopes of the weighted ones: e_j e_l for j up to l, then e_j N_i, then N~_j.
-  pure subroutine differentiate_integrands(n_own, n_front, point, integrals, integrand_slopes)
-    integer, intent(in) :: n_own, n_front
-    type(point_derivatives_type), intent(in) :: point
+  !> Adds the integrands at a point, and their slopes.
+  pure subroutine add_point_slopes(point, triangle, cut, barycentric, integrals, values, slopes)
+    type(segment_point_type), intent(in) :: point
+    integer, intent(in) :: triangle(3)             !< corners of the intersection around the point
+    real(DP), intent(in) :: cut(2, MAX_POLYGON_CORNERS), barycentric(2)   !< their positions; the point's at the last two [-]
     type(basis_integrals_type), intent(in) :: integrals
-    real(DP), intent(out) :: integrand_slopes(:, :)          !< (n_variables, n_integrals): with respect to weight, xi, eta, at
-    real(DP) :: on_slave(MAX_INTEGRAND_TERMS, MAX_FACE_NODES), on_master(MAX_INTEGRAND_TERMS, MAX_FACE_NODES), &
-      basis(MAX_INTEGRAND_TERMS, MAX_FACE_NODES)
-    integer :: j, k, m, n
-    m = size(integrand_slopes, 1)                            ! product rule; the value comes first
-    on_slave = 0.0_DP
-    on_slave(:3, :) = point%on_slave
-    on_slave(2:3, :) = point%weight * on_slave(2:3, :)
-    on_master = 0.0_DP
-    on_master([1, 4, 5], :) = point%on_master
-    on_master(4:5, :) = point%weight * on_master(4:5, :)
+    real(DP), intent(inout) :: values(:)           !< (integrals)
+    type(intersection_slopes_type), intent(inout) :: slopes
+    real(DP), dimension(size(values), 2) :: by_xi, by_eta, by_at, own, front
+    real(DP) :: integrand(size(values)), a(2), b(2), share, part(3), by_weight(2, 3)
+    integer :: c, i, first, last
+    call evaluate_integrands(point, size(slopes%by_own, 3), size(slopes%by_front_flat, 3), integrals, integrand, by_xi, by_eta, &
+      by_at)
+    values = values + point%flat_weight * point%factor * integrand
+    first = (integrals%n * (integrals%n + 1)) / 2 + 1          ! only e_j N_i depend on the master
+    last = size(values) - size(slopes%by_own, 3)
+    do c = 1, 2
+      by_xi(:, c) = by_xi(:, c) + point%flat_weight * point%by_xi(c) * integrand
+    end do
+    do c = 1, 2
+      own(:, c) = point%own%inverse(1, c) * by_xi(:, 1) + point%own%inverse(2, c) * by_xi(:, 2)
+      front(first:last, c) = point%front%inverse(1, c) * by_eta(first:last, 1) + point%front%inverse(2, c) * by_eta(first:last, 2)
+      by_at(:, c) = by_at(:, c) + own(:, c)
+      by_at(first:last, c) = by_at(first:last, c) + front(first:last, c)
+      slopes%by_normal(:, c) = slopes%by_normal(:, c) + point%own%height * own(:, c) &
+        + point%flat_weight * point%by_normal(c) * integrand
+      slopes%by_normal(first:last, c) = slopes%by_normal(first:last, c) + point%front%height * front(first:last, c)
+      do i = 1, size(slopes%by_own, 3)
+        slopes%by_own_flat(:, c, i) = slopes%by_own_flat(:, c, i) - point%own%shapes(i) * own(:, c)
+      end do
+      do i = 1, size(slopes%by_front_flat, 3)
+        slopes%by_front_flat(first:last, c, i) = slopes%by_front_flat(first:last, c, i) &
+          - point%front%shapes(i) * front(first:last, c)
+      end do
+    end do
+    do i = 1, size(slopes%by_own, 3)
+      do c = 1, 3
+        slopes%by_own(:, c, i) = slopes%by_own(:, c, i) + point%flat_weight * point%by_own(c, i) * integrand
+      end do
+    end do
+    a = cut(:, triangle(2)) - cut(:, 1)
+    b = cut(:, triangle(3)) - cut(:, 1)
+    share = point%flat_weight * point%factor / (a(1) * b(2) - a(2) * b(1))   ! of twice the area of the triangle
+    part = [1 - sum(barycentric), barycentric]
+    by_weight = share * reshape([a(2) - b(2), b(1) - a(1), b(2), -b(1), -a(2), a(1)], [2, 3])
+    do i = 1, 3
+      do c = 1, 2
+        slopes%by_corner(:, c, triangle(i)) = slopes%by_corner(:, c, triangle(i)) + part(i) * by_at(:, c) &
+          + by_weight(c, i) * integrand
+      end do
+    end do
+  end subroutine add_point_slopes
+
+
+  !> All integrands at a point, and the slopes of the weighted ones: e_j e_l for j up to l, then e_j N_i, then N~_j.
+  pure subroutine evaluate_integrands(point, n_own, n_front, integrals, integrand, by_xi, by_eta, by_at)
+    type(segment_point_type), intent(in) :: point
+    integer, intent(in) :: n_own, n_front
+    type(basis_integrals_type), intent(in) :: integrals
+    real(DP), intent(out) :: integrand(:)          !< (integrals)
+    real(DP), intent(out) :: by_xi(:, :), by_eta(:, :), by_at(:, :)   !< (integrals, 2)
+    real(DP) :: basis(integrals%n), e_xi(integrals%n, 2), e_at(integrals%n, 2), weight
+    integer :: c, k, m, n
+    m = integrals%n
+    weight = point%flat_weight * point%factor
+    by_eta = 0.0_DP
+    by_at = 0.0_DP
+    e_xi = 0.0_DP
+    e_at = 0.0_DP
     if (integrals%is_full) then
-      basis = on_slave
+      basis = point%basis(:m)
+      e_xi = weight * point%basis_slopes(:m, :)
     else
-      basis = 0.0_DP
-      basis(1, :3) = [1.0_DP, (point%at - integrals%middle) / integrals%unit]
-      basis(6, 2) = point%weight / integrals%unit
-      basis(7, 3) = point%weight / integrals%unit
+      basis = [1.0_DP, (point%at - integrals%middle) / integrals%unit]
+      e_at(2, 1) = weight / integrals%unit
+      e_at(3, 2) = weight / integrals%unit
     end if
     n = 0
-    do k = 1, integrals%n
-      do j = 1, k
-        integrand_slopes(:, n + j) = basis(1, j) * basis(:m, k) + basis(1, k) * basis(:m, j)
-        integrand_slopes(1, n + j) = basis(1, j) * basis(1, k)
+    do k = 1, m
+      integrand(n + 1:n + k) = basis(k) * basis(:k)
+      do c = 1, 2
+        by_xi(n + 1:n + k, c) = basis(k) * e_xi(:k, c) + e_xi(k, c) * basis(:k)
+        by_at(n + 1:n + k, c) = basis(k) * e_at(:k, c) + e_at(k, c) * basis(:k)
       end do
       n = n + k
     end do
     do k = 1, n_front
-      do j = 1, integrals%n
-        integrand_slopes(:, n + j) = basis(1, j) * on_master(:m, k) + on_master(1, k) * basis(:m, j)
-        integrand_slopes(1, n + j) = basis(1, j) * on_master(1, k)
+      integrand(n + 1:n + m) = point%front%shapes(k) * basis
+      do c = 1, 2
+        by_xi(n + 1:n + m, c) = point%front%shapes(k) * e_xi(:, c)
+        by_at(n + 1:n + m, c) = point%front%shapes(k) * e_at(:, c)
+        by_eta(n + 1:n + m, c) = weight * point%front%slopes(k, c) * basis
       end do
-      n = n + integrals%n
+      n = n + m
     end do
-    integrand_slopes(:, n + 1:) = on_slave(:m, :n_own)
-  end subroutine differentiate_integrands
+    integrand(n + 1:) = point%basis(:n_own)
+    by_xi(n + 1:, :) = weight * point%basis_slopes(:n_own, :)
+  end subroutine evaluate_integrands
+
+
+  !> The derivatives of all integrals by the coordinates.
+  pure function assemble_derivatives(own, front, d_cut, d_normal, slopes) result(d_values)
+    type(facet_outline_type), intent(in) :: own, front
+    real(DP), intent(in) :: d_cut(:, :, :), d_normal(:, :)     !< (coordinates, 2, corners), (coordinates, 2)
+    type(intersection_slopes_type), intent(in) :: slopes
+    real(DP) :: d_values(size(slopes%by_normal, 1), size(d_cut, 1))
+    integer :: c, i, j
+    d_values = matmul(slopes%by_normal, transpose(d_normal))
+    do i = 1, size(d_cut, 3)
+      do c = 1, 2
+        do j = 1, size(d_cut, 1)
+          d_values(:, j) = d_values(:, j) + d_cut(j, c, i) * slopes%by_corner(:, c, i)
+        end do
+      end do
+    end do
+    do i = 1, own%n
+      j = 3 * (own%first + i - 1)
+      d_values(:, j + 1:j + 3) = d_values(:, j + 1:j + 3) + slopes%by_own(:, :, i) &
+        + matmul(slopes%by_own_flat(:, :, i), transpose(own%axes))
+    end do
+    do i = 1, front%n
+      j = 3 * (front%first + i - 1)
+      d_values(:, j + 1:j + 3) = d_values(:, j + 1:j + 3) + matmul(slopes%by_front_flat(:, :, i), transpose(front%axes))
+    end do
+  end function assemble_derivatives
 
 
   !> Adds the integrals over one intersection and their derivatives to the sums.
@@ -337,14 +431,14 @@ contains
     type(facets_type), intent(in) :: master
     integer, intent(in) :: g                       !< master facet
     real(DP), intent(in) :: values(:)              !< (n_integrals)
-    real(DP), intent(in) :: d_values(:, :)         !< (coordinates, n_integrals)
+    real(DP), intent(in) :: d_values(:, :)         !< (n_integrals, coordinates)
     type(facet_derivatives_type), intent(inout) :: derivatives
     type(basis_integrals_type), intent(inout) :: integrals
     integer :: map(2 * MAX_FACE_NODES), nodes(MAX_FACE_NODES), at(MAX_CUT_COORDINATES), i, j, k, n
     call facet_nodes(master, g, n, nodes)
     map(:own%n) = [(i, i=1, own%n)]
     map(own%n + 1:own%n + n) = [(findloc(derivatives%nodes, nodes(i), dim=1), i=1, n)]
-    do i = 1, size(d_values, 1)
+    do i = 1, size(d_values, 2)
       at(i) = 3 * (map((i + 2) / 3) - 1) + modulo(i - 1, 3) + 1
     end do
     n = 0
@@ -373,8 +467,8 @@ contains
       real(DP), intent(inout) :: value, d_value(:)
       integer :: c
       value = value + values(n)
-      do c = 1, size(d_values, 1)
-        d_value(at(c)) = d_value(at(c)) + d_values(c, n)
+      do c = 1, size(d_values, 2)
+        d_value(at(c)) = d_value(at(c)) + d_values(n, c)
       end do
     end subroutine add_to
 
@@ -478,118 +572,94 @@ contains
   end subroutine differentiate_edge
 
 
-  !> Position and weight of a point, from the triangle that contains it.
-  pure subroutine differentiate_position(cut, d_cut, k, barycentric, nd, point)
-    real(DP), intent(in) :: cut(2, MAX_POLYGON_CORNERS), d_cut(MAX_CUT_COORDINATES, 2, MAX_POLYGON_CORNERS)
-    integer, intent(in) :: k                       !< of the triangle 1, k, k + 1
-    real(DP), intent(in) :: barycentric(2)         !< barycentric coordinates at k and k + 1 [-]
-    integer, intent(in) :: nd
-    type(point_derivatives_type), intent(inout) :: point
-    real(DP) :: a(2), b(2), share, d_a(2), d_b(2)
-    integer :: i
-    a = cut(:, k) - cut(:, 1)
-    b = cut(:, k + 1) - cut(:, 1)
-    share = point%weight / (a(1) * b(2) - a(2) * b(1))
-    do i = 1, nd
-      d_a = d_cut(i, :, k) - d_cut(i, :, 1)
-      d_b = d_cut(i, :, k + 1) - d_cut(i, :, 1)
-      point%d_at(i, :) = d_cut(i, :, 1) + barycentric(1) * d_a + barycentric(2) * d_b
-      point%d_weight(i) = share * (d_a(1) * b(2) - d_a(2) * b(1) + a(1) * d_b(2) - a(2) * d_b(1))
-    end do
-  end subroutine differentiate_position
-
-
-  !> The functions of both facets at a point, and the weight of the slave's curved face, with their derivatives.
-  pure subroutine differentiate_point(own, master_outline, plane, d_normal, nd, point)
-    type(facet_outline_type), intent(in) :: own, master_outline
+  !> Both facets at a point, and the factor of its weight.
+  pure subroutine place_point(own, front, plane, xi, eta, point)
+    type(facet_outline_type), intent(in) :: own, front
     type(projection_plane_type), intent(in) :: plane
-    real(DP), intent(in) :: d_normal(MAX_CUT_COORDINATES, 2)
-    integer, intent(in) :: nd
-    type(point_derivatives_type), intent(inout) :: point
+    real(DP), intent(in) :: xi(2), eta(2)          !< on the slave and on the master [-]
+    type(segment_point_type), intent(inout) :: point
     real(DP) :: ddN(3, MAX_FACE_NODES)
-    integer :: i
-    call differentiate_coordinates(master_outline, d_normal, nd, point%eta, point%d_at, point%d_eta, point%on_master, ddN)
-    call differentiate_coordinates(own, d_normal, nd, point%xi, point%d_at, point%d_xi, point%on_slave, ddN)
-    call differentiate_weight(own, plane, d_normal, nd, ddN, point)
-    do i = 0, 2
-      call transform_shape_functions(own%kind, point%on_slave(i, :))
-    end do
-  end subroutine differentiate_point
+    call place_on_facet(front, eta, point%front, ddN)
+    call place_on_facet(own, xi, point%own, ddN)
+    call differentiate_factor(own, plane, ddN, point)
+    point%basis = point%own%shapes
+    point%basis_slopes = point%own%slopes
+    call transform_shape_functions(own%kind, point%basis)
+    call transform_shape_functions(own%kind, point%basis_slopes(:, 1))
+    call transform_shape_functions(own%kind, point%basis_slopes(:, 2))
+  end subroutine place_point
 
 
-  !> The derivatives of the natural coordinates of a point of the plane: J d_xi = d_at - sum N_k d_flat_k.
-  pure subroutine differentiate_coordinates(outline, d_normal, nd, xi, d_at, d_xi, shapes, ddN)
+  !> A facet at natural coordinates: J d_xi = d_at - sum N_k d_flat_k.
+  pure subroutine place_on_facet(outline, xi, point, ddN)
     type(facet_outline_type), intent(in) :: outline
-    real(DP), intent(in) :: d_normal(MAX_CUT_COORDINATES, 2)
-    integer, intent(in) :: nd
-    real(DP), intent(in) :: xi(2), d_at(MAX_CUT_COORDINATES, 2)
-    real(DP), intent(out) :: d_xi(MAX_CUT_COORDINATES, 2)
-    real(DP), intent(out) :: shapes(0:2, MAX_FACE_NODES)   !< N and dN/dxi [-]
+    real(DP), intent(in) :: xi(2)                  !< [-]
+    type(facet_point_type), intent(out) :: point
     real(DP), intent(out) :: ddN(3, MAX_FACE_NODES)
-    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), J(2, 2), r(MAX_CUT_COORDINATES, 2), height, det
-    integer :: i, k
-    call facet_shapes(outline%kind, xi, N, dN, ddN)
-    shapes(0, :) = N
-    shapes(1:2, :) = dN
-    J = matmul(outline%flat(:, :outline%n), transpose(dN(:, :outline%n)))
+    real(DP) :: dN(2, MAX_FACE_NODES), J(2, 2), det
+    integer :: i
+    call facet_shapes(outline%kind, xi, point%shapes, dN, ddN)
+    point%slopes = transpose(dN)
+    point%height = dot_product(outline%height(:outline%n), point%shapes(:outline%n))
+    J = 0.0_DP
+    do i = 1, outline%n
+      J(:, 1) = J(:, 1) + outline%flat(:, i) * dN(1, i)
+      J(:, 2) = J(:, 2) + outline%flat(:, i) * dN(2, i)
+    end do
     if (is_line_facet(outline%kind)) J = reshape([J(1, 1), 0.0_DP, 0.0_DP, 1.0_DP], [2, 2])
     det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-    d_xi = 0.0_DP
     if (abs(det) <= tiny(1.0_DP)) then
-      shapes(1:2, :) = 0.0_DP
+      point%slopes = 0.0_DP
       return
     end if
-    height = dot_product(outline%height(:outline%n), N(:outline%n))
-    r(:nd, :) = d_at(:nd, :) + height * d_normal(:nd, :)
-    do k = 1, outline%n
-      i = 3 * (outline%first + k - 1)
-      r(i + 1:i + 3, :) = r(i + 1:i + 3, :) - N(k) * outline%axes
-    end do
-    d_xi(:nd, 1) = (J(2, 2) * r(:nd, 1) - J(1, 2) * r(:nd, 2)) / det
-    if (is_line_facet(outline%kind)) return
-    d_xi(:nd, 2) = (J(1, 1) * r(:nd, 2) - J(2, 1) * r(:nd, 1)) / det
-  end subroutine differentiate_coordinates
+    point%inverse = reshape([J(2, 2), -J(2, 1), -J(1, 2), J(1, 1)], [2, 2]) / det
+    if (is_line_facet(outline%kind)) point%inverse(2, :) = 0.0_DP
+  end subroutine place_on_facet
 
 
-  !> The weight times the ratio of the slave's face area to that in the plane, times the depth of a line, as in the segmentation.
-  pure subroutine differentiate_weight(own, plane, d_normal, nd, ddN, point)
+  !> The ratio of the slave's face area to that in the plane, times the depth of a line, as in the segmentation, and its slopes.
+  pure subroutine differentiate_factor(own, plane, ddN, point)
     type(facet_outline_type), intent(in) :: own
     type(projection_plane_type), intent(in) :: plane
-    real(DP), intent(in) :: d_normal(MAX_CUT_COORDINATES, 2)
-    integer, intent(in) :: nd
     real(DP), intent(in) :: ddN(3, MAX_FACE_NODES) !< on the slave
-    type(point_derivatives_type), intent(inout) :: point !< with N_j, not N~_j on the slave
-    real(DP) :: d_scale(MAX_CUT_COORDINATES), t(3, 2), second(3, 3), normal(3), by_normal(3), by_t(3, 2), by_xi(2), along, &
-      length, depth
-    integer :: i, k
-    associate (m => own%n, N => point%on_slave(0, :own%n), dN => point%on_slave(1:2, :own%n))
-      t = matmul(own%x(:, :m), transpose(dN))
-      second = matmul(own%x(:, :m), transpose(ddN(:, :m)))
+    type(segment_point_type), intent(inout) :: point
+    real(DP) :: t(3, 2), second(3, 3), normal(3), by_normal(3), by_t(3, 2), along, length, depth
+    integer :: k
+    associate (m => own%n, N => point%own%shapes(:own%n), dN => point%own%slopes(:own%n, :))
+      t = 0.0_DP
+      second = 0.0_DP
+      do k = 1, m
+        t(:, 1) = t(:, 1) + dN(k, 1) * own%x(:, k)
+        t(:, 2) = t(:, 2) + dN(k, 2) * own%x(:, k)
+        second(:, 1) = second(:, 1) + ddN(1, k) * own%x(:, k)
+        second(:, 2) = second(:, 2) + ddN(2, k) * own%x(:, k)
+        second(:, 3) = second(:, 3) + ddN(3, k) * own%x(:, k)
+      end do
       if (is_line_facet(own%kind)) t(:, 2) = [0.0_DP, 0.0_DP, 1.0_DP]
       normal = cross_product(t(:, 1), t(:, 2))
       length = norm2(normal)
       along = max(dot_product(normal, plane%normal), 0.1_DP * length)
-      depth = find_depth(plane, matmul(own%x(:, :m), N))
+      depth = find_depth(plane, [dot_product(own%x(1, :m), N), 0.0_DP, 0.0_DP])
+      point%factor = length / along * depth
       by_normal = normal / (length * along) - length / along**2 * plane%normal     ! of length/along
-      if (along <= 0.1_DP * length) by_normal = 0.0_DP
+      point%by_normal = -depth * length / along**2 * [dot_product(normal, plane%axes(:, 1)), dot_product(normal, plane%axes(:, 2))]
+      if (along <= 0.1_DP * length) then
+        by_normal = 0.0_DP
+        point%by_normal = 0.0_DP
+      end if
       by_t(:, 1) = depth * cross_product(t(:, 2), by_normal)
       by_t(:, 2) = depth * cross_product(by_normal, t(:, 1))
       if (is_line_facet(own%kind)) by_t(:, 2) = 0.0_DP
-      by_xi = [dot_product(by_t(:, 1), second(:, 1)) + dot_product(by_t(:, 2), second(:, 3)), &
+      point%by_xi = [dot_product(by_t(:, 1), second(:, 1)) + dot_product(by_t(:, 2), second(:, 3)), &
         dot_product(by_t(:, 1), second(:, 3)) + dot_product(by_t(:, 2), second(:, 2))]
-      if (plane%depth < 0.0_DP) by_xi = by_xi + 2 * PI * length / along * matmul(dN, own%x(1, :m))
-      d_scale(:nd) = by_xi(1) * point%d_xi(:nd, 1) + by_xi(2) * point%d_xi(:nd, 2)
-      if (along > 0.1_DP * length) d_scale(:nd) = d_scale(:nd) - depth * length / along**2 &
-        * matmul(d_normal(:nd, :), matmul(normal, plane%axes))
       do k = 1, m
-        i = 3 * (own%first + k - 1)
-        d_scale(i + 1:i + 3) = d_scale(i + 1:i + 3) + matmul(by_t, dN(:, k))
-        if (plane%depth < 0.0_DP) d_scale(i + 1) = d_scale(i + 1) + 2 * PI * length / along * N(k)
+        point%by_own(:, k) = dN(k, 1) * by_t(:, 1) + dN(k, 2) * by_t(:, 2)
       end do
+      if (plane%depth >= 0.0_DP) return
+      point%by_xi = point%by_xi + 2 * PI * length / along * matmul(own%x(1, :m), dN)
+      point%by_own(1, :m) = point%by_own(1, :m) + 2 * PI * length / along * N
     end associate
-    point%d_weight(:nd) = point%d_weight(:nd) * (length / along * depth) + point%weight * d_scale(:nd)
-    point%weight = point%weight * (length / along * depth)
-  end subroutine differentiate_weight
+  end subroutine differentiate_factor
 
 
   !> M_ji = d_j l_j' inv(G) C_i with l_j the unit vectors (the basis N~) or (1, y_j).

@@ -8,9 +8,8 @@ program test_mortar_segmentation
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_mortar_segmentation, only: projection_plane_type, segmentation_type, build_segmentation, &
     build_projection_plane, build_projection_planes, project_on_plane, project_facet_corners, is_facing_plane, find_depth, &
-    integrate_segments, &
-    choose_quadrature_order, find_natural_coordinates
-  use amontons_polygon_clipping, only: signed_polygon_area
+    integrate_segments, choose_quadrature_order
+  use amontons_polygon_clipping, only: signed_polygon_area, find_flat_coordinates
   use amontons_element_kinds, only: KIND_C3D6, KIND_C3D8, KIND_C3D10, KIND_C3D20, FACET_TRI3, FACET_QUAD4, FACET_TRI6, &
     FACET_QUAD8, &
     MAX_FACE_NODES
@@ -39,7 +38,7 @@ contains
     type(projection_plane_type) :: plane
     type(projection_plane_type), allocatable :: fronts(:), others(:)
     real(DP), allocatable :: x(:, :)
-    real(DP) :: Q(3, 3), corners(2, 4), xi(2), N(MAX_FACE_NODES), p(2)
+    real(DP) :: Q(3, 3), corners(2, 4), xi(2), N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), flat(2, MAX_FACE_NODES), p(2)
     integer :: k, n_nodes, nodes(MAX_FACE_NODES), i
     call make_grids(kind, .true., slave, master, x, search)
     call build_projection_plane(slave, 1, x, plane)
@@ -55,7 +54,10 @@ contains
     call suite%that('a master runs the other way or is turned', abs(signed_polygon_area(corners(:, :k))) > 0.4_DP)
     call facet_nodes(slave, 1, n_nodes, nodes)
     p = project_on_plane(plane, matmul(x(:, nodes(:3)), [0.2_DP, 0.3_DP, 0.5_DP]) + 7 * plane%normal)
-    call find_natural_coordinates(kind, plane, x(:, nodes(:n_nodes)), p, xi, N)
+    do i = 1, n_nodes
+      flat(:, i) = project_on_plane(plane, x(:, nodes(i)))
+    end do
+    call find_flat_coordinates(kind, flat(:, :n_nodes), p, xi, N, dN)
     call suite%near('over the same point', norm2(project_on_plane(plane, matmul(x(:, nodes(:n_nodes)), N(:n_nodes))) - p), &
       0.0_DP, 1.0e-13_DP)
     fronts = build_projection_planes(master, x)

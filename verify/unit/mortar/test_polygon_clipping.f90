@@ -170,7 +170,7 @@ contains
   subroutine check_inverse()
     type(facet_kind_type) :: shape
     real(DP) :: nodes(2, MAX_FACE_NODES), flat(2, MAX_FACE_NODES), xi(2), found(2), N(MAX_FACE_NODES), at(2)
-    real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    real(DP) :: dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES), slopes(2, MAX_FACE_NODES)
     integer :: kind, i
     do kind = FACET_TRI3, FACET_QUAD8
       shape = facet_kind(kind)
@@ -182,10 +182,11 @@ contains
       xi = [0.23_DP, 0.41_DP]
       call facet_shapes(kind, xi, N, dN, ddN)
       at = matmul(flat(:, :shape%n_nodes), N(:shape%n_nodes))
-      call find_flat_coordinates(kind, flat(:, :shape%n_nodes), at, found, N)
+      call find_flat_coordinates(kind, flat(:, :shape%n_nodes), at, found, N, slopes)
       call suite%near('natural coordinates', norm2(found - xi), 0.0_DP, 1.0e-13_DP)
       call suite%near('shape functions there', norm2(matmul(flat(:, :shape%n_nodes), N(:shape%n_nodes)) - at), 0.0_DP, &
         1.0e-13_DP)
+      call suite%near('slopes there', norm2(slopes - dN), 0.0_DP, 1.0e-12_DP)
     end do
   end subroutine check_inverse
 
