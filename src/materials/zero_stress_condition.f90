@@ -44,6 +44,7 @@ contains
     integer :: first, i, step
     logical :: is_converged
     first = 4 - condition
+    if (condition /= CONDITION_NONE) point%is_tangent_wanted = .true.    ! the iteration uses it
     if (condition /= CONDITION_NONE .and. allocated(point%user)) then
       if (point%user%values%ndi < 3) then
         call evaluate_reduced_law(condition, material, is_nlgeom, point, status)
@@ -125,6 +126,7 @@ contains
       point%initial_field = point%field
     end if
     point%H = 0
+    point%is_tangent_wanted = .true.
     call solve_zero_stress(condition, material, is_nlgeom, point, status)
     c = point%tangent
   end subroutine evaluate_initial_tangent

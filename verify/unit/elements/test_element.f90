@@ -29,6 +29,7 @@ program test_element
       material%law = law
       call check_patch(kind, .true.)
       call check_derivatives(kind, .true.)
+      call check_forces_alone(kind)
       call check_tiny(kind)
     end do
     material%law = LAW_HENCKY
@@ -91,6 +92,44 @@ contains
     name = trim(entry%name) // merge(' plain', '      ', kind == KIND_C3D8_FULL) // merge(' large ', ' small ', &
       is_nlgeom) // what
   end function title
+
+
+  !> Forces without a stiffness by the general law of a material, after the stiffness of a much stiffer one: those of the same
+  !! elastic constants, also of the hourglass energy, which needs the tangent at rest.
+  subroutine check_forces_alone(kind)
+    integer, intent(in) :: kind
+    type(material_type) :: general
+    type(integration_points_type) :: points
+    real(DP), dimension(3, MAX_ELEMENT_NODES) :: X, u, force, expected
+    real(DP) :: stiffness(N_DOF, N_DOF)
+    integer :: n, status
+    n = entry_nodes(kind)
+    call distort(kind, 0.3_DP, X)
+    call random_number(u)
+    u = 0.1_DP * (u - 0.5_DP)
+    call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., expected, points, status)
+    general = material
+    general%is_linear_isotropic = .false.
+    points%temperature = 0
+    points%initial_temperature = 0
+    points%history_old = 0
+    general%youngs_modulus = 1.0e6_DP * material%youngs_modulus
+    call evaluate_element_tangent(kind, general, X(:, :n), u(:, :n), .true., stiffness, points, status)
+    general%youngs_modulus = material%youngs_modulus
+    call evaluate_element_forces(kind, general, X(:, :n), u(:, :n), .true., force, points, status)
+    call suite%that(title(kind, .true., 'forces alone: status'), status == ELEMENT_OK)
+    call suite%near(title(kind, .true., 'forces alone: general law'), maxval(abs(force(:, :n) - expected(:, :n))), 0.0_DP, &
+      1e-12_DP * norm2(expected(:, :n)))
+  end subroutine check_forces_alone
+
+
+  !> The nodes of a kind.
+  integer function entry_nodes(kind)
+    integer, intent(in) :: kind
+    type(element_kind_type) :: entry
+    entry = element_kind(kind)
+    entry_nodes = entry%n_nodes
+  end function entry_nodes
 
 
   !> A linear displacement field gives the same stress everywhere, that of the law; in solid shells of uniform thickness, which are
