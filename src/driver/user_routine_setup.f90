@@ -5,15 +5,15 @@ module amontons_user_routine_setup
   use amontons_errors, only: error_type, set_error, EXIT_SETUP, EXIT_USAGE, EXIT_NOT_CONVERGED
   use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
-  use amontons_user_routines, only: user_library_type, open_routines, close_routines, has_routine, collect_user_messages, &
-    pass_job_name, &
-    uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
-    ROUTINE_UINTER, &
-    ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
+use amontons_user_routines, only: user_library_type, umat_type, open_routines, close_routines, has_routine, collect_user_messages, &
+      pass_job_name, &
+     uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
+      ROUTINE_UINTER, &
+      ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
   use amontons_loads, only: amplitude_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
-  use amontons_user_state, only: max_stress_components
+  use amontons_user_state, only: find_point_at_rest
   use amontons_state, only: state_type, fields_type
   use amontons_user_material, only: find_initial_tangent
   implicit none
@@ -35,6 +35,8 @@ contains
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: text
+    type(umat_type) :: at_rest
+    real(DP), allocatable :: statev(:)
     real(DP) :: pnewdt
     logical :: is_stopped, has_crashed
     integer :: m
@@ -52,7 +54,9 @@ contains
         if (model%has_sdvini .and. material%n_statev > 0) call check_routine(material%routines, file_of(material, options), &
           ROUTINE_SDVINI, '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
         if (allocated(error)) return
-        call find_initial_tangent(material, max_stress_components(model, m), first_increment(model), error)
+        call find_point_at_rest(model, m, at_rest, statev)
+        at_rest%dtime = first_increment(model)
+        call find_initial_tangent(material, at_rest, statev, error)
         ! PNEWDT has no meaning in the undeformed state
         call collect_user_messages(material%routines, pnewdt, text, is_stopped, has_crashed)
         if (has_crashed) call set_error(error, EXIT_SETUP, 'In the call at rest for the material ''' // material%name // ''': ' // &

@@ -211,36 +211,26 @@ contains
   end subroutine convert_jaumann_to_lie
 
 
-  !> DDSDDE of the undeformed material: it stabilizes elements with one point. Called before the start, for the largest number
-  !! of components of its elements.
-  subroutine find_initial_tangent(material, components, dt, error)
+  !> DDSDDE of the undeformed material: it stabilizes elements with one point. Called before the start, as Abaqus calls UMAT at the
+  !! first point before the first increment.
+  subroutine find_initial_tangent(material, at_rest, initial_statev, error)
     type(material_type), intent(inout) :: material !< out: at_rest, youngs_modulus
-    integer, intent(in) :: components(2)           !< NDI, NSHR
-    real(DP), intent(in) :: dt                     !< first increment of the job [time]
+    type(umat_type), intent(in) :: at_rest         !< arguments at a point, with the most components of the material's elements
+    real(DP), intent(in) :: initial_statev(:)      !< there
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
-    real(DP) :: statev(material%n_statev)
+    real(DP) :: statev(size(initial_statev))
     character(USER_NAME_LENGTH) :: name
     name = material%name
-    statev = 0
-    values%ndi = components(1)
-    values%nshr = components(2)
-    values%dtime = dt
-    values%noel = 1
-    values%npt = 1
-    values%step = 1
-    values%increment = 1
-    values%celent = 1
-    values%drot = IDENTITY
-    values%dfgrd0 = IDENTITY
-    values%dfgrd1 = IDENTITY
+    values = at_rest
+    statev = initial_statev
     call call_umat(material%routines, name, material%props, statev, values)
     if (values%is_accepted == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
       call set_error(error, EXIT_SETUP, 'UMAT gives no DDSDDE for the material ''' // material%name // &
-        ''' at rest (no strain, STATEV = 0): it calls XIT, or gives what is not finite.')
+        ''' at rest (no strain, initial STATEV): it calls XIT, or gives what is not finite.')
       return
     end if
-    call complete_3d_tangent(components, values%ddsdde)
+    call complete_3d_tangent([at_rest%ndi, at_rest%nshr], values%ddsdde)
     material%at_rest = 0.5_DP * (values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER) + transpose(values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER)))
     associate (G => material%at_rest(4, 4), lambda => material%at_rest(1, 2))
       if (G + lambda > 0) material%youngs_modulus = G * (3 * lambda + 2 * G) / (lambda + G)

@@ -13,12 +13,14 @@ module amontons_user_state
   use amontons_state, only: state_type, fields_type, commit_fields, rotate_stress_to_frame
   use amontons_element_kinds, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
     FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
-  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, call_usdfld, usdfld_type, user_library_type, &
+  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, call_usdfld, usdfld_type, umat_type, &
+    user_library_type, &
     USER_NAME_LENGTH
   use amontons_tensor, only: IDENTITY
   implicit none
   private
-  public :: max_stress_components, initialize_state_variables, load_umat_points, store_umat_points, evaluate_dload, evaluate_disp
+  public :: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, store_umat_points
+  public :: evaluate_dload, evaluate_disp
   public :: update_user_fields, load_user_fields, has_invalid_fields
 
 contains
@@ -101,6 +103,47 @@ contains
       if (sum(element_components) > sum(components)) components = element_components
     end do
   end function max_stress_components
+
+
+  !> The arguments of UMAT, but for DTIME, at the first point of the first element of a material, before the first increment; their
+  !! number is the largest over its elements. A material without elements gets element 1 at the origin.
+  subroutine find_point_at_rest(model, m, values, statev)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: m                       !< material
+    type(umat_type), intent(out) :: values
+    real(DP), allocatable, intent(out) :: statev(:)   !< of the deck or of SDVINI; else 0
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), volume
+    integer :: components(2), nodes(MAX_ELEMENT_NODES), e, n_rule, n_nodes, status
+    logical :: is_accepted
+    components = max_stress_components(model, m)
+    values%ndi = components(1)
+    values%nshr = components(2)
+    values%noel = 1
+    values%npt = 1
+    values%step = 1
+    values%increment = 1
+    values%celent = 1
+    values%drot = IDENTITY
+    values%dfgrd0 = IDENTITY
+    values%dfgrd1 = IDENTITY
+    allocate (statev(model%materials(m)%n_statev), source=0.0_DP)
+    e = findloc(model%mesh%material, m, dim=1)
+    if (e == 0) return
+    associate (mesh => model%mesh)
+      call element_nodes(mesh, e, n_nodes, nodes)
+      call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes(:n_nodes)), mesh%section_value(e), volume, status, &
+        wall_ratios(mesh, e))
+      call quadrature(mesh%kind(e), n_rule, xi, w, wall_ratios(mesh, e))
+      call shape_functions(mesh%kind(e), xi(:, 1), N, dN)
+      values%coords = matmul(mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes))
+      values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
+      values%noel = mesh%element_label(e)
+      if (allocated(model%initial_temperature)) values%temp = sum(model%initial_temperature(nodes(:n_nodes))) / real(n_nodes, DP)
+      if (allocated(model%initial_statev)) statev = model%initial_statev(:size(statev), mesh%point_first(e))
+    end associate
+    if (model%has_sdvini .and. size(statev) > 0) call call_sdvini(model%materials(m)%routines, statev, values%coords, values%noel, &
+      values%npt, is_accepted)
+  end subroutine find_point_at_rest
 
 
   !> The initial STATEV of the points: SDVINI's, else those of the deck. Errors: EXIT_NOT_CONVERGED (SDVINI calls XIT).

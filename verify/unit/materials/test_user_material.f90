@@ -7,7 +7,8 @@ program test_user_material
   use amontons_materials, only: material_type, USER_STRESS, USER_STATE, USER_STRAIN
   use amontons_tensor, only: IDENTITY, determinant, pack_voigt, unpack_voigt
   use amontons_user_material, only: umat_point_type, evaluate_umat, find_initial_tangent
-  use amontons_user_routines, only: open_routines, close_routines, has_routine, ROUTINE_UMAT, ROUTINE_DLOAD, ROUTINE_FRIC
+  use amontons_user_routines, only: umat_type, open_routines, close_routines, has_routine, ROUTINE_UMAT, ROUTINE_DLOAD, &
+    ROUTINE_FRIC
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -160,16 +161,25 @@ contains
   !> At rest: the tangent of all components, and of a plane what it does not know made up.
   subroutine check_initial()
     type(error_type), allocatable :: error
+    type(umat_type) :: at_rest
     real(DP) :: E
-    call find_initial_tangent(material, [3, 3], 0.1_DP, error)
+    integer :: i
+    at_rest%dtime = 0.1_DP
+    at_rest%ndi = 3
+    at_rest%nshr = 3
+    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], error)
     call suite%that('no error', .not. allocated(error))
     call suite%near('at rest', norm2(material%at_rest - isotropic_tangent(LAMBDA, G)), 0.0_DP, 1.0e-14_DP)
     E = G * (3 * LAMBDA + 2 * G) / (LAMBDA + G)
     call suite%near('E', material%youngs_modulus, E, 1.0e-14_DP)
     call suite%near('nu', material%poissons_ratio, LAMBDA / (2 * (LAMBDA + G)), 1.0e-15_DP)
-    call find_initial_tangent(material, [3, 1], 0.1_DP, error)
+    at_rest%ndi = 3
+    at_rest%nshr = 1
+    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], error)
     call suite%near('plane strain', norm2(material%at_rest - isotropic_tangent(LAMBDA, G)), 0.0_DP, 1.0e-14_DP)
-    call find_initial_tangent(material, [1, 0], 0.1_DP, error)
+    at_rest%ndi = 1
+    at_rest%nshr = 0
+    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], error)
     call suite%near('a bar: E is its c 11', material%youngs_modulus, LAMBDA + 2 * G, 1.0e-13_DP)
   end subroutine check_initial
 

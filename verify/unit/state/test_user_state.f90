@@ -10,9 +10,10 @@ program test_user_state
   use amontons_model, only: model_type
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
   use amontons_element_kinds, only: KIND_C3D8, KIND_CPE4, KIND_CPS4, KIND_T3D2, FACET_QUAD4
-  use amontons_user_routines, only: open_routines, close_routines
-  use amontons_user_state, only: max_stress_components, initialize_state_variables, load_umat_points, store_umat_points, &
-    evaluate_dload, evaluate_disp, update_user_fields, load_user_fields, has_invalid_fields
+  use amontons_tensor, only: IDENTITY
+  use amontons_user_routines, only: umat_type, open_routines, close_routines
+  use amontons_user_state, only: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, &
+    store_umat_points, evaluate_dload, evaluate_disp, update_user_fields, load_user_fields, has_invalid_fields
   use check, only: suite_type
   implicit none
   real(DP), parameter :: TOL = 1.0e-13_DP, NEAR = 1 - 1 / sqrt(3.0_DP)   ! place of the first point of two on [0, 2]
@@ -27,6 +28,7 @@ program test_user_state
   if (allocated(error)) error stop 'the routines do not compile'
   model%materials(1)%routines = model%routines
   call check_components()
+  call check_at_rest()
   call check_points()
   call check_stored()
   call check_fields()
@@ -79,6 +81,22 @@ contains
     call suite%that('called in space', all(max_stress_components(other, 1) == [3, 3]))
     call suite%that('solids', all(max_stress_components(model, 1) == [3, 3]))
   end subroutine check_components
+
+
+  !> At rest: number, place and size of the first element, and the STATEV there.
+  subroutine check_at_rest()
+    type(umat_type) :: values
+    real(DP), allocatable :: statev(:)
+    call find_point_at_rest(model, 1, values, statev)
+    call suite%that('element 7, point 1', values%noel == 7 .and. values%npt == 1 .and. values%ndi == 3 .and. values%nshr == 3)
+    call suite%near('place', norm2(values%coords - [NEAR, NEAR, NEAR]), 0.0_DP, TOL)
+    call suite%that('no STATEV yet', size(statev) == 2 .and. all(abs(statev) <= 0.0_DP))
+    call suite%near('DFGRD1', norm2(values%dfgrd1 - IDENTITY), 0.0_DP, 0.0_DP)
+    model%has_sdvini = .true.
+    call find_point_at_rest(model, 1, values, statev)
+    call suite%near('SDVINI', maxval(abs(statev - [NEAR, 701.0_DP])), 0.0_DP, TOL)
+    model%has_sdvini = .false.
+  end subroutine check_at_rest
 
 
   !> Times at the start of the increment, positions, numbers, length, mean temperature, committed history.
