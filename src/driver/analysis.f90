@@ -28,7 +28,9 @@ module amontons_analysis
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
   use amontons_model_change, only: activate_elements
   use amontons_model_setup, only: set_up_model
-  use amontons_user_routine_setup, only: handle_user_messages, update_user_amplitudes, restore_user_amplitudes
+  use amontons_user_routine_setup, only: call_external_databases, handle_user_messages, update_user_amplitudes, &
+    restore_user_amplitudes
+  use amontons_user_routines, only: LOP_INCREMENT_START, LOP_INCREMENT_END, LOP_JOB_END, LOP_RESTART, LOP_STEP_START, LOP_STEP_END
   use amontons_user_state, only: initialize_state_variables
   use amontons_stabilization, only: is_damped, update_damping
   use amontons_arc_length, only: begin_path, is_path_done, path_fraction
@@ -119,6 +121,8 @@ contains
       call continue_from_restart(analysis, logger, error)
     end if
     if (allocated(error)) return
+    if (options%is_resumed .or. allocated(analysis%model%origin%path)) call call_external_databases(analysis%model, LOP_RESTART, &
+      analysis%state%old)
     if (is_batch(analysis)) analysis%snapshot%fields = fields_type()
     if (options%has_files .and. .not. options%is_resumed) then
       !$omp critical (result_files)
@@ -341,6 +345,7 @@ contains
     call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepping%step)
     call activate_elements(analysis%model, analysis%stepping%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
+    if (.not. allocated(error)) call call_external_databases(analysis%model, LOP_STEP_START, analysis%state%old)
   end subroutine enter_step
 
 
@@ -352,6 +357,7 @@ contains
     call enter_step(analysis, error)
     if (allocated(error)) return
     call start_attempt(analysis, dt)
+    call call_external_databases(analysis%model, LOP_INCREMENT_START, analysis%state%new)
     call begin_newton(analysis%newton, analysis%system, analysis%model, analysis%driven_loads%step, &
       analysis%is_step_start, analysis%state)
   end subroutine begin_trial
@@ -426,12 +432,15 @@ contains
     first = analysis%n_committed + 1
     if (analysis%n_records < first) return
     call save_commit(analysis, .not. is_batch(analysis))
+    call call_external_databases(analysis%model, LOP_INCREMENT_END, analysis%state%old)
+    if (analysis%is_step_start) call call_external_databases(analysis%model, LOP_STEP_END, analysis%state%old)
     if (analysis%has_files) then
       !$omp critical (result_files)
       call write_committed(analysis, first, error)
       !$omp end critical (result_files)
     end if
     call share_error(error)
+    if (.not. allocated(error)) call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
       call system_clock(now, rate)
@@ -747,6 +756,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_open) return
     analysis%is_open = .false.
+    call call_external_databases(analysis%model, LOP_JOB_END, analysis%state%old)
     call logger%show_summary(analysis%records(:analysis%n_records), 3 * analysis%model%mesh%n_nodes)
     if (analysis%has_files) then
       !$omp critical (result_files)

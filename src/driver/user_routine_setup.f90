@@ -5,11 +5,10 @@ module amontons_user_routine_setup
   use amontons_errors, only: error_type, set_error, EXIT_SETUP, EXIT_USAGE, EXIT_NOT_CONVERGED
   use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
-use amontons_user_routines, only: user_library_type, umat_type, open_routines, close_routines, has_routine, collect_user_messages, &
-      pass_job_name, &
-     uamp_type, call_uamp, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
-      ROUTINE_UINTER, &
-      ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
+  use amontons_user_routines, only: user_library_type, umat_type, open_routines, close_routines, has_routine, &
+    collect_user_messages, pass_job_name, uamp_type, call_uamp, call_uexternaldb, LOP_JOB_START, LOP_INCREMENT_START, &
+    LOP_STEP_START, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
+    ROUTINE_UINTER, ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
   use amontons_loads, only: amplitude_type
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
@@ -18,7 +17,8 @@ use amontons_user_routines, only: user_library_type, umat_type, open_routines, c
   use amontons_user_material, only: find_initial_tangent
   implicit none
   private
-  public :: open_user_routines, close_user_routines, handle_user_messages, update_user_amplitudes, restore_user_amplitudes
+  public :: call_external_databases, open_user_routines, close_user_routines, handle_user_messages
+  public :: update_user_amplitudes, restore_user_amplitudes
 
   character(*), parameter :: ERROR_MARK = '*ERROR: '          !< start of the message of a crash
   character(*), parameter :: CRASH_REMEDY = 'Set AMONTONS_FFLAGS to -fcheck=all in the environment and run the job again: ' // &
@@ -75,12 +75,44 @@ contains
     type(job_options_type), intent(in) :: options
     type(user_library_type), intent(out) :: routines
     type(error_type), allocatable, intent(out) :: error
-    character(:), allocatable :: folder
+    character(:), allocatable :: folder, text
+    real(DP) :: pnewdt
+    logical :: is_stopped, has_crashed
     folder = '.'
     if (allocated(options%outdir)) folder = options%outdir
     call open_routines(path, routines, error)
-    if (.not. allocated(error)) call pass_job_name(routines, folder, options%job)
+    if (allocated(error)) return
+    call pass_job_name(routines, folder, options%job)
+    call call_uexternaldb(routines, LOP_JOB_START, [0.0_DP, 0.0_DP, 0.0_DP], 0, 0)
+    call collect_user_messages(routines, pnewdt, text, is_stopped, has_crashed)
+    if (has_crashed) call set_error(error, EXIT_SETUP, text(len(ERROR_MARK) + 1:len(text) - 1) // ' ' // CRASH_REMEDY)
+    if (is_stopped .and. .not. has_crashed) call set_error(error, EXIT_SETUP, 'The user routine UEXTERNALDB has ended the job &
+      &before its start (XIT).')
   end subroutine open_named
+
+
+  !> Calls UEXTERNALDB of each library: TIME is that of the fields, at the start of an increment less the increment;
+  !! a step starts at 0.
+  subroutine call_external_databases(model, lop, fields)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: lop                     !< LOP_...
+    type(fields_type), intent(in) :: fields        !< of the attempt at the start of an increment; else committed
+    real(DP) :: times(3)
+    integer :: step, increment, m
+    times = [fields%step_time, fields%total_time, fields%time_increment]
+    step = fields%step
+    increment = fields%increment
+    if (lop == LOP_INCREMENT_START) times(:2) = times(:2) - fields%time_increment
+    if (lop == LOP_STEP_START) then
+      times = [0.0_DP, fields%total_time, 0.0_DP]
+      step = step + 1
+      increment = 0
+    end if
+    call call_uexternaldb(model%routines, lop, times, step, increment)
+    do m = 1, size(model%materials)
+      if (is_first_of_library(model, m)) call call_uexternaldb(model%materials(m)%routines, lop, times, step, increment)
+    end do
+  end subroutine call_external_databases
 
 
   !> Opens the file of LIBRARY once for all its materials; search: relative to the deck, then to the working folder.

@@ -103,6 +103,19 @@ void amontons_user_sdvini(void *handle, double *statev, int nstatv, const double
   *is_taken = !self->is_stopped;
 }
 
+typedef void uexternaldb_routine(const int *lop, const int *lrestart, const double *time, const double *dtime,
+                                 const int *kstep, const int *kinc);
+
+/* UEXTERNALDB. `times`: step, total, increment; `counts`: LOP, step, increment. */
+void amontons_user_uexternaldb(void *handle, const double *times, const int *counts)
+{
+  routines *self = handle;
+  const int none = 0;
+  uexternaldb_routine *uexternaldb = (uexternaldb_routine *)(uintptr_t)self->routine[UEXTERNALDB];
+  const call_place where = {UEXTERNALDB, 0, 0, 0, counts[1], counts[2]};
+  CALL(self, where, uexternaldb(&counts[0], &none, times, &times[2], &counts[1], &counts[2]));
+}
+
 typedef void dload_routine(double *f, const int *kstep, const int *kinc, const double *time, const int *noel, const int *npt,
                            const int *layer, const int *kspt, const double *coords, const int *jltyp, const char *sname,
                            size_t n_sname);

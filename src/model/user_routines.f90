@@ -1,4 +1,5 @@
-!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD) and their calls.
+!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, UEXTERNALDB) and
+!! their calls.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The calls are declared pure: pure element procedures call them, and the results depend on the arguments only.
@@ -13,15 +14,20 @@ module amontons_user_routines
   public :: user_library_type, umat_type, uamp_type, open_routines, close_routines, has_routine, collect_user_messages, &
     pass_job_name
   public :: fric_type, uinter_type, call_fric, call_uinter, uel_type, call_uel, usdfld_type, call_usdfld
-  public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp
+  public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp, call_uexternaldb
+  public :: LOP_JOB_START, LOP_INCREMENT_START, LOP_INCREMENT_END, LOP_JOB_END, LOP_RESTART, LOP_STEP_START, LOP_STEP_END
   public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_UEL, &
-    ROUTINE_USDFLD, ROUTINE_NAMES, USER_NAME_LENGTH
+    ROUTINE_USDFLD, ROUTINE_UEXTERNALDB, ROUTINE_NAMES, USER_NAME_LENGTH
 
   integer, parameter :: ROUTINE_UMAT = 0, ROUTINE_FRIC = 1, ROUTINE_UINTER = 2, ROUTINE_DLOAD = 3, ROUTINE_DISP = 4, &
     ROUTINE_UAMP = 5, &
-    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8
-  character(6), parameter :: ROUTINE_NAMES(0:8) = [character(6) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
-    'SDVINI', 'UEL', 'USDFLD']
+    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8, ROUTINE_UEXTERNALDB = 9
+  character(11), parameter :: ROUTINE_NAMES(0:9) = [character(11) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
+    'SDVINI', 'UEL', 'USDFLD', 'UEXTERNALDB']
+
+  ! LOP of UEXTERNALDB: when it is called.
+  integer, parameter :: LOP_JOB_START = 0, LOP_INCREMENT_START = 1, LOP_INCREMENT_END = 2, LOP_JOB_END = 3, LOP_RESTART = 4, &
+    LOP_STEP_START = 5, LOP_STEP_END = 6
   integer, parameter :: USER_NAME_LENGTH = 80             !< longest name passed to a routine
   integer, parameter :: MESSAGE_LENGTH = 8192           !< of messages of a compiler or a routine
 
@@ -213,6 +219,13 @@ module amontons_user_routines
       integer(c_int), intent(out) :: is_taken
     end subroutine sdvini_c
 
+    subroutine uexternaldb_c(handle, times, counts) bind(C, name='amontons_user_uexternaldb')
+      import :: c_double, c_int, c_ptr
+      type(c_ptr), value :: handle
+      real(c_double), intent(in) :: times(3)
+      integer(c_int), intent(in) :: counts(3)
+    end subroutine uexternaldb_c
+
     pure subroutine dload_c(handle, f, time, coords, sname, counts, is_taken) bind(C, name='amontons_user_dload')
       import :: c_char, c_double, c_int, c_ptr
       type(c_ptr), value :: handle
@@ -264,8 +277,8 @@ contains
     case (LIBRARY_NOT_LOADED)
       call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // text_before_null(message) // '.')
     case (LIBRARY_NO_ROUTINE)
-      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD (as ' // &
-        'umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
+      call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, ' // &
+        'UEXTERNALDB (as umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
     case default
       call set_error(error, EXIT_SOLVER, who // 'cannot be opened: there is no memory.')
     end select
@@ -416,6 +429,16 @@ contains
     values%nstatv = size(statev)
     call usdfld_c(routines%handle, names(1) // names(2), field, statev, values)
   end subroutine call_usdfld
+
+
+  !> Calls UEXTERNALDB of a library that has it.
+  subroutine call_uexternaldb(routines, lop, times, step, increment)
+    type(user_library_type), intent(in) :: routines
+    integer, intent(in) :: lop                     !< LOP_...
+    real(DP), intent(in) :: times(3)               !< TIME: step, total; DTIME [time]
+    integer, intent(in) :: step, increment         !< KSTEP, KINC
+    if (has_routine(routines, ROUTINE_UEXTERNALDB)) call uexternaldb_c(routines%handle, times, [lop, step, increment])
+  end subroutine call_uexternaldb
 
 
   !> Calls FRIC.

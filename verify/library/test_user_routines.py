@@ -419,6 +419,79 @@ def test_local_axes_do_not_matter_to_what_is_isotropic(run: Run, tmp_path: Path,
     assert_equal(tmp_path / "plain.vtkhdf", tmp_path / "turned.vtkhdf", 1e-8)
 
 
+UEXTERNALDB = """subroutine uexternaldb(lop, lrestart, time, dtime, kstep, kinc)
+  include 'aba_param.inc'
+  dimension time(2)
+  open (99, file='calls.txt', position='append')
+  write (99, '(i0, 3f9.5, 2(1x, i0))') lop, time, dtime, kstep, kinc
+  close (99)
+  if (kstep == 9) call xit
+end subroutine uexternaldb
+"""
+
+
+def external_database(folder: Path, extra: str = "") -> Path:
+    """The elastic UMAT in a file with a UEXTERNALDB that lists its calls, and a job of two steps."""
+    (folder / "db.f90").write_text(UEXTERNALDB.replace("kstep == 9", extra or "kstep == 9") + free_form_elastic())
+    (folder / "job.inp").write_text(solid_deck("C3D8", "*USER MATERIAL, CONSTANTS=2\n210000., 0.3\n*DEPVAR\n1\n"))
+    return folder / "db.f90"
+
+
+def free_form_elastic() -> str:
+    """Hooke's law; STATEV(1) requests once a half of the first increment."""
+    return """subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, &
+  temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, &
+  noel, npt, layer, kspt, jstep, kinc)
+  include 'aba_param.inc'
+  character(80) :: cmname
+  dimension stress(ntens), statev(nstatv), ddsdde(ntens, ntens), ddsddt(ntens), drplde(ntens), stran(ntens), dstran(ntens), &
+    time(2), predef(1), dpred(1), props(nprops), coords(3), drot(3, 3), dfgrd0(3, 3), dfgrd1(3, 3), jstep(4)
+  g = props(1) / (2 * (1 + props(2)))
+  ddsdde = 0
+  ddsdde(1:3, 1:3) = 2 * g * props(2) / (1 - 2 * props(2))
+  do i = 1, 3
+    ddsdde(i, i) = ddsdde(i, i) + 2 * g
+    ddsdde(i + 3, i + 3) = g
+  end do
+  stress = stress + matmul(ddsdde, dstran)
+  if (jstep(1) == 1 .and. kinc == 1 .and. dtime > 0.2d0 .and. any(abs(dstran) > 0)) pnewdt = 0.5d0
+end subroutine umat
+"""
+
+
+def test_calls_of_uexternaldb(run: Run, tmp_path: Path) -> None:
+    """Start of the job, steps, attempts (the first is cut back), increments, ends; with the times of each."""
+    routines = external_database(tmp_path)
+    done = run(["job", f"user={routines}"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    calls = [[float(word) for word in line.split()] for line in (tmp_path / "calls.txt").read_text().splitlines()]
+    assert calls[:4] == [[0, 0, 0, 0, 0, 0], [5, 0, 0, 0, 1, 0], [1, 0, 0, 0.25, 1, 1], [1, 0, 0, 0.125, 1, 1]]
+    assert calls[4] == [2, 0.125, 0.125, 0.125, 1, 1]
+    assert [call[0] for call in calls].count(5) == [call[0] for call in calls].count(6) == 2
+    attempts = [call for call in calls if call[0] == 1]
+    ends = [call for call in calls if call[0] == 2]
+    assert len(attempts) == len(ends) + 1
+    for start, end in zip(attempts[1:], ends, strict=True):
+        assert end[1] == pytest.approx(start[1] + start[3], abs=2e-5) and end[4:] == start[4:]
+    assert calls[-3][0:3:2] == [2, 2] and calls[-2][0] == 6 and calls[-1][0] == 3
+
+
+@pytest.mark.parametrize(("when", "code"), [("lop == 0", SETUP), ("lop == 2 .and. kinc == 2", NOT_CONVERGED)])
+def test_uexternaldb_ends_the_job(run: Run, tmp_path: Path, when: str, code: int) -> None:
+    """XIT before the start, and after an increment, which is on disk: there the job continues, with LOP 0 and 4."""
+    done = run(["job", f"user={external_database(tmp_path, when)}"], cwd=tmp_path)
+    assert done.returncode == code, done.stdout
+    assert "XIT" in done.stdout
+    if code == SETUP:
+        return
+    (tmp_path / "calls.txt").unlink()
+    done = run(["job", f"user={external_database(tmp_path)}", "--resume"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    calls = [[float(word) for word in line.split()] for line in (tmp_path / "calls.txt").read_text().splitlines()]
+    assert [call[0] for call in calls[:3]] == [0, 4, 1]
+    assert calls[1][1:3] == [0.25, 0.25] and calls[1][4:] == [1, 2] and calls[2][4:] == [1, 3]
+
+
 def test_a_shared_library(run: Run, tmp_path: Path) -> None:
     """A library that the user has built, on the card's side of things the same."""
     built = tmp_path / "mine.so"

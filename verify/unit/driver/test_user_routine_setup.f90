@@ -9,8 +9,8 @@ program test_user_routine_setup
   use amontons_state, only: state_type
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_user_routine_setup, only: open_user_routines, close_user_routines, update_user_amplitudes, &
-    restore_user_amplitudes, handle_user_messages
-  use amontons_user_routines, only: has_routine, ROUTINE_UAMP, ROUTINE_UMAT
+    restore_user_amplitudes, handle_user_messages, call_external_databases
+  use amontons_user_routines, only: has_routine, ROUTINE_UAMP, ROUTINE_UMAT, LOP_INCREMENT_START, LOP_STEP_START
   use check, only: suite_type
   implicit none
   character(*), parameter :: PATH = 'test_setup_routines.f90'
@@ -21,6 +21,7 @@ program test_user_routine_setup
   call check_needs()
   call check_library()
   call check_amplitudes()
+  call check_external_databases()
   call suite%finish()
 
 contains
@@ -74,6 +75,43 @@ contains
     call expect('no such file', model, EXIT_IO, 'no such file')
     deallocate (options%user)
   end subroutine check_needs
+
+
+  !> UEXTERNALDB of a file: LOP 0 at its opening, the start of an increment and that of a step.
+  subroutine check_external_databases()
+    type(model_type) :: model
+    type(state_type) :: state
+    type(error_type), allocatable :: error
+    real(DP) :: line(6)
+    integer :: unit, i
+    open (newunit=unit, file='test_setup_database.f90', status='replace', action='write')
+    write (unit, '(a)') 'subroutine uexternaldb(lop, lrestart, time, dtime, kstep, kinc)', &
+      '  integer :: lop, lrestart, kstep, kinc', '  real(8) :: time(2), dtime', &
+      '  open (98, file=''test_setup_calls.txt'', position=''append'')', '  write (98, *) lop, time, dtime, kstep, kinc', &
+      '  close (98)', 'end subroutine uexternaldb'
+    close (unit)
+    call execute_command_line('rm -f test_setup_calls.txt')
+    call make_model(model)
+    options%user = 'test_setup_database.f90'
+    call open_user_routines(model, options, error)
+    call suite%that('opened', .not. allocated(error))
+    state%new%step = 2
+    state%new%increment = 3
+    state%new%step_time = 0.75_DP
+    state%new%total_time = 1.75_DP
+    state%new%time_increment = 0.25_DP
+    call call_external_databases(model, LOP_INCREMENT_START, state%new)
+    call call_external_databases(model, LOP_STEP_START, state%new)
+    call close_user_routines(model)
+    open (newunit=unit, file='test_setup_calls.txt', status='old')
+    do i = 1, 3
+      read (unit, *) line
+      if (i == 1) call suite%near('LOP 0', norm2(line), 0.0_DP, 0.0_DP)
+      if (i == 2) call suite%near('LOP 1', norm2(line - [1.0_DP, 0.5_DP, 1.5_DP, 0.25_DP, 2.0_DP, 3.0_DP]), 0.0_DP, 1.0e-14_DP)
+      if (i == 3) call suite%near('LOP 5', norm2(line - [5.0_DP, 0.0_DP, 1.75_DP, 0.0_DP, 3.0_DP, 0.0_DP]), 0.0_DP, 1.0e-14_DP)
+    end do
+    close (unit, status='delete')
+  end subroutine check_external_databases
 
 
   !> LIBRARY of a material, beside the deck first; the same for two materials; an invalid initial tangent.
