@@ -549,6 +549,8 @@ contains
       case ('ORIENTATION', 'TRANSFORM')
         text = point_row(cards, row, scope, n == 1, name_key(parameter_value(cards, c, 'SYSTEM') // parameter_value(cards, c, &
           'TYPE')))
+      case ('HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS', 'TRANSVERSESHEAR')   ! numbers; the table of cards says what they do
+        text = line_text(cards, row%line)
       case ('CONTACTPAIR')
         text = set_row(cards, work, row, scope, .false., 0)
       case ('BOUNDARY', 'INITIALCONDITIONS')

@@ -121,6 +121,19 @@ S
     assert rows_of(tmp_path, "stresses", "Both").keys() == {1, 6} or len(rows_of(tmp_path, "stresses", "Both")) == 2
 
 
+@pytest.mark.parametrize(("card", "code", "message"), [
+    ("*HOURGLASS STIFFNESS", 0, "*HOURGLASS STIFFNESS is read past. The stiffness of one-point elements"),
+    ("*TRANSVERSE SHEAR STIFFNESS", 3, "*TRANSVERSE SHEAR STIFFNESS is not supported. The sections are"),
+])  # fmt: skip
+def test_numbers_of_a_section_inside_a_part(run_deck: Run, card: str, code: int, message: str) -> None:
+    """What these cards do inside a part is what they do outside."""
+    brick = BRICK.replace("*END PART", f"{card}\n25., 30., 0.\n*END PART")
+    done = run_deck(f"{brick}*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n{STEEL}*BOUNDARY\nI.Low, 1, 3\n*STEP\n*STATIC\n*CLOAD\n"
+                    "I.High, 3, 1.\n*END STEP\n")  # fmt: skip
+    assert done.returncode == code, done.stdout
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
 def test_turned_instance(run_deck: Run, tmp_path: Path) -> None:
     """Moved by (5, 0, 0), then turned by 90 degrees about the line x = 1 along z: its stiff axis points along y.
 
