@@ -128,7 +128,7 @@ def run_theirs(peer: str, deck: Path, folder: Path, seconds: float) -> Run:
     """A deck in CalculiX, in a copy that writes the displacements."""
     shutil.copytree(deck.parent, folder, dirs_exist_ok=True)
     text = deck.read_text(errors="replace")
-    (folder / "peer.inp").write_text(re.sub(r"^\*end\s*step", "*NODE FILE\nU\n*END STEP", text, flags=re.I | re.M))
+    (folder / "peer.inp").write_text(re.sub(r"^\*end\s*step", "*NODE FILE, OUTPUT=2D\nU\n*END STEP", text, flags=re.I | re.M))
     run = execute([peer, "peer"], folder, seconds)
     if run.code == 0 and "Job finished" not in run.log:
         run.code = 1
