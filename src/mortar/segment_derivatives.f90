@@ -25,6 +25,7 @@ module amontons_segment_derivatives
     build_facet_outline, differentiate_edge, MAX_CUT_COORDINATES
 
   integer, parameter :: MAX_CUT_COORDINATES = 6 * MAX_FACE_NODES  !< coordinates on which one intersection depends
+  integer, parameter :: MAX_INTEGRALS = (MAX_FACE_NODES * (3 * MAX_FACE_NODES + 3)) / 2   !< over one intersection
 
   !> The integrals over one slave facet and their derivatives with respect to the coordinates of its nodes and of its masters'.
   type :: facet_derivatives_type
@@ -306,27 +307,28 @@ contains
     type(basis_integrals_type), intent(in) :: integrals
     real(DP), intent(inout) :: values(:)           !< (integrals)
     type(intersection_slopes_type), intent(inout) :: slopes
-    real(DP), dimension(size(values), 2) :: by_xi, by_eta, by_at, own, front
-    real(DP) :: integrand(size(values)), a(2), b(2), share, part(3), by_weight(2, 3)
-    integer :: c, i, first, last
+    real(DP), dimension(MAX_INTEGRALS, 2) :: by_xi, by_eta, by_at, own, front
+    real(DP) :: integrand(MAX_INTEGRALS), a(2), b(2), share, part(3), by_weight(2, 3)
+    integer :: c, i, first, last, n
     call evaluate_integrands(point, size(slopes%by_own, 3), size(slopes%by_front_flat, 3), integrals, integrand, by_xi, by_eta, &
       by_at)
-    values = values + point%flat_weight * point%factor * integrand
+    n = size(values)
+    values = values + point%flat_weight * point%factor * integrand(:n)
     first = (integrals%n * (integrals%n + 1)) / 2 + 1          ! only e_j N_i depend on the master
-    last = size(values) - size(slopes%by_own, 3)
+    last = n - size(slopes%by_own, 3)
     do c = 1, 2
-      by_xi(:, c) = by_xi(:, c) + point%flat_weight * point%by_xi(c) * integrand
+      by_xi(:n, c) = by_xi(:n, c) + point%flat_weight * point%by_xi(c) * integrand(:n)
     end do
     do c = 1, 2
-      own(:, c) = point%own%inverse(1, c) * by_xi(:, 1) + point%own%inverse(2, c) * by_xi(:, 2)
+      own(:n, c) = point%own%inverse(1, c) * by_xi(:n, 1) + point%own%inverse(2, c) * by_xi(:n, 2)
       front(first:last, c) = point%front%inverse(1, c) * by_eta(first:last, 1) + point%front%inverse(2, c) * by_eta(first:last, 2)
-      by_at(:, c) = by_at(:, c) + own(:, c)
+      by_at(:n, c) = by_at(:n, c) + own(:n, c)
       by_at(first:last, c) = by_at(first:last, c) + front(first:last, c)
-      slopes%by_normal(:, c) = slopes%by_normal(:, c) + point%own%height * own(:, c) &
-        + point%flat_weight * point%by_normal(c) * integrand
+      slopes%by_normal(:, c) = slopes%by_normal(:, c) + point%own%height * own(:n, c) &
+        + point%flat_weight * point%by_normal(c) * integrand(:n)
       slopes%by_normal(first:last, c) = slopes%by_normal(first:last, c) + point%front%height * front(first:last, c)
       do i = 1, size(slopes%by_own, 3)
-        slopes%by_own_flat(:, c, i) = slopes%by_own_flat(:, c, i) - point%own%shapes(i) * own(:, c)
+        slopes%by_own_flat(:, c, i) = slopes%by_own_flat(:, c, i) - point%own%shapes(i) * own(:n, c)
       end do
       do i = 1, size(slopes%by_front_flat, 3)
         slopes%by_front_flat(first:last, c, i) = slopes%by_front_flat(first:last, c, i) &
@@ -335,7 +337,7 @@ contains
     end do
     do i = 1, size(slopes%by_own, 3)
       do c = 1, 3
-        slopes%by_own(:, c, i) = slopes%by_own(:, c, i) + point%flat_weight * point%by_own(c, i) * integrand
+        slopes%by_own(:, c, i) = slopes%by_own(:, c, i) + point%flat_weight * point%by_own(c, i) * integrand(:n)
       end do
     end do
     a = cut(:, triangle(2)) - cut(:, 1)
@@ -345,8 +347,8 @@ contains
     by_weight = share * reshape([a(2) - b(2), b(1) - a(1), b(2), -b(1), -a(2), a(1)], [2, 3])
     do i = 1, 3
       do c = 1, 2
-        slopes%by_corner(:, c, triangle(i)) = slopes%by_corner(:, c, triangle(i)) + part(i) * by_at(:, c) &
-          + by_weight(c, i) * integrand
+        slopes%by_corner(:, c, triangle(i)) = slopes%by_corner(:, c, triangle(i)) + part(i) * by_at(:n, c) &
+          + by_weight(c, i) * integrand(:n)
       end do
     end do
   end subroutine add_point_slopes
@@ -357,21 +359,19 @@ contains
     type(segment_point_type), intent(in) :: point
     integer, intent(in) :: n_own, n_front
     type(basis_integrals_type), intent(in) :: integrals
-    real(DP), intent(out) :: integrand(:)          !< (integrals)
-    real(DP), intent(out) :: by_xi(:, :), by_eta(:, :), by_at(:, :)   !< (integrals, 2)
-    real(DP) :: basis(integrals%n), e_xi(integrals%n, 2), e_at(integrals%n, 2), weight
+    real(DP), intent(out) :: integrand(MAX_INTEGRALS)
+    real(DP), dimension(MAX_INTEGRALS, 2), intent(out) :: by_xi, by_eta, by_at   !< by_eta: of e_j N_i alone
+    real(DP) :: basis(MAX_FACE_NODES), e_xi(MAX_FACE_NODES, 2), e_at(MAX_FACE_NODES, 2), weight
     integer :: c, k, m, n
     m = integrals%n
     weight = point%flat_weight * point%factor
-    by_eta = 0.0_DP
-    by_at = 0.0_DP
-    e_xi = 0.0_DP
     e_at = 0.0_DP
     if (integrals%is_full) then
-      basis = point%basis(:m)
-      e_xi = weight * point%basis_slopes(:m, :)
+      basis = point%basis
+      e_xi = weight * point%basis_slopes
     else
-      basis = [1.0_DP, (point%at - integrals%middle) / integrals%unit]
+      basis(:3) = [1.0_DP, (point%at - integrals%middle) / integrals%unit]
+      e_xi = 0.0_DP
       e_at(2, 1) = weight / integrals%unit
       e_at(3, 2) = weight / integrals%unit
     end if
@@ -385,16 +385,17 @@ contains
       n = n + k
     end do
     do k = 1, n_front
-      integrand(n + 1:n + m) = point%front%shapes(k) * basis
+      integrand(n + 1:n + m) = point%front%shapes(k) * basis(:m)
       do c = 1, 2
-        by_xi(n + 1:n + m, c) = point%front%shapes(k) * e_xi(:, c)
-        by_at(n + 1:n + m, c) = point%front%shapes(k) * e_at(:, c)
-        by_eta(n + 1:n + m, c) = weight * point%front%slopes(k, c) * basis
+        by_xi(n + 1:n + m, c) = point%front%shapes(k) * e_xi(:m, c)
+        by_at(n + 1:n + m, c) = point%front%shapes(k) * e_at(:m, c)
+        by_eta(n + 1:n + m, c) = weight * point%front%slopes(k, c) * basis(:m)
       end do
       n = n + m
     end do
-    integrand(n + 1:) = point%basis(:n_own)
-    by_xi(n + 1:, :) = weight * point%basis_slopes(:n_own, :)
+    integrand(n + 1:n + n_own) = point%basis(:n_own)
+    by_xi(n + 1:n + n_own, :) = weight * point%basis_slopes(:n_own, :)
+    by_at(n + 1:n + n_own, :) = 0.0_DP
   end subroutine evaluate_integrands
 
 

@@ -10,7 +10,9 @@ each problem; nothing is tuned to it. Where statics has no answer a problem of t
 (QUASI-STATIC). The check is the balance of loads, reactions and the contact forces on each body, Coulomb's limit at each slave node, and a reaction in
 closed form where there is one. With --ccx CalculiX runs each problem too, for so many seconds, with a contact stiffness of 50 E and a stick slope of
 5 E; where it ends, the problem runs here once more with CalculiX's laws of materials (its dialect) but exact contact, and the largest difference of
-the reactions of a body at the end, over the largest reaction of the job, stands beside its iterations.
+the reactions of a body at the end, over the largest reaction of the job, stands beside its iterations. The last table has the shares of the time by
+phase: contact is search, rows, their evaluation and derivatives; factor and krylov are the linear systems, those of the contact subproblem included;
+assembly is the bulk.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -38,6 +40,7 @@ from verify.study.runs import execute, read_runs, run_limited, write_runs
 FORMS = {"nodes": "", "faces": ", TYPE=SURFACE TO SURFACE"}
 REMEDIES = {"": lambda deck: deck, "STABILIZE": lambda deck: deck.replace("*STATIC\n", "*STATIC, STABILIZE\n"),
             "QUASI-STATIC": lambda deck: by_inertia(deck, "1e-3, 1., 1e-9, 0.05")}
+PHASES = ("contact", "factor", "krylov", "assembly")
 DAMPING = 1e-3  #: the same where STABILIZE or inertia act on a body that still moves
 TOLERANCE = 1e-4  #: of a balance, over the sum of absolute forces: Newton's tolerance is 1e-6 of the largest
 
@@ -58,6 +61,7 @@ class Run:
     seconds: float  #: of the processor
     check: str
     peer: str = "-"  #: CalculiX: its iterations and the difference of the reactions, or why not
+    phases: str = ""  #: seconds of PHASES and of the whole job
 
     @property
     def case(self) -> tuple[str, str, int, str]:
@@ -166,11 +170,18 @@ def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: f
         outcome = "finished" if is_done else reason(folder, name, spent, seconds)
         file = folder / f"{name}.vtkhdf"
         made = Run(*case, by, outcome, counts.made, counts.failed, counts.iterations, round(spent, 1), check(problem, by, file) if is_done else "-",
-                   compare(program, problem, form, file, peer_seconds) if is_done and peer_seconds else "-")
+                   compare(program, problem, form, file, peer_seconds) if is_done and peer_seconds else "-", phases(file) if is_done else "")
         (folder / f"{name}.vtkhdf").unlink(missing_ok=True)
         if is_done:
             break
     return made
+
+
+def phases(file: Path) -> str:
+    """The seconds of PHASES and of the whole job."""
+    with h5py.File(file) as results:
+        spent = dict(zip(results["AMONTONS/phases"].asstr()[()], results["AMONTONS/history/seconds"][()].sum(axis=0), strict=True))
+    return " ".join(f"{value:.3g}" for value in [*(spent[name] for name in PHASES), sum(spent.values())])
 
 
 def head(*words: str) -> Iterator[str]:
@@ -197,6 +208,7 @@ def show(runs: list[Run]) -> str:
             lines += _sums([r for r in made if r.group == group])
         if len({r.form for r in made}) > 1:
             lines += ["", *ratios(made)]
+        lines += ["", *shares(made)]
     return "\n".join(lines)
 
 
@@ -223,6 +235,14 @@ def ratios(runs: list[Run]) -> Iterator[str]:
         yield (f"| {group} | {len(own)} | {sum(f.iterations for _, f in own) / max(sum(n.iterations for n, _ in own), 1):.2f} "
                f"| {sum(f.seconds for _, f in own) / max(sum(n.seconds for n, _ in own), 0.1):.2f} | {max(iterations):.2f} "
                f"| {'{:.2f}, {}'.format(*max(seconds)) if seconds else '-'} |")
+
+
+def shares(runs: list[Run]) -> Iterator[str]:
+    """The share of each phase in the time of a class, by formulation."""
+    yield from head("class", "contact by", *(f"{name} [%]" for name in PHASES))
+    for group, form in dict.fromkeys((r.group, r.form) for r in runs if r.phases):
+        *parts, whole = np.sum([[float(word) for word in r.phases.split()] for r in runs if r.phases and (r.group, r.form) == (group, form)], axis=0)
+        yield f"| {group} | {form} | " + " | ".join(f"{100 * part / whole:.0f}" for part in parts) + " |"
 
 
 def main() -> int:
