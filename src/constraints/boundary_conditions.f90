@@ -55,9 +55,10 @@ contains
     real(DP), intent(in) :: u_start(:, :)
     type(error_type), allocatable, intent(out) :: error
     type(constraint_row_type) :: row
-    real(DP) :: direction(3), residual
+    real(DP) :: direction(3), residual, tolerance
     integer :: i, pass, row_status
     logical :: is_global
+    tolerance = find_conflict_tolerance(model, fields%u)
     do pass = 1, 2                                 ! fixed unknowns come before all rows
       do i = 1, size(step%prescribed)
         associate (load => step%prescribed(i))
@@ -74,7 +75,7 @@ contains
           row%coefficient = direction
           row%rhs = residual
           row%tag = TAG_PRESCRIBED
-          call add_constraint_row(base, row, 3, find_conflict_tolerance(model, fields%u), row_status)
+          call add_constraint_row(base, row, 3, tolerance, row_status)
           if (row_status == ROW_CONFLICT) call set_error(error, EXIT_SETUP, &
             'Boundary conditions of one node in different directions contradict each other.')
         end associate
@@ -84,7 +85,7 @@ contains
   end subroutine add_prescribed_displacements
 
 
-  !> Tolerance within which rows do not contradict each other.
+  !> Tolerance within which rows do not contradict each other. Cost: linear in the nodes.
   pure real(DP) function find_conflict_tolerance(model, u) result(length)
     type(model_type), intent(in) :: model
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
@@ -139,14 +140,16 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(constraint_row_type) :: row
     integer :: i, k, row_status
+    real(DP) :: tolerance
     character(12) :: line
+    tolerance = find_conflict_tolerance(model, u)
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
         if (step%number < equation%first_step .or. step%number > equation%last_step) cycle
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
-        call add_constraint_row(base, row, equation%n_eliminable, find_conflict_tolerance(model, u), row_status)
+        call add_constraint_row(base, row, equation%n_eliminable, tolerance, row_status)
         if (row_status == ROW_CONFLICT) then
           write (line, '(i0)') equation%line
           call set_error(error, EXIT_SETUP, 'The *' // trim(equation%card) // ' of line ' // trim(line) // &

@@ -322,16 +322,17 @@ contains
   pure real(DP) function largest_motion(model, prescribed) result(largest)
     type(model_type), intent(in) :: model
     type(prescribed_type), intent(in) :: prescribed(:)
-    real(DP) :: motion
+    real(DP) :: motion, extent
     integer :: i
+    extent = mesh_extent(model%mesh)
     largest = 0.0_DP
     do i = 1, size(prescribed)
       associate (load => prescribed(i))
         if (load%is_held) cycle
         motion = max(abs(load%end), abs(load%start))
         if (load%amplitude > 0) motion = largest_factor(model%amplitudes(load%amplitude)) * abs(load%end)
-        if (load%is_velocity .or. load%is_user) motion = mesh_extent(model%mesh)
-        if (model%mesh%is_auxiliary(load%node)) motion = 0.5_DP * motion * mesh_extent(model%mesh)
+        if (load%is_velocity .or. load%is_user) motion = extent
+        if (model%mesh%is_auxiliary(load%node)) motion = 0.5_DP * motion * extent
         largest = max(largest, motion)
       end associate
     end do
