@@ -792,10 +792,12 @@ contains
     type(finding_type), allocatable, intent(inout) :: findings(:)
     logical :: is_moved(size(members), size(motions, 2)), is_reported(size(motions, 2)), is_same(size(motions, 2))
     type(finding_type) :: finding
+    real(DP) :: limit
     integer :: i, j, first
     do j = 1, size(motions, 2)
+      limit = MIN_MOTION_PART * maxval(abs(motions(:, j)))
       do i = 1, size(members)
-        is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > MIN_MOTION_PART * maxval(abs(motions(:, j)))
+        is_moved(i, j) = maxval(abs(motions(6 * i - 5:6 * i, j))) > limit
       end do
     end do
     is_reported = .false.
