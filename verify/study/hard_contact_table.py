@@ -1,7 +1,7 @@
 """Hard contact problems by class with default settings: what finishes, at what cost, and what checks it. Prints a table.
 
     python -m verify.study.hard_contact_table [--classes a b c] [--only clip] [--second 5] [--seconds 120] [--runs runs.csv]
-        [--forms nodes faces] [--program bin/amontons]
+        [--forms nodes faces] [--ccx 20] [--finer 10] [--program bin/amontons]
     python -m verify.study.hard_contact_table --show runs.csv
 
 
@@ -10,7 +10,7 @@ each problem; nothing is tuned to it. Where statics has no answer a problem of t
 (QUASI-STATIC). The check is the balance of loads, reactions and the contact forces on each body, Coulomb's limit at each slave node, and a reaction in
 closed form where there is one. With --ccx CalculiX runs each problem too, for so many seconds, with a contact stiffness of 50 E and a stick slope of
 5 E; where it ends, the problem runs here once more with CalculiX's laws of materials (its dialect) but exact contact, and the largest difference of
-the reactions of a body at the end, over the largest reaction of the job, stands beside its iterations. The last table has the shares of the time by
+the reactions of a body at the end, over the largest reaction of the job, stands beside its iterations. --finer N: increments N times as short, of both. The last table has the shares of the time by
 phase: contact is search, rows, their evaluation and derivatives; factor and krylov are the linear systems, those of the contact subproblem included;
 assembly is the bulk.
 
@@ -25,7 +25,7 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import h5py
@@ -158,10 +158,16 @@ def reason(folder: Path, name: str, spent: float, seconds: float) -> str:
     return found[1] if found else "error"
 
 
-def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: float, peer_seconds: float) -> Run:
+def refine(deck: str, finer: int) -> str:
+    """The same deck with increments so many times as short."""
+    return re.sub(r"(?<=\*STATIC\n)(\S+), 1\., 1e-6, \1", lambda found: "{0:.10g}, 1., 1e-6, {0:.10g}".format(float(found[1]) / finer), deck)
+
+
+def run(program: Path, folder: Path, case: tuple[str, str, int, str], seconds: float, peer_seconds: float, finer: int = 1) -> Run:
     """Runs one problem; classes a, b and d by their remedies too. CalculiX runs it if it is given time."""
     group, title, seed, form = case
     problem = problems()[group][title](Draw(f"{title} {seed}" if seed else ""), FORMS[form])
+    problem = replace(problem, deck=refine(problem.deck, finer))
     n_steps = problem.deck.count("*STEP")
     for by in REMEDIES if group in "abdf" else [""]:
         name = re.sub(r"\W+", "_", f"{group} {title} {seed} {form} {by}").strip("_").lower()
@@ -254,6 +260,7 @@ def main() -> int:
     parser.add_argument("--second", type=int, default=0, metavar="N", help="the second set: N seeds of each problem")
     parser.add_argument("--seconds", type=float, default=120.0, help="most time of a processor for one run")
     parser.add_argument("--ccx", type=float, default=0.0, metavar="SECONDS", help="run CalculiX too, so long at most")
+    parser.add_argument("--finer", type=int, default=1, metavar="N", help="increments N times as short")
     parser.add_argument("--runs", type=Path, help="file in which the runs are kept; runs made again take the place of the old ones")
     parser.add_argument("--show", type=Path, metavar="FILE", help="print the tables of a file of runs")
     parser.add_argument("--program", type=Path, default=ROOT / "bin" / "amontons")
@@ -272,7 +279,8 @@ def main() -> int:
                 for form in options.forms:
                     if options.only not in title:
                         continue
-                    r = made[group, title, seed, form] = run(options.program.resolve(), folder, (group, title, seed, form), options.seconds, options.ccx)
+                    r = made[group, title, seed, form] = run(options.program.resolve(), folder, (group, title, seed, form), options.seconds, options.ccx,
+                                                        options.finer)
                     print(*r.case, r.by, r.outcome, r.made, r.failed, r.iterations, f"{r.seconds:g} s", r.check, "CalculiX:", r.peer, file=sys.stderr, flush=True)
                     if options.runs:
                         write_runs(options.runs, (kept | made).values())
