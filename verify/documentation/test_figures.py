@@ -95,3 +95,20 @@ def test_study_tables_come_from_its_runs(tmp_path: Path) -> None:
     drawn, kept = (np.asarray(Image.open(file).convert("L").resize((350, 150)), dtype=float) for file in
                    (tmp_path / "contact_table.png", ROOT / "doc" / "study" / "contact_table.png"))  # fmt: skip
     assert np.abs(drawn - kept).mean() < 3, "draw it again: the same with --figure doc/study/contact_table.png"
+
+
+def test_gradient_tables_come_from_their_runs(tmp_path: Path) -> None:
+    """Each table of conjugate gradients in doc/study/line_search.md, and its figure, are those of doc/study/gradients.csv."""
+    from verify.study.gradients_table import Run, draw, find_ratio, show
+    from verify.study.runs import read_runs
+
+    runs = read_runs(ROOT / "doc" / "study" / "gradients.csv", Run)
+    page = (ROOT / "doc" / "study" / "line_search.md").read_text()
+    for table in show(runs).split("\n\n")[:-1]:
+        assert table in page, "write it again: python -m verify.study.gradients_table --show doc/study/gradients.csv"
+    draw(runs, tmp_path / "gradients.png")
+    drawn, kept = (np.asarray(Image.open(file).convert("L").resize((350, 150)), dtype=float) for file in
+                   (tmp_path / "gradients.png", ROOT / "doc" / "study" / "gradients.png"))  # fmt: skip
+    assert np.abs(drawn - kept).mean() < 3, "draw it again: the same with --figure doc/study/gradients.png"
+    assert find_ratio([(0.0, 0), (0.5, 30)], [(0.0, 0), (1.0, 20)]) == 3.0
+    assert find_ratio([(0.0, 0)], [(0.0, 0), (1.0, 20)]) == -1.0
