@@ -34,6 +34,7 @@ module amontons_mortar_segmentation
     real(DP) :: axes(3, 2) = 0                     !< unit vectors in the plane
     real(DP) :: normal(3) = 0                      !< unit vector, out of the slave
     real(DP) :: depth = 1                          !< of a line: thickness [length], -1: the full circle
+    real(DP) :: radius = 0                         !< largest distance of a corner of the facet from the origin [length]
   end type projection_plane_type
 
   !> Intersection of a slave and a master facet.
@@ -105,6 +106,7 @@ contains
     call find_near_facets(search, segmentation%plane%origin, list, n_list)
     do k = 1, n_list
       if (.not. is_facing_plane(segmentation%plane, master, list(k), master_planes(list(k)), huge(1.0_DP))) cycle
+      if (is_beside(segmentation%plane, master_planes(list(k)))) cycle
       if (is_unseen_facet(slave, f, master, list(k))) cycle
       call flatten_facet(master, list(k), x, segmentation%plane, front)
       if (is_beyond_reach(own, front, segmentation%plane, search_distance)) cycle
@@ -169,11 +171,12 @@ contains
     real(DP), intent(in) :: x(:, :)
     type(projection_plane_type), intent(out) :: plane
     type(facet_kind_type) :: shape
-    integer :: n, m, nodes(MAX_FACE_NODES)
+    integer :: i, n, m, nodes(MAX_FACE_NODES)
     call facet_nodes(facets, f, n, nodes)
     shape = facet_kind(facets%kind(f))
     m = shape%n_corners
     plane%origin = sum(x(:, nodes(:m)), dim=2) / real(m, DP)
+    plane%radius = maxval([(norm2(x(:, nodes(i)) - plane%origin), i=1, m)])
     if (m == 2) then
       plane%axes(:, 1) = (x(:, nodes(2)) - x(:, nodes(1))) / max(norm2(x(:, nodes(2)) - x(:, nodes(1))), tiny(1.0_DP))
       plane%axes(:, 2) = [0.0_DP, 0.0_DP, 1.0_DP]
@@ -255,6 +258,16 @@ contains
     is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_FACING_COSINE .and. abs(distance) <= search_distance
     if (search_distance < huge(1.0_DP)) is_facing_plane = is_facing_plane .and. .not. is_hidden_behind(master, g, distance)
   end function is_facing_plane
+
+
+  !> Whether the projections of two facets are certainly apart, by the circles around their corners.
+  pure logical function is_beside(plane, other)
+    type(projection_plane_type), intent(in) :: plane, other
+    real(DP) :: d(3)
+    d = other%origin - plane%origin
+    d = d - dot_product(d, plane%normal) * plane%normal
+    is_beside = norm2(d) > (1 + DISTANCE_ROUNDING) * (plane%radius + other%radius) + DISTANCE_ROUNDING * norm2(plane%origin)
+  end function is_beside
 
 
   !> Whether a master facet is certainly farther from a slave facet than the distance that matters: the mean distance of points with
