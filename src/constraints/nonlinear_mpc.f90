@@ -21,7 +21,7 @@ module amontons_nonlinear_mpc
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, rotation_matrix
   use amontons_mesh, only: mesh_extent
-  use amontons_loads, only: equation_type
+  use amontons_loads, only: equation_type, equation_list_type
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, prescribe_unknown, find_multipliers, &
@@ -169,6 +169,7 @@ contains
   subroutine linearize_mpcs(model, equations)
     type(model_type), intent(in) :: model
     type(equation_type), allocatable, intent(out) :: equations(:)
+    type(equation_list_type) :: list
     type(equation_type) :: equation
     type(constraint_row_type), allocatable :: rows(:)
     real(DP), allocatable :: u(:, :)
@@ -185,9 +186,10 @@ contains
         equation%n_eliminable = merge(3, size(rows(k)%unknown), model%nonlinear_mpcs(i)%kind <= MPC_STRAIGHT)
         equation%card = model%nonlinear_mpcs(i)%card
         equation%line = model%nonlinear_mpcs(i)%line
-        equations = [equations, equation]
+        call list%add(equation)
       end do
     end do
+    call list%move_to(equations)
   end subroutine linearize_mpcs
 
 

@@ -6,7 +6,7 @@ module amontons_tie_generation
   use amontons_tensor, only: cross_product, invert, IDENTITY
   use amontons_element_kinds, only: element_kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
   use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
-  use amontons_loads, only: equation_type
+  use amontons_loads, only: equation_type, equation_list_type
   use amontons_mpc_data, only: tie_type, distributing_coupling_type
   use amontons_mesh, only: mesh_type
   use amontons_surfaces, only: surface_type
@@ -31,25 +31,26 @@ contains
     real(DP), allocatable, intent(out) :: coordinates(:, :)   !< (3, n_nodes) of all nodes [length]
     type(error_type), allocatable, intent(out) :: error
     type(mesh_type) :: mesh                        ! with tied nodes moved to their masters
+    type(equation_list_type) :: list
     integer :: i
     mesh = model%mesh
-    allocate (equations(0))
     if (allocated(model%ties)) then
       do i = 1, size(model%ties)
         if (model%ties(i)%is_cyclic) then
-          call convert_cyclic_symmetry(model, mesh, model%ties(i), equations, error)
+          call convert_cyclic_symmetry(model, mesh, model%ties(i), list, error)
         else
-          call convert_tie(model, model%ties(i), mesh, equations, error)
+          call convert_tie(model, model%ties(i), mesh, list, error)
         end if
         if (allocated(error)) return
       end do
     end if
     if (allocated(model%distributing_couplings)) then
       do i = 1, size(model%distributing_couplings)
-        call convert_distributing_coupling(model, mesh, model%distributing_couplings(i), equations, error)
+        call convert_distributing_coupling(model, mesh, model%distributing_couplings(i), list, error)
         if (allocated(error)) return
       end do
     end if
+    call list%move_to(equations)
     call move_alloc(mesh%coordinates, coordinates)
   end subroutine generate_ties
 
@@ -59,7 +60,7 @@ contains
     type(model_type), intent(in) :: model
     type(tie_type), intent(in) :: tie
     type(mesh_type), intent(inout) :: mesh         !< out: slave nodes moved to their masters
-    type(equation_type), allocatable, intent(inout) :: equations(:)
+    type(equation_list_type), intent(inout) :: equations
     type(error_type), allocatable, intent(out) :: error
     type(facets_type) :: facets
     type(facet_search_type) :: search
@@ -67,6 +68,7 @@ contains
     real(DP), allocatable :: x(:, :)
     integer, allocatable :: slaves(:)
     real(DP) :: tolerance_length
+    logical :: is_master(size(mesh%coordinates, 2))
     integer :: i, n_tied
     associate (master => model%surfaces(tie%master))
       call build_facets(mesh, master%element, master%face, facets, error)
@@ -77,9 +79,11 @@ contains
     if (tie%tolerance < 0.0_DP) tolerance_length = TOL_TIE_DISTANCE * sum(facets%edge_length) / real(facets%n, DP)
     call build_facet_search(facets, x, tolerance_length, search)
     slaves = model%surfaces(tie%slave)%nodes
+    is_master = .false.
+    is_master(facets%nodes) = .true.
     n_tied = 0
     do i = 1, size(slaves)
-      if (any(facets%nodes == slaves(i))) cycle    ! a common node of both surfaces needs no tie
+      if (is_master(slaves(i))) cycle    ! a common node of both surfaces needs no tie
       call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, projection)
       if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) cycle
       n_tied = n_tied + 1
@@ -96,13 +100,13 @@ contains
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
     integer, intent(in) :: slave, line
-    type(equation_type), allocatable, intent(inout) :: equations(:)
+    type(equation_list_type), intent(inout) :: equations
     real(DP) :: N_i(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
     integer :: nodes(MAX_FACE_NODES), n, k
     call facet_nodes(facets, projection%facet, n, nodes)
     call facet_shapes(facets%kind(projection%facet), projection%xi, N_i, dN, ddN)
     do k = 1, 3
-      equations = [equations, new_equation([slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line)]
+      call equations%add(new_equation([slave, nodes(:n)], spread(k, 1, n + 1), [1.0_DP, -N_i(:n)], 'TIE', line))
     end do
   end subroutine add_tie_equations
 
@@ -114,7 +118,7 @@ contains
     type(model_type), intent(in) :: model
     type(mesh_type), intent(in) :: mesh            !< with tied nodes moved to their masters
     type(tie_type), intent(in) :: tie
-    type(equation_type), allocatable, intent(inout) :: equations(:)
+    type(equation_list_type), intent(inout) :: equations
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: first(:), nodes(:), best_first(:), best_nodes(:)
     real(DP), allocatable :: weight(:), best_weight(:)
@@ -217,7 +221,7 @@ contains
     integer, intent(in) :: partners(:)
     real(DP), intent(in) :: weight(:), rotation_map(3)     !< row k of R
     integer, intent(in) :: line                    !< of the deck
-    type(equation_type), allocatable, intent(inout) :: equations(:)
+    type(equation_list_type), intent(inout) :: equations
     type(equation_type) :: equation
     real(DP) :: coefficient
     integer :: i, j, n
@@ -242,7 +246,7 @@ contains
     equation%n_eliminable = count(equation%node == slave)
     equation%card = 'CYCLIC SYMMETRY'
     equation%line = line
-    equations = [equations, equation]
+    call equations%add(equation)
   end subroutine add_rotated_equation
 
 
@@ -255,7 +259,7 @@ contains
     type(model_type), intent(in) :: model
     type(mesh_type), intent(in) :: mesh            !< with tied nodes on their masters
     type(distributing_coupling_type), intent(in) :: coupling
-    type(equation_type), allocatable, intent(inout) :: equations(:)
+    type(equation_list_type), intent(inout) :: equations
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: weight(:), rotation_map(:, :, :), coefficient(:)
     real(DP) :: centre(3), arm(3), mean(3, 3)
@@ -289,7 +293,7 @@ contains
         if (k <= 3) mean = weight(i) * IDENTITY + rotation_moment_matrix(arm, rotation_map(:, :, i))
         coefficient(3 * i - 1:3 * i + 1) = -matmul(coupling%axes(:, dof(1)), mean)
       end do
-      equations = [equations, new_equation(node, dof, coefficient, 'COUPLING', coupling%line)]
+      call equations%add(new_equation(node, dof, coefficient, 'COUPLING', coupling%line))
     end do
   end subroutine convert_distributing_coupling
 

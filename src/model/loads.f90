@@ -6,7 +6,7 @@ module amontons_loads
   use amontons_kinds, only: DP
   implicit none
   private
-  public :: amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
+  public :: equation_list_type, amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
     equation_type
   public :: AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
   public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION, &
@@ -93,6 +93,15 @@ module amontons_loads
     integer :: first_step = 1                    !< the first step in which it is active
     integer :: last_step = huge(1)               !< EQUATION, REMOVE: the last step in which it is active
   end type equation_type
+
+  !> Equations that are added one by one. The array doubles when it is full, and its equations are moved, not copied.
+  type :: equation_list_type
+    type(equation_type), allocatable :: items(:)
+    integer :: n = 0                             !< equations; the rest of the items is empty
+  contains
+    procedure :: add => add_equation_to_list
+    procedure :: move_to => move_equations_to
+  end type equation_list_type
 
 contains
 
@@ -214,5 +223,61 @@ contains
       if (.not. amplitude%is_absolute) magnitude = load%end * magnitude
     end associate
   end function load_value
+
+
+  !> Adds an equation. Cost: constant in the mean.
+  pure subroutine add_equation_to_list(self, equation)
+    class(equation_list_type), intent(inout) :: self
+    type(equation_type), intent(in) :: equation
+    if (.not. allocated(self%items)) allocate (self%items(16))
+    if (self%n == size(self%items)) call resize_equations(self%items, 2 * self%n)
+    self%n = self%n + 1
+    self%items(self%n) = equation
+  end subroutine add_equation_to_list
+
+
+  !> Moves the equations into an array of their number, after those that are there. After: the list is empty.
+  pure subroutine move_equations_to(self, equations)
+    class(equation_list_type), intent(inout) :: self
+    type(equation_type), allocatable, intent(inout) :: equations(:)
+    integer :: i, n_before
+    if (.not. allocated(equations)) allocate (equations(0))
+    n_before = size(equations)
+    call resize_equations(equations, n_before + self%n)
+    do i = 1, self%n
+      call move_equation(self%items(i), equations(n_before + i))
+    end do
+    self%n = 0
+  end subroutine move_equations_to
+
+
+  !> Changes the size of an array of equations; those that both sizes have are moved.
+  pure subroutine resize_equations(equations, n)
+    type(equation_type), allocatable, intent(inout) :: equations(:)
+    integer, intent(in) :: n
+    type(equation_type), allocatable :: resized(:)
+    integer :: i
+    allocate (resized(n))
+    do i = 1, min(n, size(equations))
+      call move_equation(equations(i), resized(i))
+    end do
+    call move_alloc(resized, equations)
+  end subroutine resize_equations
+
+
+  !> Moves an equation; the terms of the first one are deallocated after.
+  pure subroutine move_equation(from, to)
+    type(equation_type), intent(inout) :: from
+    type(equation_type), intent(out) :: to
+    call move_alloc(from%node, to%node)
+    call move_alloc(from%dof, to%dof)
+    call move_alloc(from%coefficient, to%coefficient)
+    to%n_eliminable = from%n_eliminable
+    to%card = from%card
+    to%line = from%line
+    to%deck_dof = from%deck_dof
+    to%first_step = from%first_step
+    to%last_step = from%last_step
+  end subroutine move_equation
 
 end module amontons_loads

@@ -6,7 +6,7 @@ module amontons_model
   use amontons_mesh, only: mesh_type
   use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, general_contact_type
-  use amontons_loads, only: amplitude_type, equation_type, load_type, load_value, integrated_velocity
+  use amontons_loads, only: amplitude_type, equation_type, equation_list_type, load_type, load_value, integrated_velocity
   use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_structural_data, only: structure_type
@@ -245,14 +245,16 @@ contains
   end function new_equation
 
 
-  !> Appends such an equation to a model during reading.
+  !> Appends such an equation to a model during reading. The others are moved, not copied.
   subroutine append_equation(model, node, dof, coefficient, card, line)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
     real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
     character(*), intent(in) :: card               !< its name, for messages
     integer, intent(in) :: line                    !< of the deck
-    model%equations = [model%equations, new_equation(node, dof, coefficient, card, line)]
+    type(equation_list_type) :: one
+    call one%add(new_equation(node, dof, coefficient, card, line))
+    call one%move_to(model%equations)
   end subroutine append_equation
 
 end module amontons_model

@@ -2,17 +2,42 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_loads
   use amontons_kinds, only: DP
-  use amontons_loads, only: amplitude_type, load_type, amplitude_value, load_value, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, &
-    AMPLITUDE_MODULATED, AMPLITUDE_DECAY
+  use amontons_loads, only: equation_type, equation_list_type, amplitude_type, load_type, amplitude_value, load_value, &
+    AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   call check_table()
   call check_formulas()
   call check_loads()
+  call check_equations()
   call suite%finish()
 
 contains
+
+  !> Equations added one by one and moved behind others keep their order and their terms.
+  subroutine check_equations()
+    type(equation_list_type) :: list
+    type(equation_type), allocatable :: equations(:)
+    type(equation_type) :: equation
+    integer :: i
+    do i = 1, 40
+      equation%node = [i, 100 + i]
+      equation%dof = [1, 2]
+      equation%coefficient = [1.0_DP, real(-i, DP)]
+      equation%line = i
+      call list%add(equation)
+      if (i == 3) call list%move_to(equations)
+    end do
+    call suite%that('three first', size(equations) == 3 .and. list%n == 37)
+    call list%move_to(equations)
+    call suite%that('all', size(equations) == 40 .and. list%n == 0)
+    call suite%that('in order', all(equations%line == [(i, i=1, 40)]))
+call suite%that('terms', all([(equations(i)%node(2) == 100 + i .and. equations(i)%coefficient(2) < 0.5_DP - real(i, DP), i=1, 40)]))
+    call list%move_to(equations)
+    call suite%that('nothing more', size(equations) == 40)
+  end subroutine check_equations
+
 
   !> Linear or smooth between the times, constant outside.
   subroutine check_table()
