@@ -170,7 +170,7 @@ def read_counts(path: Path, cost: Cost) -> None:
 def read_phases(path: Path, cost: Cost) -> None:
     """The table of the phases that the program prints at its end, scaled from elapsed to processor time."""
     _, _, table = path.read_text().partition("by phase")
-    rows = re.findall(r"^ +([a-z][a-z ]*?) {2,}([0-9.]+) ", table.partition("peak of memory")[0], re.MULTILINE)
+    rows = re.findall(r"^ +([a-z][a-z ]*?) {2,}([0-9.]+) ", table.partition("peak of memory by unknown")[0], re.MULTILINE)
     elapsed = {name: float(seconds) for name, seconds in rows}
     whole = elapsed.pop("the whole job", 0.0)
     if whole > 0.0:
