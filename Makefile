@@ -263,13 +263,11 @@ study-newton: programs $(VENV)/installed ## The first half of it: Newton's metho
 	@$(PY) -m verify.study.contact_table --show $(B)/study.csv
 
 GRADIENTS = $(PY) -m verify.study.gradients_table --program $(BIN)/amontons --runs $(B)/gradients.csv --outdir $(B)/gradients
-STUDIED = "block sheared" punch "block dragged" cylinder ball "ball by faces"
 study-gradients: programs $(VENV)/installed ## The second half of it: conjugate gradients
-	@$(GRADIENTS) --preconditioners NODAL --modes ALL --only $(STUDIED)
-	@$(GRADIENTS) --preconditioners NODAL --modes NONE GLOBAL NODAL --only $(STUDIED) --sizes 5 1
-	@$(GRADIENTS) --preconditioners NODAL --modes NONE GLOBAL NODAL --only "block sheared" punch --sizes 20
-	@$(GRADIENTS) --preconditioners FACTOR --only $(STUDIED)
-	@$(GRADIENTS) --preconditioners FACTOR --modes ALL --only "ironing curved" "ironing flat"
+	@$(GRADIENTS) --preconditioners NODAL --only "block sheared" punch "block dragged" cylinder ball "ball by faces"
+	@$(GRADIENTS) --preconditioners FACTOR --only "block sheared" punch "block dragged" --seconds-others 6
+	@$(GRADIENTS) --preconditioners FACTOR --only cylinder ball "ball by faces" "ironing curved" "ironing flat"
+	@$(GRADIENTS) --preconditioners NODAL --only "ironing curved" "ironing flat" --seconds 20
 	@$(PY) -m verify.study.gradients_table --show $(B)/gradients.csv --figure $(B)/gradients.png
 	@$(PY) -m verify.study.gradients_samples --program $(BIN)/amontons
 	@$(PY) -m verify.study.gradients_growth --program $(BIN)/amontons

@@ -233,6 +233,17 @@ def sums_table(runs: list[Run]) -> Iterator[str]:
             yield f"| {preconditioner} | {words} | " + " | ".join(values) + " |"
 
 
+def problems_table(runs: list[Run]) -> Iterator[str]:
+    """The contact problems and ironing apart: runs finished in the same time; in brackets the median of iterations over those of ALL."""
+    yield from head("preconditioner", "problems", "cases", *MODES)
+    for preconditioner in PRECONDITIONERS:
+        for words, is_ironing in (("the six", False), ("ironing", True)):
+            rows = [row for row in common(runs, preconditioner) if (row["ALL"].problem in IRONING) == is_ironing]
+            if rows:
+                cells = (f"{sum(row[mode].is_quick for row in rows)} ({np.median(ratios(rows, mode)):.2f})" for mode in MODES)
+                yield f"| {preconditioner} | {words} | {len(rows)} | " + " | ".join(cells) + " |"
+
+
 def dependence_table(runs: list[Run]) -> Iterator[str]:
     """Iterations of ALL per requested increment by friction and increments, the mean over the problems that finish with all of these."""
     yield from head("preconditioner", "increments a step", *(f"mu = {mu:g}" for mu in FRICTIONS), "problems")
@@ -282,7 +293,7 @@ def draw(runs: list[Run], file: Path) -> None:
 
 def show(runs: list[Run]) -> str:
     """All tables, as they stand in doc/study/line_search.md."""
-    parts = [sums_table(runs), dependence_table(runs), *(cases_table(runs, p) for p in PRECONDITIONERS)]
+    parts = [sums_table(runs), problems_table(runs), dependence_table(runs), *(cases_table(runs, p) for p in PRECONDITIONERS)]
     return "\n\n".join("\n".join(part) for part in parts) + f"\n\n{agreement(runs)}"
 
 
