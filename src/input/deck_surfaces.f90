@@ -9,9 +9,8 @@ module amontons_deck_surfaces
   use amontons_deck_analytic_surfaces, only: read_profile, is_analytic_type
   use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
   use amontons_deck_faces, only: node_elements_type, find_free_faces, find_omitted_faces, count_shared_faces
-  use amontons_loads, only: amplitude_type, equation_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, &
-    AMPLITUDE_MODULATED, &
-    AMPLITUDE_DECAY
+  use amontons_loads, only: amplitude_type, equation_type, equation_list_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, &
+    AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
   use amontons_containers, only: integer_list_type, sort_integers
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
@@ -592,14 +591,14 @@ contains
   subroutine read_equations(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(equation_type), allocatable :: larger(:), equations(:)
+    type(equation_list_type) :: list
+    type(equation_type), allocatable :: equations(:)
+    type(equation_type) :: equation
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(terms_type) :: terms
-    integer :: c, line, n_terms, n, i
+    integer :: c, line, n_terms, i
     logical :: is_ok
-    allocate (equations(64))
-    n = 0
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'EQUATION')) cycle
       call open_card(reader, c, parameters, row)
@@ -617,18 +616,14 @@ contains
         call read_terms(reader, model%mesh, row, n_terms, terms, is_ok)
         if (.not. is_ok) exit
         do i = 1, size(terms%node, 1)
-          if (n == size(equations)) then
-            allocate (larger(2 * n))
-            larger(:n) = equations
-            call move_alloc(larger, equations)
-          end if
-          n = n + 1
-          call merge_terms(reader, terms, i, line, equations(n))
-          if (allocated(model%frame_of)) call transform_terms(model, equations(n))
+          call merge_terms(reader, terms, i, line, equation)
+          if (allocated(model%frame_of)) call transform_terms(model, equation)
+          call list%add(equation)
         end do
       end do
     end do
-    model%equations = [equations(:n), model%equations]   ! equations of other cards, already read, come last
+    call list%move_to(equations)
+    model%equations = [equations, model%equations]   ! equations of other cards, already read, come last
   end subroutine read_equations
 
 
@@ -705,7 +700,7 @@ contains
     type(terms_type), intent(in) :: terms
     integer, intent(in) :: copy                  !< which nodes of the sets
     integer, intent(in) :: line
-    type(equation_type), intent(inout) :: equation
+    type(equation_type), intent(out) :: equation
     integer :: i, j, n
     equation%node = terms%node(copy, :)
     equation%dof = terms%dof

@@ -102,8 +102,10 @@ contains
     type(integration_points_type) :: points
     real(DP), dimension(3, MAX_ELEMENT_NODES) :: X, u, force, expected
     real(DP) :: stiffness(N_DOF, N_DOF)
+    type(element_kind_type) :: entry
     integer :: n, status
-    n = entry_nodes(kind)
+    entry = element_kind(kind)
+    n = entry%n_nodes
     call distort(kind, 0.3_DP, X)
     call random_number(u)
     u = 0.1_DP * (u - 0.5_DP)
@@ -121,15 +123,6 @@ contains
     call suite%near(title(kind, .true., 'forces alone: general law'), maxval(abs(force(:, :n) - expected(:, :n))), 0.0_DP, &
       1e-12_DP * norm2(expected(:, :n)))
   end subroutine check_forces_alone
-
-
-  !> The nodes of a kind.
-  integer function entry_nodes(kind)
-    integer, intent(in) :: kind
-    type(element_kind_type) :: entry
-    entry = element_kind(kind)
-    entry_nodes = entry%n_nodes
-  end function entry_nodes
 
 
   !> A linear displacement field gives the same stress everywhere, that of the law; in solid shells of uniform thickness, which are
