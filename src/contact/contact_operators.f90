@@ -6,8 +6,9 @@
 module amontons_contact_operators
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
+  use amontons_containers, only: sort_integers
   use amontons_tensor, only: IDENTITY
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_product, sparse_sum, sparse_transpose
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_product, sparse_sum, upper_triangle
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_linearization, only: contact_tangent_type, has_spring
   implicit none
@@ -20,6 +21,8 @@ module amontons_contact_operators
     integer, allocatable :: row(:), column(:)
     real(DP), allocatable :: value(:)
   end type triplets_type
+
+  integer, parameter :: BY_IMBALANCE = 1, BY_DISPLACEMENT = 2, BY_SPRING = 3     !< what forces change with: Rhat, u, springs
 
 contains
 
@@ -101,22 +104,23 @@ contains
     integer, intent(in) :: level, n_unknowns
     type(sparse_type), intent(out) :: imbalance_tangent, displacement_tangent
     integer, allocatable :: first(:), members(:)
-    call group_by_node(tangents, level, n_unknowns / 3, first, members)
-    call sum_blocks(tangents, first, members, .true., imbalance_tangent)
-    call sum_blocks(tangents, first, members, .false., displacement_tangent)
+    call group_by_node(tangents, tangents%level == level, n_unknowns / 3, first, members)
+    call sum_blocks(tangents, first, members, BY_IMBALANCE, imbalance_tangent)
+    call sum_blocks(tangents, first, members, BY_DISPLACEMENT, displacement_tangent)
   end subroutine level_matrices
 
 
-  !> The tangents of a level that give a force to each node, in their order.
-  pure subroutine group_by_node(tangents, level, n_nodes, first, members)
+  !> The chosen tangents that give a force to each node, in their order.
+  pure subroutine group_by_node(tangents, is_chosen, n_nodes, first, members)
     type(contact_tangent_type), intent(in) :: tangents(:)
-    integer, intent(in) :: level, n_nodes
+    logical, intent(in) :: is_chosen(:)            !< (size(tangents))
+    integer, intent(in) :: n_nodes
     integer, allocatable, intent(out) :: first(:)  !< (n_nodes + 1) start of each node in members
     integer, allocatable, intent(out) :: members(:)
     integer :: next(n_nodes), i, k, n
     next = 0
     do i = 1, size(tangents)
-      if (tangents(i)%level /= level) cycle
+      if (.not. is_chosen(i)) cycle
       do k = 1, tangents(i)%n_weights
         next(tangents(i)%nodes(k)) = next(tangents(i)%nodes(k)) + 1
       end do
@@ -128,7 +132,7 @@ contains
     end do
     next = first(:n_nodes)
     do i = 1, size(tangents)
-      if (tangents(i)%level /= level) cycle
+      if (.not. is_chosen(i)) cycle
       do k = 1, tangents(i)%n_weights
         n = tangents(i)%nodes(k)
         members(next(n)) = i
@@ -138,12 +142,12 @@ contains
   end subroutine group_by_node
 
 
-  !> D_R or D_u: for each node the blocks of its tangents are summed in their order. (Integration points of surface-to-surface
-  !! contact are many, and most of their blocks coincide: sorted triplets take ten times the time and memory.)
-  subroutine sum_blocks(tangents, first, members, is_imbalance, matrix)
+  !> A matrix of nodal blocks: for each node the blocks of its tangents are summed in their order. (Integration points of
+  !! surface-to-surface contact are many, and most of their blocks coincide: sorted triplets take ten times the time and memory.)
+  subroutine sum_blocks(tangents, first, members, kind, matrix)
     type(contact_tangent_type), intent(in) :: tangents(:)
     integer, intent(in) :: first(:), members(:)    !< tangents of each node
-    logical, intent(in) :: is_imbalance            !< D_R; else D_u
+    integer, intent(in) :: kind                    !< of the blocks: BY_...
     type(sparse_type), intent(out) :: matrix
     integer :: seen(size(first) - 1), column_index(size(first) - 1), r, m, q, j, n_nodes, next
     integer, allocatable :: columns(:)
@@ -164,29 +168,40 @@ contains
     do r = 1, n_nodes
       if (first(r) == first(r + 1)) cycle
       call gather_columns(r)
+      call sort_integers(columns(:m))
+      column_index(columns(:m)) = [(j, j=1, m)]
       do q = 1, 3
         next = matrix%first(3 * r - 3 + q)
-        matrix%column(next:next + 3 * m - 1) = [(3 * (columns((j + 2) / 3) - 1) + 1 + mod(j + 2, 3), j=1, 3 * m)]
+        do j = 1, m
+          matrix%column(next + 3 * j - 3:next + 3 * j - 1) = 3 * (columns(j) - 1) + [1, 2, 3]
+        end do
       end do
       do q = first(r), first(r + 1) - 1
         if (q > first(r)) then
           if (members(q) == members(q - 1)) cycle  ! add_node_blocks takes all weights of a tangent at the node
         end if
-        call add_node_blocks(tangents(members(q)), r, is_imbalance, column_index, matrix)
+        call add_node_blocks(tangents(members(q)), r, kind, column_index, matrix)
       end do
     end do
-    matrix = sparse_transpose(sparse_transpose(matrix))    ! sorts the columns
 
   contains
 
-    !> The nodes on which the force at a node depends, and their positions.
+    !> The nodes on which the force at a node depends.
     subroutine gather_columns(row)
       integer, intent(in) :: row
       integer :: p
       m = 0
       do p = first(row), first(row + 1) - 1
-        if (is_imbalance) call append(tangents(members(p))%imbalance_nodes, row)
-        if (.not. is_imbalance) call append(tangents(members(p))%nodes, row)
+        associate (tangent => tangents(members(p)))
+          select case (kind)
+          case (BY_IMBALANCE)
+            call append(tangent%imbalance_nodes, row)
+          case (BY_DISPLACEMENT)
+            call append(tangent%nodes, row)
+          case default
+            call append(tangent%nodes(:tangent%n_weights), row)
+          end select
+        end associate
       end do
     end subroutine gather_columns
 
@@ -200,7 +215,6 @@ contains
         seen(nodes(k)) = row
         m = m + 1
         columns(m) = nodes(k)
-        column_index(nodes(k)) = m
       end do
     end subroutine append
 
@@ -208,37 +222,74 @@ contains
 
 
   !> Contribution of a tangent to the three rows of a node.
-  pure subroutine add_node_blocks(tangent, row, is_imbalance, column_index, matrix)
+  subroutine add_node_blocks(tangent, row, kind, column_index, matrix)
     type(contact_tangent_type), intent(in) :: tangent
     integer, intent(in) :: row                     !< node
-    logical, intent(in) :: is_imbalance
-    integer, intent(in) :: column_index(:)                !< (n_nodes) of the columns
+    integer, intent(in) :: kind                    !< BY_...
+    integer, intent(in) :: column_index(:)         !< (n_nodes) of the columns
     type(sparse_type), intent(inout) :: matrix
-    real(DP) :: weight_term(3)                            ! lambda (dw/dxi . dxi/du_j), without lambda
-    integer :: i, j, p, a, at
+    integer :: i, j
     do i = 1, tangent%n_weights
       if (tangent%nodes(i) /= row) cycle
-      do j = 1, merge(size(tangent%imbalance_nodes), size(tangent%nodes), is_imbalance)
-        if (is_imbalance) then
-          p = column_index(tangent%imbalance_nodes(j))
-        else
-          p = column_index(tangent%nodes(j))
-          if (allocated(tangent%d_weights)) weight_term = matmul(tangent%d_weights(:, i), tangent%xi_nodes(:, :, j))
-          if (.not. allocated(tangent%d_weights)) weight_term = tangent%xi_nodes(i, :, j)
-        end if
+      select case (kind)
+      case (BY_IMBALANCE)
+        do j = 1, size(tangent%imbalance_nodes)
+          call add(tangent%imbalance_nodes(j), tangent%weights(i) * tangent%imbalance_weights(j) * tangent%force_imbalance)
+        end do
+      case (BY_DISPLACEMENT)
+        do j = 1, size(tangent%nodes)
+          call add(tangent%nodes(j), tangent%weights(i) * tangent%force_nodes(:, :, j) + change_of_distribution(i, j))
+        end do
+      case default
+        do j = 1, tangent%n_weights
+          call add(tangent%nodes(j), tangent%weights(i) * tangent%weights(j) * tangent%spring)
+        end do
+      end select
+    end do
+
+  contains
+
+    !> Adds a block in the columns of a node.
+    subroutine add(node, block)
+      integer, intent(in) :: node
+      real(DP), intent(in) :: block(3, 3)
+      integer :: a, at
+      do a = 1, 3
+        at = matrix%first(3 * row - 3 + a) + 3 * (column_index(node) - 1)
+        matrix%value(at:at + 2) = matrix%value(at:at + 2) + block(a, :)
+      end do
+    end subroutine add
+
+    !> lambda (dw_i/dxi . dxi/du_j) [force/length]
+    pure function change_of_distribution(i, j) result(block)
+      integer, intent(in) :: i, j
+      real(DP) :: block(3, 3), d_weight(3)         ! [1/length]
+      integer :: a, b
+      if (allocated(tangent%d_weights)) then
+        d_weight = tangent%d_weights(1, i) * tangent%xi_nodes(1, :, j) + tangent%d_weights(2, i) * tangent%xi_nodes(2, :, j)
+      else
+        d_weight = tangent%xi_nodes(i, :, j)
+      end if
+      do b = 1, 3
         do a = 1, 3
-          at = matrix%first(3 * row - 3 + a) + 3 * (p - 1)
-          if (is_imbalance) then
-            matrix%value(at:at + 2) = matrix%value(at:at + 2) + tangent%weights(i) * tangent%imbalance_weights(j) &
-              * tangent%force_imbalance(a, :)
-          else
-            matrix%value(at:at + 2) = matrix%value(at:at + 2) + tangent%weights(i) * tangent%force_nodes(a, :, &
-              j) + tangent%force(a) * weight_term
-          end if
+          block(a, b) = tangent%force(a) * d_weight(b)
         end do
       end do
-    end do
+    end function change_of_distribution
+
   end subroutine add_node_blocks
+
+
+  !> The upper triangle of the springs of compliant laws and of held friction, for the preconditioner: symmetric and positive.
+  subroutine assemble_spring_matrix(tangents, n_unknowns, springs)
+    type(contact_tangent_type), intent(in) :: tangents(:)
+    integer, intent(in) :: n_unknowns
+    type(sparse_type), intent(out) :: springs      !< [force/length]
+    integer, allocatable :: first(:), members(:)
+    call group_by_node(tangents, has_spring(tangents), n_unknowns / 3, first, members)
+    call sum_blocks(tangents, first, members, BY_SPRING, springs)
+    springs = upper_triangle(springs)
+  end subroutine assemble_spring_matrix
 
 
   !> The change of spring forces as products, dF_c = (B A + M X) du: B distributes a change of lambda over the nodes of its row, A
@@ -297,36 +348,6 @@ contains
       call sparse_from_triplets(n_rows, n_columns, t%row(:t%n), t%column(:t%n), t%value(:t%n), matrix, error)
     end associate
   end subroutine build_matrix
-
-
-  !> The upper triangle of the springs of compliant laws and of held friction, for the preconditioner: symmetric and positive.
-  subroutine assemble_spring_matrix(tangents, n_unknowns, springs, error)
-    type(contact_tangent_type), intent(in) :: tangents(:)
-    integer, intent(in) :: n_unknowns
-    type(sparse_type), intent(out) :: springs      !< [force/length]
-    type(error_type), allocatable, intent(out) :: error
-    type(triplets_type) :: triplets
-    integer :: i, j, k
-    logical, allocatable :: is_upper(:)
-    call allocate_triplets(triplets, 9 * sum([(tangents(i)%n_weights**2, i=1, size(tangents))]))
-    do i = 1, size(tangents)
-      if (.not. has_spring(tangents(i))) cycle
-      associate (tangent => tangents(i))
-        do j = 1, tangent%n_weights
-          do k = 1, tangent%n_weights
-            call put_block(3 * (tangent%nodes(j) - 1), 3 * (tangent%nodes(k) - 1), &
-              tangent%weights(j) * tangent%weights(k) * tangent%spring, &
-              triplets)
-          end do
-        end do
-      end associate
-    end do
-    associate (t => triplets)
-      is_upper = t%column(:t%n) >= t%row(:t%n)
-      call sparse_from_triplets(n_unknowns, n_unknowns, pack(t%row(:t%n), is_upper), pack(t%column(:t%n), is_upper), &
-        pack(t%value(:t%n), is_upper), springs, error)
-    end associate
-  end subroutine assemble_spring_matrix
 
 
   !> Appends a block as triplets.

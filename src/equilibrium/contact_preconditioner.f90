@@ -46,6 +46,8 @@ module amontons_contact_preconditioner
     logical :: is_ready = .false.                  !< P is available
     character(:), allocatable :: message           !< to be logged: another solver serves this step; unallocated: nothing to say
     type(reduced_system_type) :: robin                    !< K_rho and its solver P
+    type(sparse_type) :: by_imbalance              !< D_R of the tangent (n_unknowns x n_unknowns) [-]
+    type(sparse_type) :: by_displacement           !< D_u of the tangent (n_unknowns x n_unknowns) [force/length]
     integer, allocatable :: tile_of_node(:)        !< (n_nodes) tile of each slave node, at the computation of P; 0: no slave node
     integer :: n_tiles = 0
     integer, allocatable, private :: unknown_of(:) !< (n_free) index of each free unknown among all
@@ -55,8 +57,6 @@ module amontons_contact_preconditioner
     type(sparse_type), private :: directions       !< D' (n_dependent x n_unknowns) [-]
     integer, allocatable, private :: bulk_of(:)    !< (n_unknowns) index in K_rho; 0: not in it
     integer, private :: n_bulk = 0
-    type(sparse_type), private :: by_imbalance     !< D_R (n_unknowns x n_unknowns) [-]
-    type(sparse_type), private :: by_displacement  !< D_u (n_unknowns x n_unknowns) [force/length]
     type(tangent_parts_type), private :: parts
     type(sparse_type), private :: jumps            !< S N (free unknowns of the skin, squared): v_s = jump + S N v [-]
     type(tile_type), allocatable, private :: tiles(:)
@@ -92,13 +92,11 @@ contains
 
 
   !> Updates the preconditioner for a tangent: projection and tiles.
-  subroutine update_skin(self, base, whole, stiffness, by_imbalance, by_displacement, rows, motion, error)
-    type(skin_type), intent(inout), target :: self   !< with its tiles; P may be computed later
+  subroutine update_skin(self, base, whole, stiffness, rows, motion, error)
+    type(skin_type), intent(inout), target :: self   !< with its tiles, D_R and D_u; P may be computed later
     type(constraints_type), intent(in) :: base     !< without contact rows
     type(constraints_type), intent(in), target :: whole       !< with them
     type(sparse_type), intent(in), target :: stiffness        !< K, upper triangle (n_unknowns x n_unknowns) [force/length]
-    type(sparse_type), intent(in) :: by_imbalance      !< D_R (n_unknowns x n_unknowns) [-]
-    type(sparse_type), intent(in) :: by_displacement   !< D_u (n_unknowns x n_unknowns) [force/length]
     type(sparse_type), intent(in) :: rows          !< nodes (columns) of the contact row of each slave and the sizes of their
                                                    !! weights, the slave node first
     type(sparse_type), intent(in) :: motion        !< S N of the slaves of compliant laws (n_unknowns x n_unknowns) [-]
@@ -110,8 +108,6 @@ contains
     do i = 1, whole%n_unknowns
       if (whole%free_of(i) > 0) self%unknown_of(whole%free_of(i)) = i
     end do
-    self%by_imbalance = by_imbalance
-    self%by_displacement = by_displacement
     self%bulk_of = base%free_of
     self%n_bulk = base%n_free
     call relate_rows(self, base, whole, motion, error)
@@ -119,7 +115,7 @@ contains
     call update_coarse_space(self%coarse, coarse_rows_type(stiffness, self%rows, self%directions, self%by_imbalance, &
       self%by_displacement, whole%transformation, self%bulk_of, self%unknown_of))
     call number_skin_nodes(self, rows, skin_of, tile_of)
-    call extract_skin_tangent(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+    call extract_skin_tangent(self, whole, stiffness, skin_of, error)
     if (allocated(error)) return
     call relate_jumps(self, motion, skin_of, error)
     if (allocated(error)) return
@@ -266,10 +262,10 @@ contains
 
 
   !> Extracts the parts of the tangent on the skin.
-  subroutine extract_skin_tangent(self, whole, stiffness, by_imbalance, by_displacement, skin_of, error)
+  subroutine extract_skin_tangent(self, whole, stiffness, skin_of, error)
     type(skin_type), intent(inout) :: self
     type(constraints_type), intent(in) :: whole
-    type(sparse_type), intent(in) :: stiffness, by_imbalance, by_displacement
+    type(sparse_type), intent(in) :: stiffness
     integer, intent(in) :: skin_of(:)              !< (n_nodes)
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: extracted
@@ -293,10 +289,10 @@ contains
     if (allocated(error)) return
     call extract_rows(stiffness, unknown, skin, n, self%parts%stiffness, error, is_symmetric=.true.)
     if (allocated(error)) return
-    call extract_rows(by_imbalance, unknown, skin, n, extracted, error)
+    call extract_rows(self%by_imbalance, unknown, skin, n, extracted, error)
     if (allocated(error)) return
     self%parts%by_imbalance_t = sparse_transpose(extracted)
-    call extract_rows(by_displacement, unknown, skin, n, extracted, error)
+    call extract_rows(self%by_displacement, unknown, skin, n, extracted, error)
     if (.not. allocated(error)) self%parts%by_displacement_t = sparse_transpose(extracted)
   end subroutine extract_skin_tangent
 

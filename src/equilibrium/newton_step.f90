@@ -461,13 +461,13 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state       !< not changed
     type(error_type), allocatable, intent(out) :: error
-    type(sparse_type) :: imbalance_tangent, displacement_tangent, rows, shares, motion
+    type(sparse_type) :: rows, shares, motion
+    call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
+      system%skin%by_imbalance, system%skin%by_displacement)
     system%is_interface_singular = has_free_motion(system, model, step, state%new)
     if (system%is_interface_singular) return
     call ensure_bulk_factor(system, model, step, state, .true., error)
     if (allocated(error) .or. .not. system%skin%is_ready) return
-    call assemble_contact_tangents(system%contact_tangents, system%contact%force_condensation, system%constraints%n_unknowns, &
-      imbalance_tangent, displacement_tangent)
     if (any(model%pairs%has_point_contact)) system%skin%memory%is_near = &   ! points change
       find_near(system%contact, state%new, step%controls%contact_interface%max_gap)
     call skin_rows(system%contact, state%new, system%skin%memory%is_near, system%contact_tangents, model%mesh%n_nodes, rows)
@@ -475,8 +475,7 @@ contains
     if (allocated(error)) return
     call following_motion(system%contact_tangents, system%assembly%stiffness, shares, motion, error)
     if (allocated(error)) return
-    call update_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, imbalance_tangent, &
-      displacement_tangent, rows, motion, error)
+    call update_skin(system%skin, system%base, system%constraints, system%assembly%stiffness, rows, motion, error)
     if (allocated(error)) return
     system%is_skin = .true.
     system%has_interface_solver = .true.
@@ -485,7 +484,7 @@ contains
 
   !> Whether the tangent is singular along a rigid body motion.
   logical function has_free_motion(system, model, step, fields)
-    type(equilibrium_type), intent(inout), target :: system   !< linearised at the fields; its skin is not read
+    type(equilibrium_type), intent(inout), target :: system   !< linearised at the fields, with the contact tangents of its skin
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
@@ -498,6 +497,7 @@ contains
     allocate (x(system%constraints%n_free), y(system%constraints%n_free))
     unknown_of = pack([(i, i=1, system%constraints%n_unknowns)], system%constraints%free_of > 0)
     tangent%system => system
+    system%is_skin = .true.                        ! J by the sparse contact tangents: closed points are many
     associate (stiffness => system%assembly%stiffness, free_of => system%constraints%free_of)
       do k = 1, system%motions%n
         z = motion_of(system%motions, k)
@@ -508,6 +508,7 @@ contains
         scales(k) = compressed(x)
       end do
     end associate
+    system%is_skin = .false.
     has_free_motion = is_singular_along(size(x), images(:system%motions%n), scales(:system%motions%n), &
       system%controls%skin%free_motion_ratio)
   end function has_free_motion
@@ -550,8 +551,7 @@ contains
     if (.not. is_resumed .or. .not. allocated(system%skin%memory%is_near)) then
       system%skin%memory%is_near = find_near(system%contact, fields, system%controls%contact_interface%max_gap)
       call robin_springs(system%controls%skin, system%contact, fields, system%skin%memory%is_near, system%contact_tangents, &
-        system%base%n_unknowns, system%skin%memory%springs, error)
-      if (allocated(error)) return
+        system%base%n_unknowns, system%skin%memory%springs)
     end if
     call configure_bulk_solver(system%skin%robin, step)
     if (system%skin%memory%is_factor_needed .and. system%skin%robin%is_iterative) call abandon_iteration(system%skin%robin)
@@ -691,8 +691,7 @@ contains
     system%indefinite_factor%is_ready = .false.
     if (has_unsymmetric_law(system%assembly%skew)) system%reduced_system%is_shift_allowed = .false.
     if (any(has_spring(system%contact_tangents))) then
-      call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs, error)
-      if (allocated(error)) return
+      call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs)
       call factorise_reduced_system(system%reduced_system, sparse_sum(system%assembly%stiffness, 1.0_DP, springs), .true., &
         system%constraints, &
         model%mesh, status, error)

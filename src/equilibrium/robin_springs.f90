@@ -41,7 +41,7 @@ contains
 
 
   !> The springs of the near slaves, as the upper triangle of a stiffness. Slaves at one node share its spring.
-  subroutine robin_springs(controls, contact, fields, is_near, closed, n_unknowns, springs, error)
+  subroutine robin_springs(controls, contact, fields, is_near, closed, n_unknowns, springs)
     type(skin_controls_type), intent(in) :: controls
     type(contact_type), intent(in) :: contact
     type(fields_type), intent(in) :: fields
@@ -49,7 +49,6 @@ contains
     type(contact_tangent_type), intent(in) :: closed(:)       !< of the closed slaves
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: springs      !< [force/length]
-    type(error_type), allocatable, intent(out) :: error
     type(contact_tangent_type), allocatable :: links(:)
     type(contact_row_type) :: row
     real(DP) :: slope(2, size(contact%facets)), free(3, 3), along, across
@@ -78,7 +77,7 @@ contains
         link%spring = across * free + (along - across) * outer_product(matmul(free, slave%normal), matmul(free, slave%normal))
       end associate
     end do
-    call assemble_spring_matrix(links, n_unknowns, springs, error)
+    call assemble_spring_matrix(links, n_unknowns, springs)
   end subroutine robin_springs
 
 
@@ -181,8 +180,6 @@ contains
     real(DP), allocatable :: value(:), total(:), sum_of_weights(:)
     integer, allocatable :: row(:), column(:)
     integer :: i, j, n
-    n = sum(links%n_weights**2)
-    allocate (row(n), column(n), value(n))
     allocate (total(n_nodes), sum_of_weights(n_nodes), source=0.0_DP)
     do i = 1, size(links)
       if (.not. links(i)%is_compliant_node) cycle
@@ -192,25 +189,39 @@ contains
     end do
     n = 0
     do i = 1, size(links)
-      if (links(i)%is_compliant_node) call add_row(links(i)%nodes(:links(i)%n_weights), links(i)%weights)
+      if (links(i)%is_compliant_node) n = n + count(is_of(links(i), 1.0_DP)) * count(is_of(links(i), -1.0_DP))
     end do
-    call sparse_from_triplets(n_nodes, n_nodes, row(:n), column(:n), value(:n) / total(row(:n)), shares, error)
+    allocate (row(n), column(n), value(n))
+    n = 0
+    do i = 1, size(links)
+      if (links(i)%is_compliant_node) call add_row(links(i))
+    end do
+    call sparse_from_triplets(n_nodes, n_nodes, row, column, value / total(row), shares, error)
 
   contains
 
+    !> The nodes of a row that are slaves (sign 1) or masters (-1).
+    pure function is_of(link, sign)
+      type(contact_tangent_type), intent(in) :: link
+      real(DP), intent(in) :: sign                 !< [-]
+      logical :: is_of(link%n_weights)
+      is_of = sign * sum_of_weights(link%nodes(:link%n_weights)) > 0.0_DP .and. sign * link%weights > 0.0_DP
+    end function is_of
+
     !> Adds the shares of the masters of a row in the jumps of its slaves.
-    subroutine add_row(nodes, w)
-      integer, intent(in) :: nodes(:)
-      real(DP), intent(in) :: w(:)                 !< [-]
+    subroutine add_row(link)
+      type(contact_tangent_type), intent(in) :: link
+      logical :: is_slave(link%n_weights), is_master(link%n_weights)
       integer :: j, k
-      do j = 1, size(nodes)
-        if (.not. (sum_of_weights(nodes(j)) > 0.0_DP .and. w(j) > 0.0_DP)) cycle
-        do k = 1, size(nodes)
-          if (.not. (sum_of_weights(nodes(k)) < 0.0_DP .and. w(k) < 0.0_DP)) cycle
+      is_slave = is_of(link, 1.0_DP)
+      is_master = is_of(link, -1.0_DP)
+      do j = 1, link%n_weights
+        do k = 1, link%n_weights
+          if (.not. (is_slave(j) .and. is_master(k))) cycle
           n = n + 1
-          row(n) = nodes(j)
-          column(n) = nodes(k)
-          value(n) = -w(j) * w(k)
+          row(n) = link%nodes(j)
+          column(n) = link%nodes(k)
+          value(n) = -link%weights(j) * link%weights(k)
           total(row(n)) = total(row(n)) + value(n)
         end do
       end do

@@ -13,7 +13,7 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, reduction_type
-  public :: sparse_from_triplets, sparse_transpose, full_from_upper, sparse_product, sparse_sum
+  public :: sparse_from_triplets, sparse_transpose, full_from_upper, upper_triangle, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 
@@ -193,6 +193,30 @@ contains
       end do
     end do
   end function sparse_transpose
+
+
+  !> The upper triangle of a matrix.
+  pure function upper_triangle(matrix) result(upper)
+    type(sparse_type), intent(in) :: matrix
+    type(sparse_type) :: upper
+    integer :: i, p, n
+    n = 0
+    do i = 1, matrix%n_rows
+      n = n + count(matrix%column(matrix%first(i):matrix%first(i + 1) - 1) >= i)
+    end do
+    call allocate_matrix(upper, matrix%n_rows, matrix%n_columns, n)
+    n = 0
+    do i = 1, matrix%n_rows
+      upper%first(i) = n + 1
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        if (matrix%column(p) < i) cycle
+        n = n + 1
+        upper%column(n) = matrix%column(p)
+        upper%value(n) = matrix%value(p)
+      end do
+    end do
+    upper%first(matrix%n_rows + 1) = n + 1
+  end function upper_triangle
 
 
   !> Both triangles of a symmetric matrix stored by its upper one.

@@ -52,11 +52,10 @@ contains
     integer, intent(in) :: axis
     logical, intent(in) :: is_relative
     type(sparse_type) :: springs
-    type(error_type), allocatable :: error
     real(DP) :: u(3 * model%mesh%n_nodes)
     integer :: i, p
     call robin_springs(skin_controls_type(), system%contact, state%new, find_near(system%contact, state%new, 0.5_DP), &
-      closed, size(u), springs, error)
+      closed, size(u), springs)
     u = 0.0_DP
     u(54 + axis::3) = 1.0_DP
     if (.not. is_relative) u(axis::3) = 1.0_DP
