@@ -86,11 +86,11 @@ uses_deck_labels = kinds text containers element_kinds cards card_schema
 uses_deck_reader = kinds text containers mesh model cards card_schema
 uses_deck_user_elements = kinds text containers element_kinds mesh steps user_elements model cards card_schema element_drafts deck_reader
 uses_deck_mesh = kinds text containers element_kinds materials mesh user_elements model cards card_schema element_drafts deck_labels deck_reader deck_user_elements
-uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader
-uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
-uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_property_tables = kinds text materials cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables
+uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader deck_materials
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
+uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader
 uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
@@ -109,9 +109,9 @@ uses_deck_output = kinds text element_kinds steps model cards card_schema card_t
 uses_load_propagation = kinds loads model
 uses_deck_loads = kinds text containers tensor element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
-uses_deck_steps = kinds text controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_initial_conditions deck_materials deck_contact deck_output load_propagation deck_loads deck_procedures
+uses_deck_steps = kinds text controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_structure deck_initial_conditions deck_materials deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions

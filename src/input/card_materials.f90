@@ -263,6 +263,19 @@ contains
     call table%option('TEMPERATURE', VALUE_WORD, 'A node has one temperature, for all of its cross-section.', &
       status=ENTRY_IGNORED)
     call table%option('POISSON|ROTARY INERTIA|NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', status=ENTRY_REJECTED)
+  call table%card('BEAM GENERAL SECTION', SCOPE_MODEL, 'Gives beams their cross-section and its elasticity, without a *MATERIAL.', &
+     data='dimensions as in BEAM SECTION; second line: direction 1; third line: Young''s modulus, shear modulus, thermal expansion')
+    call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
+    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX', default='required')
+    call table%reject_words('GENERAL|ARBITRARY|CHANNEL|HEX|I|L|T|TRAPEZOID|MESHED|NONLINEAR GENERAL', &
+      'The sections are RECT, CIRC, PIPE and BOX, whose beams become solids; build others of shells.')
+    call table%option('MATERIAL', VALUE_NAME, 'A material in place of the third line, as in CalculiX.', default='none')
+    call table%option('DENSITY', VALUE_REAL, 'Mass density, needed by gravity.', default='none')
+    call table%option('ZERO', VALUE_REAL, 'Temperature from which the thermal expansion counts.', default='0')
+    call table%option('OFFSET1|OFFSET2', VALUE_REAL, 'As in BEAM SECTION.', default='0')
+  call table%option('POISSON', VALUE_REAL, 'The area changes with Poisson''s ratio E/(2 G) - 1 of the solid.', status=ENTRY_IGNORED)
+    call table%option('ROTARY INERTIA', VALUE_TEXT, 'Statics has no inertia of rotation.', status=ENTRY_IGNORED)
+    call table%option('TAPER|DEPENDENCIES', VALUE_TEXT, 'Give one cross-section and constants.', status=ENTRY_REJECTED)
     call table%card('NODAL THICKNESS', SCOPE_MODEL, 'Thickness at the nodes, for sections with NODAL THICKNESS.', &
       data='node or node set, thickness, second thickness of beams')
     call table%card('NORMAL', SCOPE_MODEL, 'Normal of a shell, or first direction of a beam, at a node of an element.', &

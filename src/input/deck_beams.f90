@@ -1,10 +1,11 @@
-!> BEAM SECTION; beams of two nodes that need a middle one, beams in the plane.
+!> BEAM SECTION, BEAM GENERAL SECTION; beams of two nodes that need a middle one, beams in the plane.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_beams
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields, check_no_data
+  use amontons_deck_materials, only: add_section_material
+  use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields, is_card
   use amontons_mesh, only: mesh_type, append_nodes
   use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, structure_type, SECTION_RECT, SECTION_CIRC, SECTION_PIPE, &
@@ -13,25 +14,26 @@ module amontons_deck_beams
   use amontons_element_kinds, only: FAMILY_BEAM, KIND_B31, KIND_B31R, KIND_B32
   implicit none
   private
-  public :: read_beam_section, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
+  public :: read_beam_section, read_general_material, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
 
 contains
 
-  !> BEAM SECTION: dimensions along direction 1 and 2, or those of the section; then the first direction.
+  !> BEAM SECTION, BEAM GENERAL SECTION: dimensions along direction 1 and 2, or those of the section; then the first direction.
   subroutine read_beam_section(reader, c, parameters, row, section)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
-    type(data_row_type), intent(inout) :: row
+    type(data_row_type), intent(inout) :: row    !< out: that of the direction, if there is one
     type(structural_section_type), intent(inout) :: section
     integer :: i
     logical :: is_ok
     section%family = FAMILY_BEAM
-    section%card = 'BEAM SECTION'
+    section%card = trim(merge('BEAM GENERAL SECTION', 'BEAM SECTION        ', is_card(reader, c, 'BEAMGENERALSECTION')))
     section%offset = [section_offset(reader, c, parameters, 'OFFSET1'), section_offset(reader, c, parameters, 'OFFSET2')]
     section%direction = [0.0_DP, 0.0_DP, -1.0_DP]
     if (.not. next_row(reader%cards, row)) then
-      call report_error(reader, reader%cards%cards(c)%line, '*BEAM SECTION needs a data line with the dimensions of the section.')
+      call report_error(reader, reader%cards%cards(c)%line, '*' // section%card // ' needs a data line with the dimensions of ' // &
+        'the section.')
       return
     end if
     call read_dimensions(reader, row, parameter_word(parameters, 'SECTION', 'RECT'), section)
@@ -39,11 +41,51 @@ contains
     is_ok = .true.
     call check_n_fields(reader, row, 3)
     do i = 1, 3
-      call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, 0.0_DP)
+     call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, merge(-1.0_DP, 0.0_DP, i == 3 .and. row%n == 0))
     end do
     if (is_ok .and. .not. norm2(section%direction) > 0) call report_error(reader, row%line, 'The direction must not be zero.')
-    if (next_row(reader%cards, row)) call check_no_data(reader, row)
   end subroutine read_beam_section
+
+
+  !> The third line of BEAM GENERAL SECTION: Young's modulus, shear modulus and thermal expansion of the section.
+  subroutine read_general_material(reader, c, parameters, row, model)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    type(data_row_type), intent(inout) :: row    !< in: that of the direction
+    type(model_type), intent(inout) :: model     !< out: with the material as the last one
+    real(DP) :: E, G, expansion, density, zero
+    logical :: is_ok
+    integer :: status
+    is_ok = next_row(reader%cards, row)
+    if (.not. is_ok) call report_error(reader, reader%cards%cards(c)%line, '*BEAM GENERAL SECTION needs a third data line ' // &
+      'with Young''s modulus and the shear modulus.')
+    E = 1
+    G = 0.5_DP
+    expansion = 0
+    if (is_ok) then
+      call check_n_fields(reader, row, 3)
+      call read_real(reader, row, 1, 'Young''s modulus', E, is_ok)
+      call read_real(reader, row, 2, 'shear modulus', G, is_ok)
+      call read_real(reader, row, 3, 'thermal expansion', expansion, is_ok, 0.0_DP)
+    end if
+    if (is_ok .and. .not. (E > 0 .and. 3 * G > E)) then
+      call report_error(reader, row%line, 'The shear modulus must be more than a third of Young''s modulus, both ' // &
+        'positive: the beam becomes a solid of Poisson''s ratio E/(2 G) - 1, which must be less than 0.5.')
+      is_ok = .false.
+    end if
+    if (.not. is_ok) then
+      E = 1
+      G = 0.5_DP
+    end if
+    density = 0
+    if (has_parameter(parameters, 'DENSITY')) call parse_real(parameter_text(parameters, 'DENSITY'), density, status)
+    zero = 0
+    if (has_parameter(parameters, 'ZERO')) call parse_real(parameter_text(parameters, 'ZERO'), zero, status)
+    call add_section_material(reader, c, model, [E, E / (2 * G) - 1], density, [expansion, zero])
+    if (next_row(reader%cards, row)) call report_error(reader, row%line, 'Constants over the temperature are not supported in ' // &
+      '*BEAM GENERAL SECTION; use *BEAM SECTION with a *MATERIAL.')
+  end subroutine read_general_material
 
 
   !> The dimensions of a section. Circles: the radius, in CalculiX the diameters along both directions; pipes: radius, thickness;

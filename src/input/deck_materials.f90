@@ -16,7 +16,7 @@ module amontons_deck_materials
   use amontons_text, only: to_text, parse_integer, parse_real, NUMBER_OK
   implicit none
   private
-  public :: read_materials, finalize_materials, read_plastic
+  public :: read_materials, add_section_material, finalize_materials, read_plastic
 
   integer, parameter :: MAX_STATEV = 100000
 
@@ -144,6 +144,30 @@ contains
     material%law = merge(LAW_SAINT_VENANT, LAW_HENCKY, dialect == DIALECT_CALCULIX)
     model%materials = [model%materials, material]
   end subroutine add_material
+
+
+  !> Adds a material that a section gives: isotropic and elastic.
+  subroutine add_section_material(reader, c, model, elastic, density, expansion)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card of the section
+    type(model_type), intent(inout) :: model
+    real(DP), intent(in) :: elastic(2)           !< Young's modulus [stress], Poisson's ratio [-]
+    real(DP), intent(in) :: density              !< 0: none [mass/volume]
+    real(DP), intent(in) :: expansion(2)         !< secant coefficient [1/temperature], 0: none, and its reference temperature
+    call add_material(model, 'of the section in line ' // to_text(reader%cards%line_number(reader%cards%cards(c)%line)), &
+      reader%dialect)
+    associate (material => model%materials(size(model%materials)))
+      material%has_elastic = .true.
+      material%elastic = property_table_type([0.0_DP], reshape(elastic, [2, 1]))
+      material%youngs_modulus = elastic(1)
+      material%poissons_ratio = elastic(2)
+      material%has_density = density > 0
+      material%density = density
+      if (density < 0) call report_error(reader, reader%cards%cards(c)%line, 'The density must be positive.')
+      material%expansion_reference = expansion(2)
+      if (abs(expansion(1)) > 0) material%expansion = property_table_type([0.0_DP], reshape(expansion(:1), [1, 1]))
+    end associate
+  end subroutine add_section_material
 
 
   !> Reports a material without elasticity, or with incompatible properties.

@@ -25,7 +25,7 @@ module amontons_deck_parts
   character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|MEMBRANESECTION|SPRING|MASS|INSTANCE|RIGIDBODY|' // &
     'USERELEMENT|UELPROPERTY|COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
   !< their data lines have no numbers of a part
-  character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|BEAMGENERALSECTION|' // &
+  character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|' // &
     'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
     'EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
 
@@ -530,9 +530,9 @@ contains
           text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, &
             name_key(parameter_value(cards, c, 'TYPE')) == 'NODE'), 1)
         end if
-      case ('BEAMSECTION')
+      case ('BEAMSECTION', 'BEAMGENERALSECTION')
         if (is_rotated(scope)) then
-          call messages%add(cards%cards(c)%line, 'The card *BEAM SECTION inside a part whose instance is rotated is not ' // &
+          call messages%add(cards%cards(c)%line, 'The section of beams inside a part whose instance is rotated is not ' // &
             'supported: its first direction is a global one. Write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if

@@ -1,11 +1,12 @@
-!> SHELL SECTION, NODAL THICKNESS and NORMAL; expansion of shells and beams into solids.
+!> Sections of shells and beams, NODAL THICKNESS and NORMAL; expansion of shells and beams into solids.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_structure
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, field_real
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_controls, only: controls_type
-  use amontons_deck_beams, only: read_beam_section, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
+  use amontons_deck_beams, only: read_beam_section, read_general_material, section_offset, add_middle_nodes, mark_plane_beams, &
+    hold_plane_beams
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
@@ -34,7 +35,8 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, set, material
     do c = 1, reader%cards%n_cards
-      if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'BEAMSECTION'))) cycle
+      if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'BEAMSECTION') .or. &
+        is_card(reader, c, 'BEAMGENERALSECTION'))) cycle
       call open_card(reader, c, parameters, row)
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
@@ -53,6 +55,12 @@ contains
         if (allocated(section%layers)) material = section%layers(1)%material
       else
         call read_beam_section(reader, c, parameters, row, section)
+        if (is_card(reader, c, 'BEAMGENERALSECTION') .and. .not. has_parameter(parameters, 'MATERIAL')) then
+          call read_general_material(reader, c, parameters, row, model)
+          material = size(model%materials)
+        else if (next_row(reader%cards, row)) then
+          call check_no_data(reader, row)
+        end if
       end if
       if (set == 0) cycle
       if (.not. allocated(model%structure)) then

@@ -5,13 +5,16 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 import subprocess
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from verify.cases.proof import Case, Job
+from verify.conftest import Run
 from verify.decks.beams import LENGTH, MODULUS, RATIO, Section, beam, box, circle, pipe, rectangle
 from verify.decks.shells import Floats
 from verify.readers.dat_frd_files import read_dat
@@ -81,6 +84,48 @@ def test_cantilever(proof: Proof, name: str, kind: str) -> None:
     weight = -section.area * (4 * 12.5 + 16 / 12) / (MODULUS * section.inertia_1) + 4 / shear  # w'' = M / (E I) - q / (G A)
     case.near("under its weight", bend(jobs["weight"], 1), weight, 1e-3, why=why, place=place, time="the end")
     case.done()
+
+
+def general(deck: str, third: str, parameters: str = "") -> str:
+    """The deck with BEAM GENERAL SECTION: its third line gives the elasticity that *MATERIAL had."""
+    head, section = deck.split("*MATERIAL", 1)
+    card, dimensions, direction = section[section.index("*BEAM SECTION") :].splitlines()[:3]
+    return head + card.replace("BEAM SECTION", "BEAM GENERAL SECTION").replace(" MATERIAL=M,", "") + f"{parameters}\n{dimensions}\n{direction}\n{third}\n"
+
+
+@pytest.mark.parametrize("section", [rectangle(0.3, 0.2), circle(0.3), pipe(0.3, 0.05)], ids=["rect", "circ", "pipe"])
+def test_general_section(run: Run, tmp_path: Path, section: Section) -> None:
+    """E, G, expansion and density by BEAM GENERAL SECTION give the beam of BEAM SECTION and MATERIAL, but for the rounding of E/(2 G) - 1."""
+    load = "*CLOAD\nEND, 2, 1.\nEND, 4, 1.\n*DLOAD\nE, GRAV, 1., 0., -1., 0.\n*TEMPERATURE\nN, 30.\n"
+    plain = beam("B31", section).replace("*DENSITY", "*EXPANSION, ZERO=5.\n1e-5\n*DENSITY")
+    start = "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nN, 10.\n"
+    shear = MODULUS / (2 * (1 + RATIO))
+    decks = {
+        "plain": plain,
+        "general": general(plain, f"{MODULUS:.17g}, {shear:.17g}, 1e-5", ", DENSITY=1., ZERO=5., POISSON=0.3"),
+        "named": plain.replace("BEAM SECTION", "BEAM GENERAL SECTION"),
+    }
+    fields = {}
+    for name, deck in decks.items():
+        (tmp_path / f"{name}.inp").write_text(deck + start + step(load))
+        done = run(["--quiet", name], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        fields[name] = Job(tmp_path / f"{name}.vtkhdf", name).last("U")
+    assert np.abs(fields["general"] - fields["plain"]).max() <= 1e-9 * np.abs(fields["plain"]).max()
+    assert (fields["named"] == fields["plain"]).all()
+
+
+@pytest.mark.parametrize(("third", "says"), [
+    ("", "needs a third data line with Young's modulus and the shear modulus."),
+    ("2.1e5, 7e4", "The shear modulus must be more than a third of Young's modulus"),
+    ("2.1e5", "shear modulus"),
+    ("2.1e5, 8e4, 0.\n2.1e5, 8e4, 0., 20.", "Constants over the temperature are not supported"),
+], ids=["missing", "incompressible", "half", "table"])  # fmt: skip
+def test_general_section_is_refused(run_deck: Run, third: str, says: str) -> None:
+    """What the third line must hold."""
+    done = run_deck(general(beam("B31", circle(0.3)), third) + step("*CLOAD\nEND, 2, 1.\n"))
+    assert done.returncode == 3
+    assert says in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
 @pytest.mark.parametrize("kind", ["B21", "B22"])
