@@ -21,7 +21,7 @@ module amontons_contact_evaluation
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_slave_node_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
-    is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector, begin_search, &
+    is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector, begin_search, find_slaves_apart, &
     measure_clearances
   use amontons_first_touch, only: set_first_touch_origin
   implicit none
@@ -52,6 +52,7 @@ contains
     type(fields_type), intent(inout) :: fields
     logical, intent(in) :: is_linearized           !< of the elements: imbalance is linearised at their last evaluation
     real(DP), allocatable :: x(:, :), total(:, :)
+    logical, allocatable :: is_apart(:)            ! (n_slaves) stays open; not allocated: all are evaluated
     integer :: level, s
     fields%contact_force = 0.0_DP
     contact%law_linearization_force = 0.0_DP
@@ -66,9 +67,10 @@ contains
     contact%memory = old%user_memory
     allocate (x, source=model%mesh%coordinates + fields%u)
     call begin_search(contact, size(fields%slaves), x, is_linearized)
+    if (is_linearized) is_apart = find_slaves_apart(contact, fields%slaves, x)
     if (any(model%pairs%is_mortar) .and. .not. allocated(contact%held_friction)) call update_mortar_rows(contact, old%slaves, &
       model%pairs%is_mortar .and. .not. contact%has_fixed_geometry, &
-      .false., x)
+      .false., x, is_apart)
     allocate (total, source=imbalance)
     do level = 1, contact%shared_slaves%n_levels
       do s = 1, size(fields%slaves)

@@ -38,7 +38,7 @@ module amontons_contact_pairs
   public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
-    update_mortar_slave, update_gap, set_stick_origin, is_stuck_to_mortar_row, &
+    update_mortar_slave, update_gap, set_stick_origin, is_stuck_to_mortar_row, find_slaves_apart, &
     find_slave_projection, renew_searches, begin_search, measure_clearances, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, &
     MAX_DEPTH_SHARE
 
@@ -84,8 +84,8 @@ module amontons_contact_pairs
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
     real(DP), allocatable :: searched_x(:, :)     !< (3, n_nodes) coordinates at the last search of all nodes without a facet
                                                   !! [length]
-    real(DP), allocatable :: clearance(:)         !< (n_slaves) least distance of such a node from its master there; 0: not known
-                                                  !! [length]
+    real(DP), allocatable :: clearance(:)         !< (n_slaves) least distance of such a node from its master there, gap of an open
+                                                  !! row; 0: not known [length]
     real(DP), allocatable :: master_motion(:)     !< (n_pairs) largest motion of the master since then [length]
     type(slip_state_type), allocatable :: slip_data(:) !< (n_slaves) the decision on each slave node at the last evaluation
     type(user_response_type), allocatable :: user_responses(:)   !< (n_slaves) of FRIC and UINTER at the last evaluation
@@ -425,12 +425,14 @@ contains
 
   !> Updates the rows of mortar pairs at x. A node that is slave in several of them with the same normal gets one merged row, in the
   !! first of the pairs, if the masters are coplanar there at the start of the increment.
-  subroutine update_mortar_rows(contact, slaves, is_wanted, is_start, x)
+  subroutine update_mortar_rows(contact, slaves, is_wanted, is_start, x, is_apart)
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     logical, intent(in) :: is_wanted(:)            !< (n_pairs)
     logical, intent(in) :: is_start                !< start of an increment
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    logical, intent(in), optional :: is_apart(:)   !< (n_slaves) of `find_slaves_apart`, where the elements are linearised
+    logical, allocatable :: are_apart(:)           ! the same by rows of a pair
     integer :: p, s
     logical :: is_found, is_shared(size(is_wanted))
     do s = 1, size(slaves)
@@ -439,8 +441,10 @@ contains
     end do
     contact%mortar%is_compliant = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
-      if (is_wanted(p)) call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, &
-        SEARCH_RADIUS_RATIO * contact%edge(p))
+      if (.not. is_wanted(p)) cycle
+      if (present(is_apart)) are_apart = rows_apart(p)
+      call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, SEARCH_RADIUS_RATIO * &
+        contact%edge(p), are_apart)
     end do
     if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
     is_shared = is_wanted .and. .not. contact%mortar%has_unique_slaves
@@ -457,6 +461,17 @@ contains
     call merge_rows_at_seams(contact, slaves, is_wanted, x)
 
   contains
+
+    !> The rows of a pair whose slaves stay open.
+    pure function rows_apart(p) result(rows)
+      integer, intent(in) :: p                     !< pair
+      logical :: rows(size(contact%mortar(p)%nodes))
+      integer :: s
+      rows = .false.
+      do s = 1, size(slaves)
+        if (slaves(s)%pair == p .and. slaves(s)%row > 0) rows(slaves(s)%row) = is_apart(s)
+      end do
+    end function rows_apart
 
     !> The rows of all pairs that share slave nodes.
     subroutine rebuild()
@@ -587,7 +602,7 @@ contains
   end subroutine begin_search
 
 
-  !> The distances of nodes without a facet from their masters.
+  !> The distances of nodes without a facet from their masters, and those of open rows.
   subroutine measure_clearances(contact, slaves, x)
     type(contact_type), intent(inout) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
@@ -597,9 +612,31 @@ contains
       associate (slave => slaves(s), p => slaves(s)%pair)
         if (slave%facet == 0 .and. slave%row == 0 .and. .not. contact%has_fixed_geometry(p)) contact%clearance(s) = &
           find_clearance(contact%facets(p), contact%search(p), x, x(:, slave%node), SEARCH_RADIUS_RATIO * contact%edge(p))
+        if (slave%facet > 0 .and. slave%row > 0 .and. slave%slave_facet == 0 .and. slave%status == STATUS_OPEN .and. &
+          .not. is_compliant(contact%laws(p))) contact%clearance(s) = max(slave%gap, 0.0_DP) * &
+          dot_product(slave%normal, contact%mortar(p)%cuts%master_planes(slave%facet)%normal)
       end associate
     end do
   end subroutine measure_clearances
+
+
+  !> The slaves with rows that stay open at linearised elements: they and their masters have moved by less than half their gap since
+  !! it was measured. Half, because a gap between inclined faces changes by more than their motion; a row that closes all the same
+  !! does so at the next evaluation of the elements.
+  pure function find_slaves_apart(contact, slaves, x) result(is_apart)
+    type(contact_type), intent(in) :: contact      !< after `begin_search`
+    type(slave_state_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
+    logical :: is_apart(size(slaves))
+    integer :: s
+    do s = 1, size(slaves)
+      associate (slave => slaves(s))
+        is_apart(s) = slave%row > 0 .and. slave%status == STATUS_OPEN
+        if (is_apart(s)) is_apart(s) = 0.5_DP * contact%clearance(s) > contact%master_motion(slave%pair) &
+          + norm2(x(:, slave%node) - contact%searched_x(:, slave%node))
+      end associate
+    end do
+  end function find_slaves_apart
 
 
   !> Searches a facet for a node without one, because an earlier iterate left the master or the node was far away: otherwise it

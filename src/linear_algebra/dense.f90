@@ -11,7 +11,7 @@ module amontons_dense
     potrf => dpotrf, potri => dpotri, gemv => dgemv, dgesv, dgecon, dsyev, dgelsd
   implicit none
   private
-  public :: solve_small, solve_symmetric_eigen, least_squares
+  public :: solve_small, invert_small, solve_symmetric_eigen, least_squares
   public :: factorise_dense, solve_dense, find_matrix_scales, is_rank_deficient, multiply_triangular, triangular_product, invert_spd
   public :: multiply_dense_transpose
   public :: DENSE_OK, DENSE_SINGULAR, DENSE_FAILED, MIN_THREADED_SIZE, BLOCK_COLUMNS
@@ -71,6 +71,36 @@ contains
     end if
     if (status /= DENSE_OK) x = 0
   end subroutine solve_matrix
+
+
+  !> A^-1 by LU with partial pivoting. Singular means: to working precision, by the condition number.
+  subroutine invert_small(a, inverse, status)
+    real(DP), intent(in) :: a(:, :)            !< (n, n)
+    real(DP), intent(out) :: inverse(:, :)     !< (n, n) 0 if the status is not DENSE_OK
+    integer, intent(out) :: status             !< DENSE_...
+    real(DP) :: lu(size(a, 1), size(a, 1)), condition
+    integer :: pivot(size(a, 1)), i, n, info
+    type(ieee_status_type) :: environment
+    n = size(a, 1)
+    lu = a
+    inverse = 0
+    do i = 1, n
+      inverse(i, i) = 1
+    end do
+    status = DENSE_OK
+    if (n == 0) return
+    if (.not. all_finite(a)) then
+      status = DENSE_FAILED
+    else
+      call suspend_fp_traps(environment)
+      call dgesv(n, n, lu, n, pivot, inverse, n, info)
+      condition = 0
+      if (info == 0) condition = 1 / (maxval(sum(abs(a), 1)) * maxval(sum(abs(inverse), 1)))
+      if (.not. condition > epsilon(condition)) status = DENSE_SINGULAR
+      call ieee_set_status(environment)
+    end if
+    if (status /= DENSE_OK) inverse = 0
+  end subroutine invert_small
 
 
   !> Eigenvalues in ascending order and orthonormal eigenvectors of a symmetric matrix.

@@ -13,7 +13,7 @@ module amontons_dual_shape_functions
   use amontons_kinds, only: DP
   use amontons_element_kinds, only: facet_kind, facet_kind_type, FACET_TRI3, FACET_TRI6, FACET_QUAD4, FACET_QUAD8, &
     FACET_LINE2, FACET_LINE3, MAX_FACE_NODES
-  use amontons_dense, only: solve_small, DENSE_OK
+  use amontons_dense, only: invert_small, DENSE_OK
   implicit none
   private
   public :: is_transformed, find_full_dual_fraction, transform_shape_functions, transform_nodal_positions, &
@@ -123,14 +123,10 @@ contains
     real(DP), intent(in) :: shapes(:, :)           !< (n, n_points) N~_j [-]
     real(DP), intent(out) :: phi(:, :)             !< (n, n_points) [-]
     real(DP), intent(out) :: d(:)                  !< (n) [length^2]
-    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), unit(size(d), size(d)), full_fraction, slope
+    real(DP) :: mass(size(d), size(d)), inverse(size(d), size(d)), full_fraction, slope
     real(DP), allocatable :: affine(:, :)
     integer :: i, q, status
     mass = 0.0_DP
-    unit = 0.0_DP
-    do i = 1, size(d)
-      unit(i, i) = 1.0_DP
-    end do
     do q = 1, size(weight)
       do i = 1, size(d)
         mass(:, i) = mass(:, i) + weight(q) * shapes(i, q) * shapes(:, q)
@@ -139,7 +135,7 @@ contains
     d = matmul(shapes, weight)
     call find_full_dual_fraction(kind, sum(weight) / area, full_fraction, slope)
     status = -1
-    if (full_fraction > 0.0_DP) call solve_small(mass, unit, inverse, status)
+    if (full_fraction > 0.0_DP) call invert_small(mass, inverse, status)
     if (status /= DENSE_OK) then
       call evaluate_affine_duals(area, at_node, weight, at, d, phi)
       return
@@ -163,7 +159,7 @@ contains
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: at_node(:, :), weight(:), at(:, :), d(:)
     real(DP), intent(out) :: phi(:, :)
-    real(DP) :: centre(2), y(3, size(weight)), y_node(3, size(d)), gram(3, 3), inverse(3, 3), unit(3, 3)
+    real(DP) :: centre(2), y(3, size(weight)), y_node(3, size(d)), gram(3, 3), inverse(3, 3)
     integer :: i, q, status
     centre = matmul(at, weight) / sum(weight)
     y(1, :) = 1.0_DP
@@ -173,16 +169,12 @@ contains
       y_node(i + 1, :) = (at_node(i, :) - centre(i)) / sqrt(area)
     end do
     gram = 0.0_DP
-    unit = 0.0_DP
-    do i = 1, 3
-      unit(i, i) = 1.0_DP
-    end do
     do q = 1, size(weight)
       do i = 1, 3
         gram(:, i) = gram(:, i) + weight(q) * y(i, q) * y(:, q)
       end do
     end do
-    call solve_small(gram, unit, inverse, status)
+    call invert_small(gram, inverse, status)
     if (status == DENSE_OK) then
       phi = spread(d, 2, size(weight)) * matmul(transpose(y_node), matmul(inverse, y))
     else

@@ -19,8 +19,7 @@ module amontons_mortar
   use amontons_dual_shape_functions, only: is_transformed, nodal_integral_fractions, BASIS_ALPHA
   use amontons_mortar_segmentation, only: projection_plane_type, mortar_segment_type, segmentation_type, build_segmentation, &
     build_projection_planes, project_on_plane, &
-    project_facet_corners, find_depth, &
-    integrate_segments, keep_segmentation, is_facing_plane, is_unseen_facet
+    project_facet_corners, find_depth, integrate_segments, keep_segmentation, is_facing_plane, is_unseen_facet
   use amontons_row_normals, only: normal_cone_type, find_row_normal
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
   implicit none
@@ -32,8 +31,7 @@ module amontons_mortar
   real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node with a smaller covered fraction of its area has no row
                                                            !! [-]
   real(DP), parameter :: MIN_COUNTED_FRACTION = 1.0e-9_DP       !< with a smaller one it is not covered at all [-]
-  real(DP), parameter :: MIN_COVER_RATIO = 0.5_DP  !< a vertex counts as covered if its covered fraction is this part of the best at
-                                                   !! its node [-]
+  real(DP), parameter :: MIN_COVER_RATIO = 0.5_DP  !< least covered fraction of a covered vertex over the best at its node [-]
   real(DP), parameter :: MAX_EXCESS = 0.1_DP  !< a slave node is over a master facet up to this fraction of an edge beyond it [-]
   real(DP), parameter :: MAX_EXCESS_LEAVING = 0.2_DP             !< the limit within an increment for a node that was over it [-]
   real(DP), parameter :: MAX_EXCESS_ENTERING = 0.0_DP          !< the limit within an increment for a node that was beside it [-]
@@ -60,6 +58,8 @@ module amontons_mortar
     real(DP), allocatable :: x(:, :)               !< (3, size(nodes)) their coordinates at the segmentation [length]
     type(projection_plane_type), allocatable :: master_planes(:)   !< (master%n)
     type(segmentation_type), allocatable :: covers(:)     !< (n_facets)
+    logical, allocatable :: is_current(:)          !< (n_facets) segmented at x
+    logical, allocatable :: is_reference(:)        !< (n_facets) segmented at the coordinates of the last call without `is_apart`
     type(segmentation_type) :: work                !< of the current facet
     real(DP), allocatable :: area(:)               !< (n_vertices) covered area of a vertex [length^2]
     real(DP), allocatable :: whole(:)              !< (n_vertices) total area of a vertex [length^2]
@@ -349,21 +349,21 @@ contains
   end subroutine average_rows
 
 
-  !> Integrates positions and rows of all slave nodes in a configuration. Cost: linear in the number of segments.
-  subroutine integrate_mortar(mortar, master, search, is_start, x, reach)
+  !> Integrates positions and rows of all slave nodes in a configuration. Facets whose nodes all stay open since the last call
+  !! without `is_apart` keep its segmentation. Cost: linear in the number of segments.
+  subroutine integrate_mortar(mortar, master, search, is_start, x, reach, is_apart)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
     type(facet_search_type), intent(in) :: search        !< of the master's facets, with at least `find_search_margin`
     logical, intent(in) :: is_start  !< start of an increment: search and search distance may have changed since the last call
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                  !< larger distances between facets are ignored [length]
-    logical :: is_cut
+    logical, intent(in), optional :: is_apart(:)   !< (n) nodes that stay open since the last call without it
     if (.not. mortar%is_made) mortar%base_rows = mortar%rows
     if (is_start) mortar%is_at_seam = .not. mortar%has_unique_slaves
     if (is_start) mortar%excess_limits = MAX_EXCESS
-    is_cut = allocated(mortar%cuts%x) .and. .not. is_start
-    if (is_cut) is_cut = all(abs(mortar%cuts%x - x(:, mortar%cuts%nodes)) <= 0.0_DP)
-    if (.not. is_cut) call segment_facets(mortar, master, search, x, reach)
+    call prepare_segmentation(mortar, master, is_start, x)
+    call segment_facets(mortar, master, search, x, reach, is_apart)
     call build_rows(mortar, master, search, x, reach)
     mortar%is_made = .true.
   end subroutine integrate_mortar
@@ -436,14 +436,17 @@ contains
   end subroutine find_decoupled_rows
 
 
-  !> Segments all slave facets.
-  subroutine segment_facets(mortar, master, search, x, reach)
+  !> Coordinates and master planes of a segmentation. One at the same coordinates is kept, but for the start of an increment.
+  subroutine prepare_segmentation(mortar, master, is_start, x)
     type(mortar_type), intent(inout) :: mortar
     type(facets_type), intent(in) :: master
-    type(facet_search_type), intent(in) :: search
-    real(DP), intent(in) :: x(:, :), reach
-    logical :: is_used(size(x, 2))
+    logical, intent(in) :: is_start                !< start of an increment
+    real(DP), intent(in) :: x(:, :)
+    logical :: is_used(size(x, 2)), is_same
     integer :: f
+    is_same = allocated(mortar%cuts%x) .and. .not. is_start
+    if (is_same) is_same = all(abs(mortar%cuts%x - x(:, mortar%cuts%nodes)) <= 0.0_DP)
+    if (is_same) return
     if (.not. allocated(mortar%cuts%nodes)) then
       is_used = .false.
       is_used(mortar%slave%nodes) = .true.
@@ -451,14 +454,47 @@ contains
       mortar%cuts%nodes = pack([(f, f=1, size(is_used))], is_used)
     end if
     mortar%cuts%x = x(:, mortar%cuts%nodes)
-    if (.not. allocated(mortar%cuts%covers)) allocate (mortar%cuts%covers(mortar%slave%n), &
-      mortar%cuts%area(mortar%slave%n_vertices), mortar%cuts%whole(mortar%slave%n_vertices))
+    if (.not. allocated(mortar%cuts%covers)) then
+      allocate (mortar%cuts%covers(mortar%slave%n))
+      allocate (mortar%cuts%is_current(mortar%slave%n), mortar%cuts%is_reference(mortar%slave%n), source=.false.)
+      allocate (mortar%cuts%area(mortar%slave%n_vertices), mortar%cuts%whole(mortar%slave%n_vertices))
+    end if
     mortar%cuts%master_planes = build_projection_planes(master, x)
-    mortar%cuts%area = 0.0_DP
-    mortar%cuts%whole = 0.0_DP
-    do f = 1, mortar%slave%n
-      call segment_facet(mortar%slave, f, mortar%depth(f), master, search, x, reach, mortar%cuts)
-    end do
+    mortar%cuts%is_current = .false.
+  end subroutine prepare_segmentation
+
+
+  !> Segments all slave facets but those that stay apart from their masters, and sums the areas.
+  subroutine segment_facets(mortar, master, search, x, reach, is_apart)
+    type(mortar_type), intent(inout) :: mortar
+    type(facets_type), intent(in) :: master
+    type(facet_search_type), intent(in) :: search
+    real(DP), intent(in) :: x(:, :), reach
+    logical, intent(in), optional :: is_apart(:)   !< (n)
+    integer :: f, k, n
+    logical :: is_kept
+    associate (cuts => mortar%cuts, slave => mortar%slave)
+      cuts%area = 0.0_DP
+      cuts%whole = 0.0_DP
+      do f = 1, slave%n
+        n = slave%first(f + 1) - slave%first(f)
+        is_kept = cuts%is_current(f)
+        if (present(is_apart) .and. .not. is_kept) is_kept = cuts%is_reference(f) .and. &
+          all(is_apart(mortar%row_of_entry(slave%first(f):slave%first(f + 1) - 1)))
+        if (.not. is_kept) then
+          call segment_facet(slave, f, mortar%depth(f), master, search, x, reach, cuts)
+          cuts%is_current(f) = .true.
+          cuts%is_reference(f) = .false.
+        end if
+        associate (v => slave%vertex(slave%first(f):slave%first(f + 1) - 1), cover => cuts%covers(f))
+          cuts%whole(v) = cuts%whole(v) + cover%area * facet_integral_fractions(slave%kind(f), n)
+          do k = 1, cover%n
+            cuts%area(v) = cuts%area(v) + cover%segments(k)%share(:n)
+          end do
+        end associate
+      end do
+      if (.not. present(is_apart)) cuts%is_reference = .true.
+    end associate
   end subroutine segment_facets
 
 
@@ -470,19 +506,13 @@ contains
     type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :), reach
     type(surface_segmentation_type), intent(inout) :: cuts
-    real(DP) :: corners(2, 4), size_of
-    integer :: k, k_own, n_own, v(MAX_FACE_NODES), nodes(MAX_FACE_NODES)
-    call facet_nodes(slave, f, n_own, nodes)
-    v(:n_own) = slave%vertex(slave%first(f):slave%first(f + 1) - 1)
+    real(DP) :: corners(2, 4)
+    integer :: n
     associate (work => cuts%work)
       call build_segmentation(slave, f, depth, master, cuts%master_planes, search, x, reach, work)
-      call project_facet_corners(work%plane, slave, f, x, corners, k_own)
-      size_of = signed_polygon_area(corners(:, :k_own)) * find_depth(work%plane, work%plane%origin)
-      cuts%whole(v(:n_own)) = cuts%whole(v(:n_own)) + size_of * facet_integral_fractions(slave%kind(f), n_own)
-      if (work%n > 0) call integrate_segments(slave, f, x, work%plane, size_of, work%points, work%segments(:work%n))
-      do k = 1, work%n
-        cuts%area(v(:n_own)) = cuts%area(v(:n_own)) + work%segments(k)%share(:n_own)
-      end do
+      call project_facet_corners(work%plane, slave, f, x, corners, n)
+      work%area = signed_polygon_area(corners(:, :n)) * find_depth(work%plane, work%plane%origin)
+      if (work%n > 0) call integrate_segments(slave, f, x, work%plane, work%area, work%points, work%segments(:work%n))
       call keep_segmentation(work, cuts%covers(f))
     end associate
   end subroutine segment_facet

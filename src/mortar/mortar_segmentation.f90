@@ -76,6 +76,7 @@ module amontons_mortar_segmentation
   !> Segmentation of a slave facet. After the integration the functions are not kept, to save memory.
   type :: segmentation_type
     type(projection_plane_type) :: plane
+    real(DP) :: area = 0                           !< of the slave facet [length^2]
     type(segment_points_type) :: points
     integer :: n = 0
     type(mortar_segment_type), allocatable :: segments(:) !< the first n are set
@@ -491,6 +492,7 @@ contains
     type(segmentation_type), intent(in) :: work
     type(segmentation_type), intent(inout) :: kept
     kept%plane = work%plane
+    kept%area = work%area
     kept%n = work%n
     kept%segments = work%segments(:work%n)
     kept%points%n = work%points%n

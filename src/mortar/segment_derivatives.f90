@@ -14,7 +14,7 @@ module amontons_segment_derivatives
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet
   use amontons_polygon_clipping, only: clip_polygon, signed_polygon_area, set_polygon_quadrature, MAX_POLYGON_CORNERS, &
     MAX_CUT_POINTS
-  use amontons_dense, only: solve_small, DENSE_OK
+  use amontons_dense, only: invert_small, DENSE_OK
   use amontons_dual_shape_functions, only: find_full_dual_fraction, transform_shape_functions, transform_nodal_positions, &
     is_transformed
   use amontons_mortar_segmentation, only: projection_plane_type, mortar_segment_type, segmentation_type, project_on_plane, &
@@ -678,7 +678,7 @@ contains
     do i = 1, m
       unit(i, i) = 1.0_DP
     end do
-    call solve_small(integrals%gram, unit, inverse, status)
+    call invert_small(integrals%gram, inverse, status)
     if (status /= DENSE_OK) then                   ! degenerate narrow part: constants, as in amontons_dual_shape_functions
       call solve_constant_dual(derivatives, integrals)
       return

@@ -3,7 +3,7 @@
 program test_dense
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use amontons_kinds, only: DP
-  use amontons_dense, only: solve_small, solve_symmetric_eigen, least_squares, invert_spd, &
+  use amontons_dense, only: solve_small, invert_small, solve_symmetric_eigen, least_squares, invert_spd, &
     multiply_dense_transpose, multiply_triangular, factorise_dense, solve_dense, find_matrix_scales, &
     is_rank_deficient, &
     DENSE_OK, DENSE_SINGULAR, DENSE_FAILED
@@ -49,7 +49,7 @@ contains
 
   subroutine test_solve(n)
     integer, intent(in) :: n
-    real(DP) :: a(n, n), b(n, 3), x(n, 3), y(n), ratio
+    real(DP) :: a(n, n), b(n, 3), x(n, 3), y(n), inverse(n, n), ratio
     integer :: status
     call random_number(a)
     call random_number(b)
@@ -58,6 +58,10 @@ contains
     ratio = norm_1(matmul(a, x) - b) / (norm_1(a) * norm_1(x) * real(n, DP) * epsilon(1.0_DP))
     call suite%that('solve: status', status == DENSE_OK)
     call suite%near('solve: ratio', ratio, 0.0_DP, 30.0_DP)
+    call invert_small(a, inverse, status)
+    call suite%that('invert: status', status == DENSE_OK)
+    ratio = norm_1(matmul(a, inverse) - unit(n)) / (norm_1(a) * norm_1(inverse) * real(n, DP) * epsilon(1.0_DP))
+    call suite%near('invert: ratio', ratio, 0.0_DP, 30.0_DP)
     call solve_small(a, b(:, 2), y, status)
     call suite%near('solve: one right-hand side as several', maxval(abs(y - x(:, 2))), 0.0_DP, &
                     1.0e-10_DP * maxval(abs(x)))
@@ -96,14 +100,18 @@ contains
 
 
   subroutine test_singular()
-    real(DP) :: hilbert(20, 20), x(20), y(2)
+    real(DP) :: hilbert(20, 20), hilbert_inverse(20, 20), inverse(2, 2), x(20), y(2)
     integer :: status, i, j
     call solve_small(reshape([1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], [2, 2]), [1.0_DP, 1.0_DP], y, status)
     call suite%that('singular: reported', status == DENSE_SINGULAR)
     call suite%that('singular: x is 0', all(abs(y) <= 0))
+    call invert_small(reshape([1.0_DP, 2.0_DP, 2.0_DP, 4.0_DP], [2, 2]), inverse, status)
+    call suite%that('inverse of a singular matrix: reported', status == DENSE_SINGULAR)
     hilbert = reshape([((1 / real(i + j - 1, DP), i=1, 20), j=1, 20)], [20, 20])
     call solve_small(hilbert, [(1.0_DP, i=1, 20)], x, status)
     call suite%that('Hilbert matrix of 20: singular to working precision', status == DENSE_SINGULAR)
+    call invert_small(hilbert, hilbert_inverse, status)
+    call suite%that('its inverse: reported', status == DENSE_SINGULAR .and. all(abs(hilbert_inverse) <= 0))
     call solve_small(hilbert(:6, :6), [(sum(hilbert(i, :6)), i=1, 6)], x(:6), status)
     call suite%near('Hilbert matrix of 6', maxval(abs(x(:6) - 1)), 0.0_DP, 1.0e-8_DP)
   end subroutine test_singular

@@ -46,6 +46,7 @@ program test_mortar
   call check_beside(.false.)
   call check_sliver(1.0e-4_DP)
   call check_sliver(1.0e-6_DP)
+  call check_apart()
   call suite%finish()
 
 contains
@@ -295,6 +296,52 @@ contains
     call suite%near(name // ': their place', first_moment, 0.5_DP * cover**2, 1.0e-12_DP)
     if (kind == KIND_C3D8) call suite%near(name // ': their place by the arms', by_arms, 0.5_DP * cover**2, 1.0e-12_DP)
   end subroutine check_overhang
+
+
+  !> A facet whose nodes stay open keeps the segmentation of the last whole call, and no other.
+  subroutine check_apart()
+    type(mesh_type) :: mesh
+    type(mortar_type) :: mortar
+    type(facets_type) :: master
+    type(facet_search_type) :: search
+    type(error_type), allocatable :: error
+    real(DP) :: xi(3, 20), near(3, 16), beside(3, 16)
+    integer :: i
+    logical, parameter :: ALL_APART(4) = .true., ONE_NEAR(4) = [.true., .true., .false., .true.]
+    mesh%n_nodes = 16
+    mesh%n_elements = 2
+    mesh%kind = spread(KIND_C3D8, 1, 2)
+    mesh%material = [1, 1]
+    mesh%first = [1, 9, 17]
+    mesh%nodes = [(i, i=1, 16)]
+    mesh%element_label = [1, 2]
+    mesh%node_label = mesh%nodes
+    allocate (mesh%node_sets(0), mesh%element_sets(0))
+    call node_coordinates(KIND_C3D8, xi)
+    near(:, :8) = 0.5_DP * (xi(:, :8) + 1)
+    near(:, 9:) = 3 * near(:, :8) - 1
+    near(3, 9:) = near(3, :8) - 1.1_DP
+    beside = near
+    beside(1, :8) = beside(1, :8) + 3
+    mesh%coordinates = near
+    call finalize_mesh(mesh)
+    call create_mortar(mesh, [1], [1], [1, 2, 3, 4], mortar, error)
+    call build_facets(mesh, [2], [2], master, error)
+    call build_facet_search(master, near, find_search_margin(mortar, 1.0_DP), search)
+    call integrate_mortar(mortar, master, search, .true., near, 1.0_DP)
+    call suite%that('apart: over the master', all(mortar%places%facet > 0))
+    call integrate_mortar(mortar, master, search, .false., beside, 1.0_DP, ALL_APART)
+    call suite%that('apart: the segmentation is kept', mortar%cuts%covers(1)%n == 1)
+    call integrate_mortar(mortar, master, search, .false., beside, 1.0_DP, ONE_NEAR)
+    call suite%that('one node near: segmented', mortar%cuts%covers(1)%n == 0)
+    call integrate_mortar(mortar, master, search, .false., near, 1.0_DP, ALL_APART)
+    call suite%that('apart, but not of the last whole call: segmented', mortar%cuts%covers(1)%n == 1)
+    call integrate_mortar(mortar, master, search, .false., near, 1.0_DP)
+    call integrate_mortar(mortar, master, search, .false., beside, 1.0_DP, ALL_APART)
+    call suite%that('apart again: kept', mortar%cuts%covers(1)%n == 1)
+    call integrate_mortar(mortar, master, search, .false., beside, 1.0_DP)
+    call suite%that('a whole call at the same coordinates: segmented', mortar%cuts%covers(1)%n == 0)
+  end subroutine check_apart
 
 
   !> The natural coordinates of a point of the square (0, 1) x (0, 1), whose corners are given.
