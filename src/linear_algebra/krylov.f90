@@ -4,6 +4,7 @@
 !! Both measure the true residual b - A x in the 2-norm, never the preconditioned one. Sums have a fixed order: results repeat
 !! bitwise. Nothing they return is ever NaN: after a breakdown, x is the best iterate so far.
 !! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
+!! Sleijpen and van der Vorst, Computing 56 (1996) 141 (residuals computed anew);
 !! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
 module amontons_krylov
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -23,6 +24,11 @@ module amontons_krylov
   integer, parameter :: KRYLOV_NOT_FINITE = 4   !< the operator, the preconditioner or b gave NaN or an infinity
 
   real(DP), parameter :: MAX_CYCLE_REDUCTION = 0.99_DP     !< a cycle that reduces the residual by less has stagnated
+
+  real(DP), parameter :: UPDATE_RATIO = 1.0e-4_DP    !< fall of the residual after which conjugate gradients compute it anew [-]
+
+  real(DP), parameter :: SMALL_DRIFT = 0.1_DP        !< drift over the residual of the recurrence: up to it the next iterations
+                                                     !! still reduce the true residual [-]
 
   real(DP), parameter :: TOL_ROUNDING = 64 * epsilon(1.0_DP)   !< a vector below this fraction of another one is rounding
 
@@ -277,8 +283,8 @@ contains
   end subroutine update_solution
 
 
-  !> Solves A x = b with A symmetric positive definite by preconditioned conjugate gradients. When the recurrence indicates
-  !> convergence, the true residual is computed; if it is not small, the iteration restarts from there.
+  !> Solves A x = b with A symmetric positive definite by preconditioned conjugate gradients. The true residual decides; where no
+  !> direction lowers it any more, the status is KRYLOV_STAGNATED.
   subroutine conjugate_gradients(operator, preconditioner, b, x, options, report)
     class(operator_type), intent(inout) :: operator         !< A
     class(operator_type), intent(inout) :: preconditioner   !< symmetric positive definite, as the inverse of A
@@ -286,18 +292,12 @@ contains
     real(DP), intent(inout) :: x(:)                         !< (n) in: first guess; out: solution
     type(krylov_options_type), intent(in) :: options
     type(krylov_report_type), intent(out) :: report
-    real(DP) :: r(size(b)), target_residual, size_of_b, before
+    real(DP) :: r(size(b)), target_residual, size_of_b
     call check_trivial_solution(operator, b, x, options, r, size_of_b, target_residual, report)
     if (report%status /= KRYLOV_MAX_ITERATIONS) return
-    before = norm(r)
-    do while (report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations < options%max_iterations)
-      call run_cg_iterations(operator, preconditioner, target_residual, options, r, x, report)
-      if (report%status == KRYLOV_NOT_FINITE) exit
-      call residual_of(operator, b, x, r)
-      call check_stagnation(norm(r), target_residual, before, report)
-      before = norm(r)
-    end do
-    report%residual = before / size_of_b
+    call run_cg_iterations(operator, preconditioner, b, target_residual, options, r, x, report)
+    if (report%status == KRYLOV_NOT_FINITE) return
+    report%residual = norm(r) / size_of_b
   end subroutine conjugate_gradients
 
 
@@ -315,19 +315,38 @@ contains
   end subroutine check_stagnation
 
 
-  !> Conjugate gradients until the residual of the recurrence is small or a breakdown occurs.
-  subroutine run_cg_iterations(operator, preconditioner, target_residual, options, r, x, report)
+  !> Conjugate gradients until the residual is small or at rounding level, or a breakdown occurs. The residual of the recurrence
+  !! drifts from b - A x by rounding. Whenever it has fallen by UPDATE_RATIO, b - A x takes its place, and the directions continue.
+  !! The change of x since then is summed by itself, without the rounding of x. So the drift at an update is the rounding of A x:
+  !! no smaller residual can be reached.
+  subroutine run_cg_iterations(operator, preconditioner, b, target_residual, options, r, x, report)
     class(operator_type), intent(inout) :: operator, preconditioner
+    real(DP), intent(in) :: b(:)
     real(DP), intent(in) :: target_residual
     type(krylov_options_type), intent(in) :: options
-    real(DP), intent(inout) :: r(:)                         !< b - A x; out: by the recurrence
+    real(DP), intent(inout) :: r(:)                         !< b - A x
     real(DP), intent(inout) :: x(:)
     type(krylov_report_type), intent(inout) :: report
-    real(DP), dimension(size(r)) :: z, p, a_p
-    real(DP) :: rho, rho_old, energy, alpha
+    real(DP), dimension(size(r)) :: z, p, a_p, dx
+    real(DP) :: rho, rho_old, energy, alpha, size_of_r, drift
+    real(DP) :: largest                                     ! residual since the last update
+    logical :: is_end                                       ! by the recurrence no smaller residual is needed or can be reached
     p = 0
+    dx = 0
     rho_old = 1
-    do while (report%n_iterations < options%max_iterations .and. norm(r) > target_residual)
+    drift = 0
+    size_of_r = norm(r)
+    largest = size_of_r
+    do while (report%n_iterations < options%max_iterations)
+      if (size_of_r <= max(target_residual, drift, UPDATE_RATIO * largest)) then
+        is_end = size_of_r <= max(target_residual, drift)
+        call update_residual(operator, b, dx, x, r, drift)
+        if (is_end .and. drift > SMALL_DRIFT * size_of_r) report%status = KRYLOV_STAGNATED
+        size_of_r = norm(r)
+        largest = size_of_r
+        if (size_of_r <= target_residual) report%status = KRYLOV_CONVERGED
+        if (report%status /= KRYLOV_MAX_ITERATIONS) return
+      end if
       call preconditioner%apply(r, z)
       report%n_iterations = report%n_iterations + 1
       rho = dot(r, z)
@@ -339,13 +358,33 @@ contains
       else if (rho <= 0 .or. energy <= 0) then
         report%status = KRYLOV_INDEFINITE
       end if
-      if (report%status /= KRYLOV_MAX_ITERATIONS) return
+      if (report%status /= KRYLOV_MAX_ITERATIONS) exit
       alpha = rho / energy
-      x = x + alpha * p
+      dx = dx + alpha * p
       r = r - alpha * a_p
       rho_old = rho
+      size_of_r = norm(r)
+      largest = max(largest, size_of_r)
     end do
+    call update_residual(operator, b, dx, x, r, drift)
+    if (norm(r) <= target_residual) report%status = KRYLOV_CONVERGED
   end subroutine run_cg_iterations
+
+
+  !> Adds the change to x, which becomes zero, and computes r = b - A x.
+  subroutine update_residual(operator, b, dx, x, r, drift)
+    class(operator_type), intent(inout) :: operator
+    real(DP), intent(in) :: b(:)
+    real(DP), intent(inout) :: dx(:), x(:)
+    real(DP), intent(inout) :: r(:)                         !< in: by the recurrence
+    real(DP), intent(out) :: drift                          !< norm of the change of r
+    x = x + dx
+    call operator%apply(x, dx)
+    dx = b - dx
+    drift = norm(dx - r)
+    r = dx
+    dx = 0
+  end subroutine update_residual
 
 
   !> r = b - A x.
