@@ -22,8 +22,9 @@ uses_sparse = kinds containers errors
 uses_factorization = kinds errors sparse
 uses_graph_partition = containers errors sparse
 uses_krylov = kinds errors sparse
+uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
-uses_two_level_preconditioner = kinds containers errors dense sparse factorization
+uses_two_level_preconditioner = kinds containers errors dense sparse factorization midside_interpolation
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
 # distributed
@@ -177,7 +178,7 @@ uses_unpaired_contact = kinds text containers model facets exterior_surface face
 
 # equilibrium
 uses_arc_length = kinds steps model state
-uses_reduced_system = kinds text errors posix sparse factorization graph_partition two_level_preconditioner mpi_ranks distributed_solver controls mesh steps constraints
+uses_reduced_system = kinds text errors posix sparse factorization graph_partition two_level_preconditioner mpi_ranks distributed_solver controls element_kinds mesh steps constraints
 uses_schur_interface = kinds errors dense sparse factorization graph_partition woodbury_interface controls constraints
 uses_contact_tiles = kinds containers errors blas_lapack sparse
 uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles

@@ -9,6 +9,8 @@ module amontons_reduced_system
   use amontons_text, only: to_text
   use amontons_posix, only: available_megabytes, total_megabytes, process_lock_type, acquire_lock
   use amontons_mesh, only: mesh_type
+  use amontons_element_kinds, only: element_kind_type, facet_kind_type, element_kind, facet_kind, &
+    has_midsides
   use amontons_controls, only: linear_solver_controls_type
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
@@ -16,7 +18,8 @@ module amontons_reduced_system
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
   use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
     nodes_by_first_use, separator_size
-  use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, factorise_two_level, &
+  use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, offer_corner_space, &
+    factorise_two_level, &
     apply_preconditioner, discard_preconditioner, choose_n_parts, elements_of_part, &
     two_level_megabytes
   use amontons_mpi_ranks, only: n_ranks, min_over_ranks
@@ -202,7 +205,8 @@ contains
       .not. self%is_iteration_abandoned
     self%max_iterations = self%controls%max_cg_iterations
     self%cost = solution_cost_type( &
-      iteration_megabytes=two_level_megabytes(constraints%n_free, size(self%matrix%column), choose_n_parts(mesh%n_nodes)), &
+      iteration_megabytes=two_level_megabytes(constraints%n_free, size(self%matrix%column), choose_n_parts(mesh%n_nodes), &
+      any(has_midsides(mesh%kind))), &
       iteration_operations=self%controls%operations_per_entry * real(size(self%matrix%column), DP))
     if (.not. self%is_iterative) then
       call find_factor_cost(self, constraints, error)
@@ -440,7 +444,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: of_element(:), part(:), axis(:)
     real(DP), allocatable :: position(:, :)
-    integer :: of_node(mesh%n_nodes), n_parts, e, i, f
+    integer :: of_node(mesh%n_nodes), ends_of_node(2, mesh%n_nodes), n_parts, e, i, f
     call aggregate_elements(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, &
       elements_of_part(mesh%n_elements, mesh%n_nodes), of_element, n_parts, error)
     if (allocated(error)) return
@@ -457,7 +461,54 @@ contains
       position(:, f) = mesh%coordinates(:, (i + 2) / 3)
     end do
     call build_coarse_space(self%iterative, part, axis, position, n_parts)
+    call find_edge_ends(mesh, ends_of_node)
+    if (any(ends_of_node > 0)) call offer_corner_space(self%iterative, ends_of_unknowns(constraints, ends_of_node))
   end subroutine create_subdomains
+
+
+  !> The ends of the edge of each mid-side node; 0 for others. A node at the corner of any element is none.
+  pure subroutine find_edge_ends(mesh, ends)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(out) :: ends(:, :)             !< (2, n_nodes)
+    logical :: is_corner(mesh%n_nodes)
+    type(element_kind_type) :: element
+    type(facet_kind_type) :: facet
+    integer :: e, f, k, kind
+    ends = 0
+    is_corner = .false.
+    kind = 0
+    do e = 1, mesh%n_elements
+      if (mesh%kind(e) /= kind) element = element_kind(mesh%kind(e))
+      kind = mesh%kind(e)
+      do f = 1, element%n_faces
+        facet = facet_kind(element%face_kind(f))
+        associate (nodes => mesh%nodes(mesh%first(e) - 1 + element%face_nodes(:facet%n_nodes, f)))
+          is_corner(nodes(:facet%n_corners)) = .true.
+          do k = 1, facet%n_nodes - facet%n_corners
+            ends(:, nodes(facet%n_corners + k)) = nodes([k, mod(k, facet%n_corners) + 1])
+          end do
+        end associate
+      end do
+    end do
+    where (spread(is_corner, 1, 2)) ends = 0
+  end subroutine find_edge_ends
+
+
+  !> The same for the free unknowns: 0 for an end that is not free, twice itself for an unknown beside the middles of edges.
+  pure function ends_of_unknowns(constraints, ends_of_node) result(ends)
+    type(constraints_type), intent(in) :: constraints
+    integer, intent(in) :: ends_of_node(:, :)      !< (2, n_nodes) 0: not in the middle of an edge
+    integer :: ends(2, constraints%n_free)
+    integer :: i, f
+    do i = 1, constraints%n_unknowns
+      f = constraints%free_of(i)
+      if (f == 0) cycle
+      ends(:, f) = f
+      associate (nodes => ends_of_node(:, (i + 2) / 3))
+        if (nodes(1) > 0) ends(:, f) = constraints%free_of(3 * nodes + mod(i - 1, 3) - 2)
+      end associate
+    end do
+  end function ends_of_unknowns
 
 
   !> Analyses A in the present order of the nodes. METIS computes a new order only if the factor has grown too much.

@@ -9,24 +9,32 @@
 !! body motions of each of many small parts of the mesh: they reduce the smooth error across the whole body. Z'AZ is sparse and
 !! factorized by CHOLMOD. Both factors are in single precision. Both terms are symmetric and positive definite, so that conjugate
 !! gradients can use the sum. On several threads U has a domain for each, without entries between them.
+!!
+!! Quadratic elements: the columns of Z are those of P, the shape functions of the linear elements on the corners, if the factor of
+!! P'AP is not larger than the share MAX_CORNER_ENTRIES of A. They reduce all but the error between neighbouring nodes.
 !! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
 !! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts).
 module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP
   use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern, multiply, multiply_transpose
+  use amontons_midside_interpolation, only: build_midside_interpolation, project_to_corners
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, FACTOR_OK
 !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
-  public :: two_level_preconditioner_type, build_coarse_space, factorise_two_level, apply_preconditioner, choose_n_parts, &
+  public :: two_level_preconditioner_type, build_coarse_space, offer_corner_space, factorise_two_level, &
+    apply_preconditioner, choose_n_parts, &
     elements_of_part, two_level_megabytes, discard_preconditioner
   public :: rigid_motion
 
   integer, parameter :: NODES_PER_PART = 60   !< fewer iterations with smaller parts, but a larger coarse factor | 0012
   real(DP), parameter :: COARSE_ENTRIES_RATIO = 30.0_DP   !< entries of the factor of Z'AZ over its size to the power 4/3 [-]
+  real(DP), parameter :: MAX_CORNER_ENTRIES = 1.5_DP   !< entries of the factor of P'AP over those of A; at 2 a solution with it
+                                                   !! reads as many bytes as one with U and its pattern [-] | 0012
+  real(DP), parameter :: MAX_CORNER_SHARE = 0.5_DP !< unknowns of corners over all: more are not a coarse space [-]
   integer, parameter :: MIN_UNKNOWNS_PER_DOMAIN = 10000   !< smaller domains cost iterations and save no time | 0012
   integer, parameter :: MAX_SHIFTS = 10             !< shifts of the diagonal
   real(DP), parameter :: INITIAL_SHIFT = 4.0e-3_DP       !< of the diagonal, if the factorization breaks down [-]
@@ -45,6 +53,7 @@ module amontons_two_level_preconditioner
     integer :: n_parts = 0
     integer, allocatable :: part(:)                    !< (n) of each unknown
     real(DP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
+    type(sparse_type) :: interpolation                 !< P, in place of the motions as Z; not allocated: the motions serve
     logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
     type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
     type(cholesky_type), allocatable :: coarse_factor  !< of Z'AZ, in single precision
@@ -66,13 +75,15 @@ contains
   end function elements_of_part
 
 
-  !> Memory of the preconditioner [megabytes].
-  pure real(DP) function two_level_megabytes(n, n_entries, n_parts) result(megabytes)
+  !> Memory of the preconditioner [megabytes]; at most, if the corners of quadratic elements serve.
+  pure real(DP) function two_level_megabytes(n, n_entries, n_parts, is_quadratic) result(megabytes)
     integer, intent(in) :: n                           !< unknowns
     integer, intent(in) :: n_entries                   !< of the upper triangle
     integer, intent(in) :: n_parts
+    logical, intent(in) :: is_quadratic                !< there are elements with mid-side nodes
     megabytes = (12.0_DP * real(n_entries, DP) + 52.0_DP * real(n, DP) + &
       8.0_DP * COARSE_ENTRIES_RATIO * (6.0_DP * real(n_parts, DP))**(4.0_DP / 3.0_DP)) / 1.0e6_DP
+    if (is_quadratic) megabytes = megabytes + 8.0e-6_DP * MAX_CORNER_ENTRIES * real(n_entries, DP)
   end function two_level_megabytes
 
 
@@ -108,6 +119,17 @@ contains
     end do
     call orthonormalize_motions(self)
   end subroutine build_coarse_space
+
+
+  !> Offers the interpolation from the corners of quadratic elements as Z. Whether it serves depends on the factor of P'AP.
+  subroutine offer_corner_space(self, ends)
+    type(two_level_preconditioner_type), intent(inout) :: self
+    integer, intent(in) :: ends(:, :)                  !< (2, n) unknowns at the ends of the edge; 0: not free; [i, i]: a corner
+    integer :: i
+    self%interpolation = sparse_type()
+    if (count([(ends(1, i) == i, i=1, size(ends, 2))]) > int(MAX_CORNER_SHARE * real(size(ends, 2), DP))) return
+    call build_midside_interpolation(ends, self%interpolation)
+  end subroutine offer_corner_space
 
 
   !> Three translations and three rotations about the centre, at one unknown.
@@ -223,6 +245,7 @@ contains
     if (allocated(self%inner%first)) deallocate (self%inner%first, self%inner%column)
     if (allocated(self%domain_first)) deallocate (self%domain_first, self%domain_unknown)
     if (allocated(self%part)) deallocate (self%part, self%motion)
+    self%interpolation = sparse_type()
   end subroutine discard_preconditioner
 
 
@@ -318,20 +341,40 @@ contains
   end subroutine subtract_row
 
 
-  !> The factor of Z'AZ. Missing motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
+  !> The factor of Z'AZ: of the corners of quadratic elements if it is small enough, else of the motions of the parts. Missing
+  !! motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
   subroutine factorise_coarse_matrix(self, matrix, error)
     type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: coarse
-    integer :: i, status
+    integer :: i
     self%has_coarse_space = .false.
+    if (allocated(self%interpolation%first)) then
+      call project_to_corners(self%interpolation, matrix, coarse, error)
+      if (allocated(error)) return
+      call factorise_coarse(self, coarse, MAX_CORNER_ENTRIES * real(size(matrix%column), DP), error)
+      if (allocated(error) .or. self%has_coarse_space) return
+      self%interpolation = sparse_type()
+      deallocate (self%coarse_factor)
+    end if
     if (self%n_parts == 0) return
     call assemble_coarse_matrix(self, matrix, coarse, error)
     if (allocated(error)) return
     do i = 1, coarse%n_rows
       if (.not. abs(coarse%value(coarse%first(i))) > 0.0_DP) coarse%value(coarse%first(i)) = 1
     end do
+    call factorise_coarse(self, coarse, huge(1.0_DP), error)
+  end subroutine factorise_coarse_matrix
+
+
+  !> The factor of a coarse matrix, in single precision, unless it has too many entries or is not positive definite.
+  subroutine factorise_coarse(self, coarse, max_entries, error)
+    type(two_level_preconditioner_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: coarse
+    real(DP), intent(in) :: max_entries                !< of the factor
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
     if (.not. allocated(self%coarse_factor)) allocate (self%coarse_factor)
     if (.not. is_same_pattern(coarse, self%coarse_pattern)) then
       call analyse(self%coarse_factor, coarse, error=error)
@@ -340,11 +383,12 @@ contains
       self%coarse_pattern%first = coarse%first
       self%coarse_pattern%column = coarse%column
     end if
+    if (self%coarse_factor%n_entries > max_entries) return
     call factorise(self%coarse_factor, coarse, status, error=error)
     if (allocated(error)) return
     self%has_coarse_space = status == FACTOR_OK
     if (self%has_coarse_space) call round_factor(self%coarse_factor)
-  end subroutine factorise_coarse_matrix
+  end subroutine factorise_coarse
 
 
   !> Z'AZ, upper triangle. W = Z'BZ, where B is the upper triangle of A with half of its diagonal, gives Z'AZ = W + W'. W is
@@ -454,10 +498,37 @@ contains
     type(sparse_type), intent(in) :: matrix            !< the matrix it was built for: its pattern
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
-    real(DP) :: c(6 * self%n_parts), d(6 * self%n_parts)
-    integer :: i
     call solve_incomplete(self, matrix, r, z)
     if (.not. self%has_coarse_space) return
+    if (allocated(self%interpolation%first)) then
+      call add_corner_correction(self, r, z)
+    else
+      call add_motion_correction(self, r, z)
+    end if
+  end subroutine apply_preconditioner
+
+
+  !> Adds P inv(P'AP) P' r.
+  subroutine add_corner_correction(self, r, z)
+    type(two_level_preconditioner_type), intent(in) :: self
+    real(DP), intent(in) :: r(:)                       !< (n)
+    real(DP), intent(inout) :: z(:)                    !< (n)
+    real(DP), allocatable :: c(:), d(:), correction(:)
+    allocate (c(self%interpolation%n_columns), d(self%interpolation%n_columns), correction(size(z)))
+    call multiply_transpose(self%interpolation, r, c)
+    call solve(self%coarse_factor, c, d)
+    call multiply(self%interpolation, d, correction)
+    z = z + correction
+  end subroutine add_corner_correction
+
+
+  !> Adds Z inv(Z'AZ) Z' r with the motions of the parts.
+  subroutine add_motion_correction(self, r, z)
+    type(two_level_preconditioner_type), intent(in) :: self
+    real(DP), intent(in) :: r(:)                       !< (n)
+    real(DP), intent(inout) :: z(:)                    !< (n)
+    real(DP) :: c(6 * self%n_parts), d(6 * self%n_parts)
+    integer :: i
     c = 0
     do i = 1, self%n
       associate (a => 6 * (self%part(i) - 1))
@@ -470,7 +541,7 @@ contains
         z(i) = z(i) + dot_product(self%motion(:, i), d(a + 1:a + 6))
       end associate
     end do
-  end subroutine apply_preconditioner
+  end subroutine add_motion_correction
 
 
   !> z = inv(U) inv(U') r.

@@ -140,8 +140,8 @@ end module iterative_samples
 program test_two_level_preconditioner
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, multiply_symmetric
-  use amontons_two_level_preconditioner, only: build_coarse_space, factorise_two_level
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric
+  use amontons_two_level_preconditioner, only: build_coarse_space, offer_corner_space, factorise_two_level
 !$ use omp_lib, only: omp_set_num_threads
   use iterative_samples, only: two_level_type, chain, bar, iterations_of
   use check, only: suite_type
@@ -151,6 +151,7 @@ program test_two_level_preconditioner
   call test_symmetry()
   call test_motions()
   call test_coarse_space()
+  call test_corners()
   call test_domains()
   call test_length()
   call test_broken()
@@ -259,6 +260,41 @@ contains
     call one%apply(f, z1)
     call suite%that('coarse space: exact for its own displacements', norm2(z - z1 - x) < 1.0e-3_DP * norm2(x))   ! single precision
   end subroutine test_coarse_space
+
+
+  !> Quadratic bars of stiffness 1 in a row under a force of 1 on the end: u = x is linear, so that both terms of the
+  !! preconditioner, U'U = A without fill and P'AP, give it, together 2 x. With corners for the most part P is not taken.
+  subroutine test_corners()
+    integer, parameter :: N = 40                   ! bars; unknowns: middle and end of each
+    type(two_level_type) :: m
+    type(sparse_type), target :: a
+    type(error_type), allocatable :: error
+    integer :: ends(2, 2 * N), row(5 * N - 2), column(5 * N - 2), e, i, k
+    real(DP) :: value(5 * N - 2), b(2 * N), z(2 * N)
+    logical :: is_broken
+    do e = 1, N
+      ends(:, 2 * e - 1) = [2 * e - 2, 2 * e]
+      ends(:, 2 * e) = 2 * e
+    end do
+    row = [(i, i=1, 2 * N), (i, i=1, 2 * N - 1), (2 * i, i=1, N - 1)]
+    column = [(i, i=1, 2 * N), (i + 1, i=1, 2 * N - 1), (2 * i + 2, i=1, N - 1)]
+    value = [((merge(16.0_DP, 14.0_DP, k == 1), k=1, 2), i=1, N), (-8.0_DP, i=1, 2 * N - 1), (1.0_DP, i=1, N - 1)] / 3.0_DP
+    value(2 * N) = 7.0_DP / 3.0_DP
+    call sparse_from_triplets(2 * N, 2 * N, row, column, value, a, error)
+    m%matrix => a
+    call offer_corner_space(m%self, ends)
+    call factorise_two_level(m%self, a, is_broken, error)
+    call suite%that('the corners serve', .not. is_broken .and. m%self%has_coarse_space .and. &
+      allocated(m%self%interpolation%first))
+    b = 0
+    b(2 * N) = 1
+    call m%apply(b, z)
+    call suite%near('both terms give the linear displacement', maxval(abs(z - [(real(i, DP), i=1, 2 * N)])), 0.0_DP, &
+      1.0e-5_DP * real(2 * N, DP))
+    ends(:, 1) = 1
+    call offer_corner_space(m%self, ends)
+    call suite%that('more corners than half are not coarse', .not. allocated(m%self%interpolation%first))
+  end subroutine test_corners
 
 
   !> On two threads U has two domains: the preconditioner stays symmetric, with few more iterations, and repeats bitwise.
