@@ -82,7 +82,9 @@ contains
     if (present(share)) amount = share
     call sparse_from_triplets(N, N, [(3 * SLAVE - 3 + i, i=1, n_following)], [(3 * MASTER - 3 + i, i=1, n_following)], &
       [(amount, i=1, n_following)], motion, error)
-    call update_skin(skin, base, constraints, K, D_R, D_u, rows, motion, error)
+    skin%by_imbalance = D_R
+    skin%by_displacement = D_u
+    call update_skin(skin, base, constraints, K, rows, motion, error)
     call suite%that('skin: renewed', .not. allocated(error) .and. skin%n_tiles == 1)
   end subroutine make_skin
 
@@ -215,7 +217,9 @@ contains
       rows%column = [FIRST, MASTER, SECOND, MASTER]
       rows%value = [1.0_DP, merge(0.1_DP, 0.9_DP, turn == 1), 1.0_DP, merge(0.9_DP, 0.1_DP, turn == 1)]
       call sparse_from_triplets(N, N, [integer ::], [integer ::], [real(DP) ::], motion, error)
-      call update_skin(skin, base, base, K, D_R, D_u, rows, motion, error)
+      skin%by_imbalance = D_R
+      skin%by_displacement = D_u
+      call update_skin(skin, base, base, K, rows, motion, error)
       call suite%that('two tiles', .not. allocated(error) .and. skin%n_tiles == 2)
       r = 0.0_DP
       r(base%free_of([(3 * MASTER - 3 + i, i=1, 3)])) = [1.0_DP, 2.0_DP, 3.0_DP]
