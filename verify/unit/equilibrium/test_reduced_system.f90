@@ -4,6 +4,7 @@ program test_reduced_system
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_type
+  use amontons_element_kinds, only: KIND_T3D2
   use amontons_steps, only: SOLVER_ITERATIVE
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric
   use amontons_factorization, only: FACTOR_OK
@@ -46,6 +47,7 @@ contains
     call eliminate_constraints(constraints)
     mesh%n_nodes = N_NODES
     mesh%n_elements = N_NODES - 1
+    allocate (mesh%kind(N_NODES - 1), source=KIND_T3D2)
     mesh%coordinates = reshape([(real(mod(i, 7), DP) + real(i, DP), i=1, N)], [3, N_NODES])
     mesh%first = [(2 * i - 1, i=1, N_NODES)]
     mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (N_NODES - 1))]
