@@ -8,7 +8,7 @@ module samples
   use amontons_facets, only: facets_type, facet_nodes
   use amontons_shape_functions, only: facet_shapes
   use amontons_surface_projection, only: evaluate_vertex_normal
-  use amontons_element_kinds, only: MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES, KIND_T3D2
   use amontons_sparse, only: sparse_type, sparse_from_triplets
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, eliminate_constraints
   implicit none
@@ -98,6 +98,7 @@ contains
     n = size(coordinates) / 3
     mesh%n_nodes = n
     mesh%n_elements = n - 1
+    allocate (mesh%kind(mesh%n_elements), source=KIND_T3D2)
     mesh%coordinates = reshape(coordinates, [3, n])
     mesh%first = [(2 * i - 1, i=1, n)]
     mesh%nodes = [((i + 1) / 2 + mod(i + 1, 2), i=1, 2 * (n - 1))]
