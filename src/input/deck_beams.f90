@@ -41,7 +41,8 @@ contains
     is_ok = .true.
     call check_n_fields(reader, row, 3)
     do i = 1, 3
-      call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, 0.0_DP)
+      call read_real(reader, row, i, 'first direction', section%direction(i), is_ok, &
+        merge(-1.0_DP, 0.0_DP, i == 3 .and. row%n == 0))   ! a line without fields: the default
     end do
     if (is_ok .and. .not. norm2(section%direction) > 0) call report_error(reader, row%line, 'The direction must not be zero.')
   end subroutine read_beam_section
